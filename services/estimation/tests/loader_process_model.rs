@@ -11,20 +11,7 @@ use loader_common::{array, dynamics, golden, matrix, number, numbers};
 use serde_json::Value;
 
 fn inputs(value: &Value) -> Inputs {
-    let [
-        front_torque,
-        rear_torque,
-        spade_force_x,
-        spade_force_z,
-        slope,
-    ] = array(value);
-    Inputs {
-        front_torque,
-        rear_torque,
-        spade_force_x,
-        spade_force_z,
-        slope,
-    }
+    Inputs::of(array(value))
 }
 
 #[track_caller]

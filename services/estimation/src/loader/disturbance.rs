@@ -3,7 +3,7 @@
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | gamma | `angle` | angle between front and rear body | rad |
-//! | kappa | `gain` | force on the body over the force that the torques tell, learnt while they drive | 1 |
+//! | kappa | `gain` | force on the body over the force that the torques tell | 1 |
 //! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
 //!
 //! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
@@ -15,6 +15,7 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
+use super::gain::{Gain, LARGEST};
 use super::inertia::Push;
 use super::inputs::StepInputs;
 use super::stated_mass::{Kind, StatedMass};
@@ -38,17 +39,10 @@ const BENDING: f64 = 0.05;
 /// Share of what bending does that averaging, tyres and an unknown hinge leave. Without it the worst of 18 good machines covers .86 of
 /// its rows, with it .93.
 const BENDING_LEFT: f64 = 0.3;
-/// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
-const GAIN_MEMORY: f64 = 10.0;
-/// A force per mass beyond this is none of a drive [m/s^2].
-const LARGEST: f64 = 5.0;
 /// Slower than this, stiction and the ground act [m/s].
 const LEAST_SPEED: f64 = 0.5;
 /// A machine that turns more drags its wheels [rad].
 const STRAIGHT: f64 = 0.1;
-/// A gain beyond these is no tolerance of mass and torque.
-const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
-
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -69,7 +63,7 @@ impl Peak {
 }
 
 /// Memory of the disturbances.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Disturbance {
     brake: Peak,
@@ -79,8 +73,7 @@ pub(super) struct Disturbance {
     late_angle: f64,
     /// The specific force that the torques do not explain, smoothed over [`TIME`] [m/s^2].
     fast: f64,
-    /// Sums of the gain: force times pull, pull squared, per mass squared.
-    sums: [f64; 2],
+    pub gain: Gain,
     /// Whether the machine is as heavy as stated.
     pub mass: StatedMass,
     /// What the accelerometer shows beside it.
@@ -101,22 +94,6 @@ pub(super) struct Effect {
     pub closing: f64,
     /// Standard deviation of both slips by unexplained forces.
     pub force: f64,
-}
-
-impl Default for Disturbance {
-    fn default() -> Self {
-        Self {
-            brake: Peak::default(),
-            turn: Peak::default(),
-            force: Peak::default(),
-            late_angle: 0.0,
-            fast: 0.0,
-            sums: [0.1 * GAIN_MEMORY; 2],
-            mass: StatedMass::default(),
-            shaking: Shaking::default(),
-            unexplained: 0.0,
-        }
-    }
 }
 
 impl Disturbance {
@@ -163,26 +140,6 @@ impl Disturbance {
         0.25 * wheelbase * self.late_angle * bending
     }
 
-    /// Force on the body over the force that the torques tell.
-    fn gain(&self) -> f64 {
-        (self.sums[0] / self.sums[1]).clamp(GAIN_RANGE.0, GAIN_RANGE.1)
-    }
-
-    /// The torques do not move the machine as its mass says.
-    pub fn torques_misfit(&self) -> bool {
-        let gain = self.sums[0] / self.sums[1];
-        !(GAIN_RANGE.0..=GAIN_RANGE.1).contains(&gain)
-    }
-
-    /// A row in which the torques drive shows the force that they need for it [m/s^2].
-    fn learn_gain(&mut self, needed: f64, pull: f64, dt: f64) {
-        if pull.abs() < LARGEST && needed.abs() < LARGEST {
-            let forget = 1.0 - (pull * pull * dt / GAIN_MEMORY).min(1.0);
-            self.sums[0] = forget * self.sums[0] + needed * pull * dt;
-            self.sums[1] = forget * self.sums[1] + pull * pull * dt;
-        }
-    }
-
     /// Takes the measured specific force: what of it the torques do not explain.
     fn explain(
         &mut self,
@@ -200,9 +157,9 @@ impl Disturbance {
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
         if drives {
-            self.learn_gain(needed, pull, dt);
+            self.gain.see(needed, pull, dt);
         }
-        let residual = needed - self.gain() * pull;
+        let residual = needed - self.gain.value() * pull;
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = alone && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);

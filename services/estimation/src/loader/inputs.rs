@@ -101,23 +101,10 @@ impl InputHold {
             self.mass = mass;
             self.weighed = sample.time;
         }
-        let [
-            front_torque,
-            rear_torque,
-            spade_force_x,
-            spade_force_z,
-            slope,
-        ] = used;
-        let inputs = Inputs {
-            front_torque,
-            rear_torque,
-            spade_force_x,
-            spade_force_z,
-            slope,
-        };
+        let inputs = Inputs::of(used);
         StepInputs {
             inputs,
-            sine: sin_cos(slope).0,
+            sine: sin_cos(inputs.slope).0,
             acceleration: mean,
             brake: sample.brake,
             states_mass: sample.time - self.weighed < HOLDS,

@@ -26,7 +26,7 @@ const MEMORY: f64 = 20.0;
 const CHANGED: f64 = 16.0;
 
 /// Memory of the manoeuvres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Manoeuvres {
     /// Sums of G y/R and G^2/R of the present leg, its time [s], and whether the torques drive.
@@ -48,17 +48,6 @@ pub(super) struct Slip {
     pub by_share: f64,
     /// The torques drive.
     pub driving: bool,
-}
-
-impl Default for Manoeuvres {
-    fn default() -> Self {
-        Self {
-            sums: [0.0; 2],
-            time: 0.0,
-            driving: false,
-            scatter: 0.0,
-        }
-    }
 }
 
 impl Manoeuvres {

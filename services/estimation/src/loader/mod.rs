@@ -31,6 +31,7 @@
 //! | `coupling` | a centre drive that is locked |
 //! | `curves` | curves that nobody reports |
 //! | `directions` | whether the load sensitivity of the radii can be learnt |
+//! | `gain` | force on the body over the torques' |
 //! | `disturbance` | brakes, steering, forces that nobody measures |
 //! | `lift_arm` | the second witness: lift pressure and arm geometry |
 //! | `witnesses` | slips and weight: the sharper answers, the other checks it |
@@ -55,6 +56,7 @@ mod estimate;
 mod estimator;
 mod filter;
 mod floors;
+mod gain;
 mod inclinometer;
 mod inertia;
 mod inputs;

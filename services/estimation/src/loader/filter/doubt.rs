@@ -143,7 +143,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
-        } else if self.disturbance.torques_misfit()
+        } else if self.disturbance.gain.misfits()
             || lighter > 0.0
             || self.disturbance.mass.axle_torque().0 > 0.5
         {

@@ -48,6 +48,27 @@ pub struct Inputs {
     pub slope: f64,
 }
 
+impl Inputs {
+    /// From these, in the order of the fields.
+    pub fn of(
+        [
+            front_torque,
+            rear_torque,
+            spade_force_x,
+            spade_force_z,
+            slope,
+        ]: [f64; 5],
+    ) -> Self {
+        Self {
+            front_torque,
+            rear_torque,
+            spade_force_x,
+            spade_force_z,
+            slope,
+        }
+    }
+}
+
 /// The part of the state that moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<T> {
