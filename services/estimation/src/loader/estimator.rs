@@ -1,14 +1,14 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
 use super::answer::answer;
+use super::doubts::witnesses::Witnesses;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
 use super::lift_arm::{LiftWitness, Weighed};
-use super::payload::Payload;
+use super::load::payload::Payload;
 #[cfg(not(feature = "every-method"))]
 use super::settings::MustBe;
 use super::settings::{Settings, SettingsError};
-use super::witnesses::Witnesses;
 use super::{Columns, Method, Reason, Sample};
 use crate::ekf::Ekf;
 #[cfg(feature = "every-method")]

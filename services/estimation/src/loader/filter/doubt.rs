@@ -4,7 +4,7 @@ use super::{Belief, CgFilter};
 use crate::keys::Range;
 use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
-use crate::loader::load::{Centre, HEIGHT_SPREAD};
+use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};

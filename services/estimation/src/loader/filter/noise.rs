@@ -1,12 +1,12 @@
 //! Process noise and measurement noise of a step, by state and by measurement.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
 use crate::loader::layout::{
     ByState, CENTRE, CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
-use crate::loader::wheel_dynamics::GRAVITY;
+use crate::loader::measurements::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::physics::cg_model::CgModel;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {

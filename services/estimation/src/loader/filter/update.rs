@@ -3,10 +3,10 @@
 use super::report::RowReport;
 use super::wheels::Seen;
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::conditions::Conditions;
-use crate::loader::inputs::StepInputs;
+use crate::loader::input::inputs::StepInputs;
 use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 
 /// The measurements of a row; NaN where missing.

@@ -2,13 +2,13 @@
 //! turns, and whether its centre drive is locked.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::coupling::Turning;
-use crate::loader::curves::Difference;
+use crate::loader::doubts::coupling::Turning;
+use crate::loader::doubts::curves::Difference;
+use crate::loader::doubts::manoeuvres::Slip;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
-use crate::loader::manoeuvres::Slip;
-use crate::loader::wheel_dynamics::GRAVITY;
-use crate::loader::windup::LEAST_SHARE;
+use crate::loader::measurements::windup::LEAST_SHARE;
+use crate::loader::physics::cg_model::CgModel;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
 
 /// What held before the row.
 #[derive(Clone, Copy, Debug)]

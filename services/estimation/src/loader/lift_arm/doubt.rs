@@ -20,12 +20,12 @@
 //! A bucket that was exchanged moves the centre of gravity as a load does, a zero or a misdescribed bucket does not:
 //! the covariances say how much of the error is whose.
 
-use super::super::layout::Each;
 use super::drawing::Drawing;
 use super::geometry::{Empty, Posture};
 use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO};
 use super::tare::Tare;
 use crate::Quantity;
+use crate::loader::layout::Each;
 use crate::math::sqrt;
 use crate::positive::positive;
 

@@ -1,15 +1,15 @@
 //! The described numbers of the lift arm and of the machine, each with its doubt.
 
-use super::super::RATED_SHARE;
-use super::super::layout::Each;
-use super::super::settings::Settings;
-use super::super::wheel_dynamics::GRAVITY;
 use super::numbers::{
     BASE, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
     HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, NUMBERS, OFFSET, ROD_ZERO, SPAN,
     TILT_ZERO,
 };
 use super::turn::Turn;
+use crate::loader::RATED_SHARE;
+use crate::loader::layout::Each;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.

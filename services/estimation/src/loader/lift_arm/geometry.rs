@@ -1,7 +1,5 @@
 //! Moment, payload and centre of gravity of a drawing in a posture.
 
-use super::super::layout::Each;
-use super::super::wheel_dynamics::GRAVITY;
 use super::drawing::{Drawing, full_force};
 use super::numbers::{
     BASE, BUCKET, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
@@ -9,6 +7,8 @@ use super::numbers::{
     PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO,
 };
 use super::turn::Turn;
+use crate::loader::layout::Each;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::{sin_cos, sqrt};
 
 /// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.

@@ -5,9 +5,6 @@
 //! ```
 //! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
 
-use super::super::sample::Sample;
-use super::super::settings::Settings;
-use super::super::wheel_dynamics::GRAVITY;
 use super::Quantity;
 use super::drawing::{Drawing, FULL_PRESSURE};
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
@@ -16,6 +13,9 @@ use super::numbers::{
 };
 use super::seals::Seals;
 use super::turn::Turn;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::sample::Sample;
+use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};
 
 /// Length of a block, and the longest gap between rows \[s\].

@@ -40,8 +40,8 @@ mod seals;
 mod tare;
 mod turn;
 
-use super::cg_model::Loading;
 use super::layout::Each;
+use super::physics::cg_model::Loading;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
