@@ -82,7 +82,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         Doubt {
             birge: self.manoeuvres.ratio(),
-            wavering: self.monitor.wavering(&self.settings.estimator),
+            wavering: self.wheel_noise.wavering(&self.settings.estimator),
             beyond: self.mixed(away, stiffness, doubted, expected),
             at_limit,
             unknown_height: self.lifts_unreported(),

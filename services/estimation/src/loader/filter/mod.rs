@@ -32,9 +32,10 @@ use super::input::stuck::Stuck;
 use super::layout::{SLIP_STIFFNESS, SPEED};
 use super::load::known_load::KnownLoad;
 use super::load::mass_step::Load;
-use super::measurements::conditions::Monitor;
+use super::measurements::conditions::Digging;
 use super::measurements::quantisation::Quantisation;
 use super::measurements::slope::SlopeError;
+use super::measurements::wheel_noise::WheelNoise;
 use super::measurements::windup::Windup;
 use super::physics::cg_model::{CgModel, Integration};
 use super::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
@@ -77,7 +78,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     belief: B,
     dynamics: WheelDynamics,
     hold: InputHold,
-    monitor: Monitor,
+    digging: Digging,
+    wheel_noise: WheelNoise,
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
@@ -128,7 +130,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             belief: B::new([0.0; N], &[0.0; N], spread),
             dynamics: WheelDynamics::of(settings),
             hold: InputHold::new(settings.machine.mass),
-            monitor: Monitor::default(),
+            digging: Digging::default(),
+            wheel_noise: WheelNoise::default(),
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),

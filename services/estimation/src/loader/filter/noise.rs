@@ -4,7 +4,8 @@ use super::{Belief, CgFilter};
 use crate::loader::layout::{
     ByState, CENTRE, CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
-use crate::loader::measurements::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::measurements::wheel_noise::{REFERENCE_STEP, WheelStep};
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
@@ -118,11 +119,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             machine: &model.dynamics,
             inputs: &model.inputs,
             sensor_std: self.wheel_sensor_std(),
-            weak: conditions.weak_wheels,
+            weak: conditions.frozen,
             learns_ripple: self.settings.at_work(),
             dt: model.dt,
         };
-        [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.monitor.wheel_std(
+        [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.wheel_noise.std(
             &self.settings.estimator,
             &step,
             state[SPEED],

@@ -49,7 +49,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) {
         let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
         let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
-        self.monitor.see(&self.settings.estimator, wheels, model.dt);
+        self.wheel_noise
+            .see(&self.settings.estimator, wheels, model.dt);
         let slip = self.slip(seen, model);
         let disagrees = self
             .manoeuvres

@@ -2,7 +2,8 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `conditions` | freezing, and the noise of the wheels |
+//! | `conditions` | when the parameters are held |
+//! | `wheel_noise` | how noisy the wheels are |
 //! | `slip_fluctuation` | slips that fluctuate: rough roads |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `quantisation` | wheel speeds in steps |
@@ -14,4 +15,5 @@ pub(super) mod conditions;
 pub(super) mod quantisation;
 pub(super) mod slip_fluctuation;
 pub(super) mod slope;
+pub(super) mod wheel_noise;
 pub(super) mod windup;

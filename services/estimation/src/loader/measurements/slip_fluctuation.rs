@@ -12,7 +12,7 @@
 //! rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of least squares where c is what the settings say.
 //!
 //! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
-//! (`conditions`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody
+//! (`wheel_noise`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody
 //! says on which axle: the interval of what the slips tell carries it. Before the first rows nobody knows the road, so a rough
 //! one counts as some of them (`START`).
 
