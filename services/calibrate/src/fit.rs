@@ -62,6 +62,9 @@ pub struct Task<'a, M> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
+/// Of a fit that nobody stops.
+pub static UNSTOPPED: AtomicBool = AtomicBool::new(false);
+
 /// What was found.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -330,7 +333,7 @@ mod tests {
                 blocks: &[0, 1, 2, 3],
                 fixed: &[false; 3],
                 least_gain: EXACT,
-                stop: &AtomicBool::new(false),
+                stop: &UNSTOPPED,
                 progress: &|_| {},
             };
             values(self, &task.run(&[0.0; 3]).place)

@@ -11,6 +11,20 @@ use crate::model::Model;
 /// One of so many blocks is kept from the fit that is judged on it.
 const HELD_OUT: usize = 4;
 
+/// What is said of a fit that was stopped.
+pub const STOPPED: &str = "stopped before its end: the best so far";
+/// What is said of one that has no interval at all.
+pub const NOTHING: &str = "the recordings determine nothing";
+
+/// What is said of a key that is none of those that can be found.
+#[must_use]
+pub fn no_such_key(key: &str, known: &[&str]) -> String {
+    format!(
+        "{key} cannot be found from recordings; these can: {}",
+        known.join(", ")
+    )
+}
+
 /// A fit and what it may claim.
 #[derive(Debug, Clone)]
 pub struct FitResult {

@@ -5,42 +5,13 @@ mod loader_common;
 use estimation::dual::Dual;
 use estimation::loader::LoadTransfer;
 use estimation::loader::cg_model::{CgModel, Integration, Loading};
-use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, Tyres, WheelDynamics};
+use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, WheelDynamics};
 use estimation::model::Model;
-use loader_common::{array, golden, matrix, number, numbers};
+use loader_common::{array, dynamics, golden, matrix, number, numbers};
 use serde_json::Value;
 
-fn machine(load_transfer: LoadTransfer) -> WheelDynamics {
-    WheelDynamics {
-        mass: 4700.0,
-        wheel_radius: 0.55,
-        axle_inertia: 3.33,
-        wheelbase: 2.3,
-        bucket_reach: 1.7,
-        rolling_resistance: 0.02,
-        friction: f64::INFINITY,
-        radius_load_sensitivity: 0.0,
-        minimum_speed: 0.3,
-        load_transfer,
-        tyres: Tyres::ALIKE,
-    }
-}
-
 fn inputs(value: &Value) -> Inputs {
-    let [
-        front_torque,
-        rear_torque,
-        spade_force_x,
-        spade_force_z,
-        slope,
-    ] = array(value);
-    Inputs {
-        front_torque,
-        rear_torque,
-        spade_force_x,
-        spade_force_z,
-        slope,
-    }
+    Inputs::of(array(value))
 }
 
 #[track_caller]
@@ -67,8 +38,8 @@ fn one_step_agrees_with_every_reference_case() {
         let x: [f64; 6] = array(&case["x"]);
         let (u, dt) = (inputs(&case["u"]), number(&case["dt"]));
         let (motion, parameters, road) = (Motion::of(&x), Parameters::of(&x), Road::of(u.slope));
-        let physical = machine(LoadTransfer::Physical);
-        let printed = machine(LoadTransfer::Printed);
+        let physical = dynamics(LoadTransfer::Physical);
+        let printed = dynamics(LoadTransfer::Printed);
         let saturating = WheelDynamics {
             friction: 0.8,
             ..physical
@@ -99,7 +70,7 @@ fn ten_states(case: &Value) -> ([f64; 10], CgModel) {
     let dynamics = WheelDynamics {
         friction: 0.8,
         radius_load_sensitivity: 0.01,
-        ..machine(LoadTransfer::Physical)
+        ..dynamics(LoadTransfer::Physical)
     };
     let model = CgModel {
         dynamics,
@@ -169,7 +140,7 @@ fn six_state_jacobian_agrees_with_the_reference() {
         };
         let x: [f64; 6] = array(&case["x"]);
         let (_, mut model) = ten_states(case);
-        model.dynamics = machine(LoadTransfer::Physical);
+        model.dynamics = dynamics(LoadTransfer::Physical);
         let seeded: [Dual<6>; 6] =
             core::array::from_fn(|i| Dual::new(x[i], core::array::from_fn(|j| f64::from(i == j))));
         let (next, _): ([Dual<6>; 6], [Dual<6>; 3]) = model.predict(&seeded);
@@ -185,7 +156,7 @@ fn six_state_jacobian_agrees_with_the_reference() {
 #[test]
 fn five_seconds_from_standstill_in_reverse_and_through_zero_stay_on_the_reference() {
     let file = golden("loader_process_model.json");
-    let machine = machine(LoadTransfer::Physical);
+    let machine = dynamics(LoadTransfer::Physical);
     for run in file["stability"].as_array().unwrap() {
         let torque = number(&run["torque_per_axle"]);
         let slope = number(&run["slope"]);

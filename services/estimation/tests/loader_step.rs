@@ -5,29 +5,13 @@ mod loader_common;
 use estimation::ekf::Ekf;
 use estimation::loader::LoadTransfer;
 use estimation::loader::cg_model::{CgModel, Integration, Loading};
-use estimation::loader::wheel_dynamics::{Inputs, Tyres, WheelDynamics};
+use estimation::loader::wheel_dynamics::{Inputs, WheelDynamics};
 use estimation::model::Model;
 use estimation::prediction::{Prediction, Update};
 use estimation::sigma_points::Spread;
 use estimation::srukf::SquareRootUkf;
-use loader_common::{array, assert_matrix, assert_row, golden, matrix, number};
+use loader_common::{array, assert_matrix, assert_row, dynamics, golden, matrix, number};
 use serde_json::Value;
-
-fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
-    WheelDynamics {
-        mass: 4700.0,
-        wheel_radius: 0.55,
-        axle_inertia: 3.33,
-        wheelbase: 2.3,
-        bucket_reach: 1.7,
-        rolling_resistance: 0.02,
-        friction: f64::INFINITY,
-        radius_load_sensitivity: 0.0,
-        minimum_speed: 0.3,
-        load_transfer,
-        tyres: Tyres::ALIKE,
-    }
-}
 
 fn model(file: &Value, dynamics: WheelDynamics, integration: Integration) -> CgModel {
     let u = &file["inputs"];

@@ -21,11 +21,10 @@ fn input(name: &str, samples: Vec<Sample>, load: f64) -> Input {
 }
 
 fn run(inputs: &[Input], free: Option<&[String]>) -> Outcome {
+    let description = config::Excavator::default();
     let options = Options {
-        description: &config::Excavator::default(),
         free,
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
+        ..Options::of(&description)
     };
     calibrate(inputs, &options).expect("known keys")
 }
@@ -137,11 +136,10 @@ fn what_cannot_be_learnt_from_a_recording_is_said_with_what_to_record() {
 fn a_key_that_no_recording_can_tell_is_refused_with_those_that_can() {
     let inputs = [input("empty", Vec::new(), 0.0)];
     let free = ["sensors.rate".to_owned()];
+    let description = config::Excavator::default();
     let options = Options {
-        description: &config::Excavator::default(),
         free: Some(&free),
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
+        ..Options::of(&description)
     };
     let error = calibrate(&inputs, &options).expect_err("no such parameter");
     assert!(error.contains("machine.nominal_damping"), "{error}");
@@ -212,13 +210,7 @@ fn lengths_within_their_tolerance_leave_the_gain_inside_its_interval() {
     let gain = |tolerance| {
         let mut description = description.clone();
         description.machine.geometry_tolerance = tolerance;
-        let options = Options {
-            description: &description,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        };
-        let outcome = calibrate(&inputs, &options).expect("known keys");
+        let outcome = calibrate(&inputs, &Options::of(&description)).expect("known keys");
         assert_eq!(outcome.faults, Vec::<String>::new());
         let q = outcome.quantity(Role::Gain).expect("a value");
         (q.value - truth.gain).abs() / q.std
@@ -236,13 +228,7 @@ fn a_boom_pin_that_is_guessed_must_be_measured_first() {
     ];
     let mut description = config::Excavator::default();
     let asks = |description: &config::Excavator| {
-        let options = Options {
-            description,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        };
-        let outcome = calibrate(&inputs, &options).expect("known keys");
+        let outcome = calibrate(&inputs, &Options::of(description)).expect("known keys");
         outcome.faults.iter().any(|f| f.contains("boom_pin"))
     };
     description.machine.operating_mass = Some(5500.0);
@@ -323,11 +309,11 @@ fn what_a_user_mixed_up_is_said_in_the_words_of_the_user() {
 fn a_fit_that_is_stopped_blames_no_recording() {
     let truth = Truth::new(3);
     let stop = AtomicBool::new(false);
+    let description = config::Excavator::default();
     let options = Options {
-        description: &config::Excavator::default(),
-        free: None,
         stop: &stop,
         progress: &|_| stop.store(true, std::sync::atomic::Ordering::Relaxed),
+        ..Options::of(&description)
     };
     let inputs = [
         input("empty", truth.record(0.0, 1), 0.0),

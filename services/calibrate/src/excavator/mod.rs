@@ -22,10 +22,10 @@ pub use series::{Load, Measured, Series, Swing};
 pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
-use crate::fit::{EXACT, Progress, Task};
+use crate::fit::{EXACT, Fit, Progress, Task, UNSTOPPED};
 use crate::honesty;
 use crate::model::Model;
-use crate::outcome::{FitResult, Summary};
+use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
 use crate::parameter::Parameter;
 
 /// A recording and what is known of it.
@@ -49,6 +49,19 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Hears of every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl<'a> Options<'a> {
+    /// The usual keys, and a fit that nobody stops or hears of.
+    #[must_use]
+    pub fn of(description: &'a Description) -> Self {
+        Self {
+            description,
+            free: None,
+            stop: &UNSTOPPED,
+            progress: &|_| {},
+        }
+    }
 }
 
 /// What came out.
@@ -171,10 +184,7 @@ fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     for key in free {
         let Some((at, _)) = named.iter().find(|(_, own)| answers(own, key)) else {
             let known: Vec<&str> = named.iter().map(|(_, own)| *own).collect();
-            return Err(format!(
-                "{key} cannot be found from recordings; these can: {}",
-                known.join(", ")
-            ));
+            return Err(no_such_key(key, &known));
         };
         fixed[*at] = false;
     }
@@ -212,44 +222,24 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if free.contains(&Role::Gain) && !loads::differ(&outcome.swings) {
         outcome.faults.push(words::ONE_LOAD.into());
     }
-    let before = outcome.faults.clone();
     let swings = &outcome.swings;
     let all: Vec<usize> = (0..swings.blocks()).collect();
-    let task = |blocks| Task {
+    let whole = Task {
         model: swings,
-        blocks,
+        blocks: &all,
         fixed: &outcome.fixed,
         least_gain: EXACT,
         stop: options.stop,
         progress: options.progress,
     };
-    let whole = task(&all);
     let fit = whole.run(&start::start(swings, &all, &outcome.fixed));
     if fit.interrupted {
-        outcome
-            .remarks
-            .push("stopped before its end: the best so far".into());
+        outcome.remarks.push(STOPPED.into());
     }
-    let mut directions =
-        honesty::undetermined(&fit.information, &swings.parameters, &outcome.fixed);
-    directions.retain(|d| !words::is_nuisance(swings, d));
     // What has been said need not be said again in the words of algebra.
-    let mut faults = before.clone();
-    if before.is_empty() {
-        faults = words::far(swings, &fit.place, &outcome.fixed);
-    }
+    let mut faults = outcome.faults.clone();
     if faults.is_empty() {
-        faults.extend(directions.iter().map(|d| words::undetermined(swings, d)));
-    }
-    if free.contains(&Role::Gain)
-        && before.is_empty()
-        && !fit.interrupted
-        && let Some(d) = loads::doubt(&whole)
-    {
-        faults.insert(0, format!(
-            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
-            d.name, d.stated.value, d.found.value, d.found.std
-        ));
+        faults = contradictions(&whole, &fit, free);
     }
     let held = tolerances(swings, options);
     let minor: Vec<bool> = swings
@@ -263,7 +253,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         })
         .collect();
     let Some(found) = FitResult::of(&whole, fit, &held, &minor) else {
-        outcome.faults = vec!["the recordings determine nothing".into()];
+        outcome.faults = vec![NOTHING.into()];
         return;
     };
     let (others, hints) = words::disagreement(swings, &found, &outcome.fixed);
@@ -282,6 +272,24 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     }
 }
 
+/// What a fit and the description contradict each other in, or what the recordings leave open.
+fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<String> {
+    let swings = task.model;
+    let mut faults = words::far(swings, &fit.place, task.fixed);
+    if faults.is_empty() {
+        let mut open = honesty::undetermined(&fit.information, &swings.parameters, task.fixed);
+        open.retain(|d| !words::is_nuisance(swings, d));
+        faults.extend(open.iter().map(|d| words::undetermined(swings, d)));
+    }
+    if free.contains(&Role::Gain)
+        && !fit.interrupted
+        && let Some(doubt) = loads::doubt(task)
+    {
+        faults.insert(0, words::misstated_load(&doubt));
+    }
+    faults
+}
+
 /// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
 /// not stopped: half of it would sort wrongly.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
@@ -297,7 +305,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
             blocks: &empty,
             fixed,
             least_gain: EXACT,
-            stop: &AtomicBool::new(false),
+            stop: &UNSTOPPED,
             progress: &|_| {},
         };
         task.run(&start::start(swings, &empty, fixed)).place

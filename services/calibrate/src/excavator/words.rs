@@ -3,6 +3,7 @@
 use estimation::Quantity;
 
 use super::Outcome;
+use super::loads::Doubt;
 use super::series::Series;
 use super::swings::{Role, Swings};
 use crate::agreement::{Difference, differences};
@@ -251,6 +252,14 @@ pub const GUESSED_PIN: &str = "the distance of the boom's foot from the swing ax
 
 /// One load only.
 pub const ONE_LOAD: &str = "no two recordings have different stated loads: torque, damping, friction and masses could all be larger by one factor, and only a known mass fixes it. Record one run with an empty bucket and one with a weighed load, and state both: --payload FILE=0 --payload FILE=KG±KG";
+
+/// That a load weighs something else by the machine file.
+pub fn misstated_load(d: &Doubt) -> String {
+    format!(
+        "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
+        d.name, d.stated.value, d.found.value, d.found.std
+    )
+}
 
 /// Whether a direction is about what has no use beyond the fit.
 #[must_use]

@@ -1,7 +1,5 @@
 //! Lifts of an arm whose truth is known: statics, Coulomb's friction, zeros of the sensors, noise.
 
-use std::sync::atomic::AtomicBool;
-
 use config::Loader as Description;
 use estimation::Quantity;
 use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
@@ -230,15 +228,7 @@ fn a_machine_that_only_lifts_needs_no_wheels() {
     let truth = Truth::of(5);
     let inputs = [truth.input(0.0, 1.0, 1), truth.input(3200.0, 15.0, 2)];
     let d = described();
-    let options = Options {
-        description: &d,
-        weighed: StatedLoad::default(),
-        ways: &[],
-        slices: false,
-        free: None,
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
-    };
+    let options = Options::of(&d);
     let outcome = calibrate(&inputs, &options).expect("keys");
     assert_eq!(outcome.faults, Vec::<String>::new());
     let (found, text) = outcome.description(&d, &[]).expect("a description");

@@ -33,10 +33,10 @@ pub use lift::CylinderFit;
 use noise::Noises;
 pub use role::{Role, StatedLoad};
 
-use crate::fit::{EXACT, Progress, Task, values};
-use crate::honesty;
+use crate::fit::{EXACT, Fit, Progress, Task, UNSTOPPED, values};
+use crate::honesty::{self, Direction};
 use crate::model::Model;
-use crate::outcome::{FitResult, Summary};
+use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
 
 const GRAVITY: f64 = 9.81;
 /// The fit begins with scatters this much larger than usual, in their tolerances.
@@ -71,6 +71,22 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Hears of every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl<'a> Options<'a> {
+    /// The usual keys of a machine that was not weighed, and a fit that nobody stops or hears of.
+    #[must_use]
+    pub fn of(description: &'a Description) -> Self {
+        Self {
+            description,
+            weighed: StatedLoad::default(),
+            ways: &[],
+            slices: false,
+            free: None,
+            stop: &UNSTOPPED,
+            progress: &|_| {},
+        }
+    }
 }
 
 /// What came out.
@@ -219,10 +235,7 @@ fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
         let at = drives.parameters.iter().position(|p| p.key == *key);
         let Some(at) = at else {
             let known: Vec<&str> = drives.parameters.iter().map(|p| p.key.as_str()).collect();
-            return Err(format!(
-                "{key} cannot be found from recordings; these can: {}",
-                known.join(", ")
-            ));
+            return Err(no_such_key(key, &known));
         };
         fixed[at] = false;
     }
@@ -271,6 +284,21 @@ fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
     !drives.ways.is_empty()
 }
 
+/// What the recordings leave open: of that what matters, and the rest.
+fn undetermined(task: &Task<'_, Drives>, fit: &Fit) -> (Vec<String>, Vec<String>) {
+    let drives = task.model;
+    let mut open = honesty::undetermined(&fit.information, &drives.parameters, task.fixed);
+    open.retain(|d| !words::is_nuisance(drives, d));
+    let (matters, others): (Vec<_>, Vec<_>) = open.iter().partition(|d| words::matters(drives, d));
+    let said = |directions: Vec<&Direction>| {
+        let said = directions
+            .into_iter()
+            .map(|d| words::undetermined(drives, d));
+        said.collect()
+    };
+    (said(matters), said(others))
+}
+
 fn find(outcome: &mut Outcome, options: &Options<'_>) {
     let drives = &outcome.drives;
     let roles = drives.roles.iter().zip(&outcome.fixed);
@@ -296,23 +324,13 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         first
     };
     if fit.interrupted {
-        outcome
-            .remarks
-            .push("stopped before its end: the best so far".into());
+        outcome.remarks.push(STOPPED.into());
     }
     // What has been said need not be said again in the words of algebra.
     if faults.is_empty() {
-        for d in honesty::undetermined(&fit.information, &drives.parameters, &outcome.fixed) {
-            if words::is_nuisance(drives, &d) {
-                continue;
-            }
-            let sentence = words::undetermined(drives, &d);
-            if words::matters(drives, &d) {
-                faults.push(sentence);
-            } else {
-                outcome.remarks.push(sentence);
-            }
-        }
+        let (open, remarks) = undetermined(&task, &fit);
+        faults = open;
+        outcome.remarks.extend(remarks);
     }
     if !fit.interrupted {
         // What follows from brakes would be said of other things.
@@ -339,7 +357,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         .collect();
     outcome.found = FitResult::of(&task, fit, &held, &minor);
     if outcome.found.is_none() {
-        faults = vec!["the recordings determine nothing".into()];
+        faults = vec![NOTHING.into()];
     }
     outcome.faults = faults;
 }

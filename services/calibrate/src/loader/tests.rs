@@ -5,14 +5,10 @@ use config::Tables;
 use made::{guess, samples};
 
 fn run(inputs: &[Input], weighed: StatedLoad) -> Outcome {
+    let description = Description::default();
     let options = Options {
-        description: &Description::default(),
         weighed,
-        ways: &[],
-        slices: false,
-        free: None,
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
+        ..Options::of(&description)
     };
     calibrate(inputs, &options).expect("keys")
 }
@@ -21,25 +17,32 @@ fn quantity(value: f64, std: f64) -> Option<Quantity> {
     Some(Quantity { value, std })
 }
 
-fn inputs(stated: f64) -> [Input; 2] {
-    let empty = guess();
-    let loaded = guess::Guess {
-        mass: 6200.0,
-        ratio: 0.7,
-        ..empty
-    };
-    let input = |name: &str, g, mass| Input {
+fn input(name: &str, samples: Vec<Sample>, mass: Option<Quantity>) -> Input {
+    Input {
         name: name.into(),
-        samples: samples(g, 0.2, 7),
+        samples,
         stated: StatedLoad {
             mass,
             ..StatedLoad::default()
         },
         payload: None,
-    };
+    }
+}
+
+/// A machine with a load in its bucket.
+fn loaded(empty: guess::Guess) -> guess::Guess {
+    guess::Guess {
+        mass: 6200.0,
+        ratio: 0.7,
+        ..empty
+    }
+}
+
+fn inputs(stated: f64) -> [Input; 2] {
+    let rows = |g| samples(&g, 0.2, 7);
     [
-        input("flat", &empty, None),
-        input("loaded", &loaded, quantity(stated, 30.0)),
+        input("flat", rows(guess()), None),
+        input("loaded", rows(loaded(guess())), quantity(stated, 30.0)),
     ]
 }
 
@@ -159,36 +162,21 @@ fn askew() -> guess::Guess {
 
 /// Two recordings of the empty machine, the second set out on `turned` [m] along the way, and one with a load.
 fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
-    let loaded = guess::Guess {
-        mass: 6200.0,
-        ratio: 0.7,
-        ..g
-    };
-    let input = |name: &str, samples, mass| Input {
-        name: name.into(),
-        samples,
-        stated: StatedLoad {
-            mass,
-            ..StatedLoad::default()
-        },
-        payload: None,
-    };
+    let back = made::turned(&g, 0.0, 8, turned);
+    let load = samples(&loaded(g), 0.2, 9);
     [
         input("flat", samples(&g, 0.2, 7), None),
-        input("back", made::turned(&g, 0.0, 8, turned), None),
-        input("loaded", samples(&loaded, 0.2, 9), quantity(6200.0, 30.0)),
+        input("back", back, None),
+        input("loaded", load, quantity(6200.0, 30.0)),
     ]
 }
 
 fn run_with_way(inputs: &[Input]) -> Outcome {
+    let description = Description::default();
     let options = Options {
-        description: &Description::default(),
         weighed: SCALES,
         ways: &[[0, 1]],
-        slices: false,
-        free: None,
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
+        ..Options::of(&description)
     };
     calibrate(inputs, &options).expect("keys")
 }
@@ -286,14 +274,11 @@ fn another_way_stated_as_the_same_is_not_used() {
 #[test]
 fn what_is_held_with_a_tolerance_widens_what_is_found() {
     let free = ["prior.front_radius_error", "prior.rear_radius_error"].map(String::from);
+    let description = Description::default();
     let options = Options {
-        description: &Description::default(),
         weighed: SCALES,
-        ways: &[],
-        slices: false,
         free: Some(&free),
-        stop: &AtomicBool::new(false),
-        progress: &|_| {},
+        ..Options::of(&description)
     };
     let few = calibrate(&inputs(6200.0), &options).expect("keys");
     let all = run(&inputs(6200.0), SCALES);

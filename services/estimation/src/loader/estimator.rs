@@ -1,14 +1,14 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
 use super::answer::answer;
+use super::doubts::witnesses::Witnesses;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
 use super::lift_arm::{LiftWitness, Weighed};
-use super::payload::Payload;
+use super::load::payload::Payload;
 #[cfg(not(feature = "every-method"))]
 use super::settings::MustBe;
 use super::settings::{Settings, SettingsError};
-use super::witnesses::Witnesses;
 use super::{Columns, Method, Reason, Sample};
 use crate::ekf::Ekf;
 #[cfg(feature = "every-method")]
@@ -116,14 +116,7 @@ impl CgEstimator {
             let row = RowReport::without_update(Status::Waiting, false);
             answer(f, settings, method, &row)
         });
-        let lift = LiftWitness::new(
-            &settings.lift_arm,
-            &settings.lift_cylinder,
-            &settings.machine,
-            &settings.sensors,
-            &settings.prior,
-        )
-        .filter(|_| settings.at_work());
+        let lift = LiftWitness::new(settings).filter(|_| settings.at_work());
         last.payload = lift.as_ref().map(LiftWitness::unknown);
         Ok(Self {
             settings: *settings,

@@ -24,7 +24,7 @@ pub(super) const SLIP_STIFFNESS: usize = 3;
 pub(super) const CG_HEIGHT: usize = 4;
 /// Share lam of the weight in front.
 pub(super) const CG_RATIO: usize = 5;
-/// Height and ratio, as a [`Centre`](super::load::Centre) has them.
+/// Height and ratio, as a [`Centre`](super::load::mass_step::Centre) has them.
 pub(super) const CENTRE: [usize; 2] = [CG_HEIGHT, CG_RATIO];
 
 /// The states that not every filter has.

@@ -5,94 +5,50 @@
 //! stiffness K, their ratio the share lam of the weight in front, less the load h a_x/(g l) that acceleration moves
 //! backward. So lam needs traction and accurate slips, and the height h needs *changes* of acceleration.
 //!
-//! | file | idea |
+//! | file or room | idea |
 //! |---|---|
 //! | `sample`, `estimate`, `settings`, `method` | what goes in and comes out |
 //! | [`keys`] | the keys of a description |
-//! | [`axle_loads`] | (6), (7), (10), (11) |
-//! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
-//! | [`cg_model`] | (15)-(17): states and measurements |
-//! | `layout` | where each stands in the state |
-//! | `tangent` | the derivatives of the process |
-//! | `windup` | tyres wind up under a growing torque |
-//! | `load` | a load that the mass tells |
-//! | `known_load` | a load that is reported, or weighed by the lift pressure |
-//! | `inclinometer` | a slope sensor that is late and follows the acceleration |
-//! | `slope` | how far the slope sensor is to be believed |
-//! | `manoeuvres` | independent manoeuvres must agree |
-//! | `quantisation` | wheel speeds in steps |
-//! | `slip_fluctuation` | slips that fluctuate: rough roads |
-//! | `accelerometer` | its noise where it is mounted |
-//! | `inertia` | force over acceleration |
-//! | `stated_mass` | whether the machine is as heavy as stated: a load that nobody tells |
-//! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
-//! | `stuck` | a sensor whose value never changes |
-//! | `relearning` | what was learnt wrongly: the start, the radii under another load |
-//! | `coupling` | a centre drive that is locked |
-//! | `curves` | curves that nobody reports |
-//! | `directions` | whether the load sensitivity of the radii can be learnt |
-//! | `disturbance` | brakes, steering, forces that nobody measures |
+//! | `physics` | the machine's equations: [`axle_loads`], [`wheel_dynamics`], [`cg_model`] |
+//! | `layout` | where each quantity stands in the state |
+//! | `input` | from rows to inputs of a step |
+//! | `measurements` | what they show beside the model, and how noisy they are |
+//! | `load` | what the machine carries: known, or found |
 //! | `lift_arm` | the second witness: lift pressure and arm geometry |
-//! | `witnesses` | slips and weight: the sharper answers, the other checks it |
-//! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
+//! | `doubts` | evidence that no state carries |
 //! | `filter`, `estimator` | one row |
 //! | `answer` | what is said after it |
 //! | `verdict`, `reason` | whether to believe it, and why not |
 //! | `floors` | errors that cannot be learnt on line |
-//! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
-mod accelerometer;
 mod answer;
-pub mod axle_loads;
-mod carriage;
-pub mod cg_model;
-mod conditions;
-mod coupling;
-mod curves;
-mod directions;
-mod disturbance;
+mod doubts;
 mod estimate;
 mod estimator;
 mod filter;
 mod floors;
-mod inclinometer;
-mod inertia;
-mod inputs;
+mod input;
 pub mod keys;
-mod known_load;
 mod layout;
 mod lift_arm;
 mod load;
-mod machine;
-mod manoeuvres;
+mod measurements;
 mod method;
-pub mod payload;
-mod quantisation;
+mod physics;
 mod reason;
-mod relearning;
 mod sample;
 pub mod settings;
-mod shared_slip;
-mod slip_fluctuation;
-mod slope;
-mod stated_mass;
-mod steady;
-mod stuck;
-mod tangent;
-mod unreported_load;
 mod verdict;
 pub mod weigh;
-pub mod wheel_dynamics;
-mod windup;
-mod witnesses;
 
-pub use carriage::Carriage;
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
+pub use input::carriage::Carriage;
 pub use lift_arm::{LiftKnown, LiftMoment, Lifts};
+pub use load::payload::{self, Payload};
 pub use method::Method;
-pub use payload::Payload;
+pub use physics::{axle_loads, cg_model, wheel_dynamics};
 pub use reason::Reason;
 pub use sample::{Columns, Sample};
 pub use settings::{LoadTransfer, Machine, MustBe, Prior, Sensors, Settings, SettingsError};

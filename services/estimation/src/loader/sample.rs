@@ -88,7 +88,7 @@ impl Sample {
     /// restarts) and keeps every later number finite: what is not a finite number is not plausible either.
     pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
-        let weight = mass * super::wheel_dynamics::GRAVITY;
+        let weight = mass * super::physics::wheel_dynamics::GRAVITY;
         let (force, pull) = (FORCE_LIMIT * weight, PULL_LIMIT * weight);
         let mass_range = mass / MASS_LIMIT..=mass * MASS_LIMIT;
         Self {

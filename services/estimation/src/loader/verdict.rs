@@ -1,10 +1,10 @@
 //! Whether to believe the estimate: excitation, consistency, freshness, convergence, and the first reason why not.
 
+use super::input::stuck::WATCHED;
 use super::layout::Each;
 use super::reason::Reason;
 use super::sample::Sample;
 use super::settings::Settings;
-use super::stuck::WATCHED;
 use crate::math::sqrt;
 
 /// Averaging time of the excitation [s].

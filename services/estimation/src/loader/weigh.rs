@@ -26,6 +26,9 @@ const STATED_WEIGHT: f64 = 2.0;
 /// Range of inclinations, as tan, below which the height is not estimated.
 const LEAST_TILT: f64 = 0.02;
 
+/// A steeper machine would roll off its scales [rad].
+const STEEPEST: f64 = 0.8;
+
 /// One weighing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
@@ -94,7 +97,7 @@ impl fmt::Display for WeighError {
             }
             Self::Pitch(p) => write!(
                 f,
-                "the pitch is {p} rad, it must lie within -0.8 .. 0.8 rad"
+                "the pitch is {p} rad, it must lie within -{STEEPEST} .. {STEEPEST} rad"
             ),
             Self::Loads(front, rear) => {
                 write!(
@@ -146,7 +149,7 @@ impl Weighing {
             front_load,
             rear_load,
         } = *reading;
-        if !(pitch.is_finite() && pitch.abs() < 0.8) {
+        if !(pitch.is_finite() && pitch.abs() < STEEPEST) {
             return Err(WeighError::Pitch(pitch));
         }
         let load = front_load + rear_load;

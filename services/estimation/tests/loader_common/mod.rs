@@ -1,7 +1,26 @@
-//! Golden files of the loader.
+//! Golden files of the loader, and the machine that they are of.
 #![allow(dead_code)] // each test file uses its part
 
+use estimation::loader::LoadTransfer;
+use estimation::loader::wheel_dynamics::{Tyres, WheelDynamics};
 use serde_json::Value;
+
+/// The machine of the paper, on rigid tyres that never skid.
+pub fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
+    WheelDynamics {
+        mass: 4700.0,
+        wheel_radius: 0.55,
+        axle_inertia: 3.33,
+        wheelbase: 2.3,
+        bucket_reach: 1.7,
+        rolling_resistance: 0.02,
+        friction: f64::INFINITY,
+        radius_load_sensitivity: 0.0,
+        minimum_speed: 0.3,
+        load_transfer,
+        tyres: Tyres::ALIKE,
+    }
+}
 
 /// A golden JSON file.
 pub fn golden(name: &str) -> Value {

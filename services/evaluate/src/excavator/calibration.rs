@@ -9,8 +9,6 @@
 //! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent;
 //! `"after":{"rms":..,"trusted":..,"wrong":..}` is the inertia that a third recording gives, in percent.
 
-use std::sync::atomic::AtomicBool;
-
 use calibrate::excavator::{self as calibration, Input, Role};
 use estimation::Quantity;
 use estimation::excavator::{Columns, Doubts, Geometry, Method, Sample, Settings, SwingEstimator};
@@ -339,16 +337,8 @@ fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
     // Lengths are as drawn.
     let mut description = config::Excavator::default();
     description.machine.geometry_tolerance = 0.0;
-    let outcome = calibration::calibrate(
-        &inputs,
-        &calibration::Options {
-            description: &description,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        },
-    )
-    .map_err(Error::refused)?;
+    let options = calibration::Options::of(&description);
+    let outcome = calibration::calibrate(&inputs, &options).map_err(Error::refused)?;
     if !outcome.faults.is_empty() {
         eprintln!("seed {seed}: {}", outcome.faults.join("; "));
         return Ok(None);

@@ -71,6 +71,14 @@ const AFTER: (f64, f64) = (7.0, 11.0);
 /// The flag comes within this after the first material where the bucket does not move [s].
 const FLAG: f64 = 0.45;
 
+/// While the machine swings at all: a change may come near its stop [rad/s].
+const SWINGS: f64 = 0.05;
+
+fn swinging(from: f64, to: f64) -> Window {
+    let velocity = SWINGS;
+    Window { from, to, velocity }
+}
+
 /// Period of the samples [s].
 const PERIOD: f64 = 0.01;
 
@@ -134,16 +142,7 @@ fn outcomes(options: &Options, scenario: Scenario) -> Result<Vec<Outcome>, Error
     let setup = Setup::auto();
     seeds(options, scenario.name(), |seed| {
         let points = setup.run(&case.rows(seed, Sensors::default(), &[])?)?;
-        let score = |from, to| {
-            Score::of(
-                &points,
-                Window {
-                    from,
-                    to,
-                    velocity: 0.05,
-                },
-            )
-        };
+        let score = |from, to| Score::of(&points, swinging(from, to));
         Ok(Outcome {
             during: score(first, last),
             after: score(last + 0.3, last + 0.5),
@@ -316,16 +315,7 @@ fn sweep(options: &Options) -> Result<(Table, Vec<Value>), Error> {
         let case = Case::of(Base, Scenario::dump_at(opens), Base.start());
         let scores = seeds(options, &format!("dump at {first:.2} s"), |seed| {
             let points = series(&case, &Setup::auto(), seed)?;
-            let score = |from, to| {
-                Score::of(
-                    &points,
-                    Window {
-                        from,
-                        to,
-                        velocity: 0.05,
-                    },
-                )
-            };
+            let score = |from, to| Score::of(&points, swinging(from, to));
             Ok((score(first, last), score(last + 0.3, last + 0.5)))
         })?;
         let during = Summary::of(&scores.iter().map(|s| s.0).collect::<Vec<_>>());

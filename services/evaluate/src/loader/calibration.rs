@@ -16,8 +16,6 @@
 
 mod machine;
 
-use std::sync::atomic::AtomicBool;
-
 use calibrate::loader::{self as calibration, Outcome, Role, StatedLoad};
 use estimation::loader::{CgEstimator, Columns, Method, Settings};
 use estimation::{HALF_WIDTH_95, Quantity};
@@ -137,13 +135,9 @@ fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
     let outcome = calibration::calibrate(
         &inputs,
         &calibration::Options {
-            description: &before,
             weighed: weighed(&machine, &mut noise)?,
             ways: &[[0, 1]],
-            slices: false,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
+            ..calibration::Options::of(&before)
         },
     )
     .map_err(Error::refused)?;

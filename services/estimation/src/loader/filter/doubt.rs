@@ -4,7 +4,7 @@ use super::{Belief, CgFilter};
 use crate::keys::Range;
 use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
-use crate::loader::load::{Centre, HEIGHT_SPREAD};
+use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
@@ -82,7 +82,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         Doubt {
             birge: self.manoeuvres.ratio(),
-            wavering: self.monitor.wavering(&self.settings.estimator),
+            wavering: self.wheel_noise.wavering(&self.settings.estimator),
             beyond: self.mixed(away, stiffness, doubted, expected),
             at_limit,
             unknown_height: self.lifts_unreported(),
@@ -143,7 +143,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
-        } else if self.disturbance.torques_misfit()
+        } else if self.disturbance.gain.misfits()
             || lighter > 0.0
             || self.disturbance.mass.axle_torque().0 > 0.5
         {

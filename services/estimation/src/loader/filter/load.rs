@@ -1,10 +1,10 @@
 //! What the machine carries: a load that is known, or a mass that steps and moves the centre of gravity.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::Loading;
 use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
 use crate::loader::lift_arm::Weighed;
-use crate::loader::load::Centre;
+use crate::loader::load::mass_step::Centre;
+use crate::loader::physics::cg_model::Loading;
 
 /// Share of the mass from which on the machine is loaded.
 const LEAST_LOAD: f64 = 0.04;

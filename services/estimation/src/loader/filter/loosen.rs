@@ -1,7 +1,7 @@
 //! What the next step may change more than usual: what must be learnt again, and what cannot be learnt yet.
 
 use super::{Belief, CgFilter};
-use crate::loader::directions::BothDirections;
+use crate::loader::doubts::directions::BothDirections;
 use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS};
 use crate::math::sqrt;

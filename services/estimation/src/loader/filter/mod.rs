@@ -18,30 +18,31 @@
 //! | `report` | what a row did |
 
 use super::Method;
-use super::cg_model::{CgModel, Integration};
-use super::conditions::Monitor;
-use super::coupling::Coupling;
-use super::curves::Curves;
-use super::directions::Directions;
-use super::disturbance::{Disturbance, Effect};
+use super::doubts::coupling::Coupling;
+use super::doubts::curves::Curves;
+use super::doubts::directions::Directions;
+use super::doubts::disturbance::{Disturbance, Effect};
+use super::doubts::manoeuvres::Manoeuvres;
+use super::doubts::relearning::Relearning;
+use super::doubts::shared_slip::SharedSlip;
 use super::estimate::Status;
-use super::inclinometer::Inclinometer;
-use super::inputs::{InputHold, StepInputs};
-use super::known_load::KnownLoad;
+use super::input::inclinometer::Inclinometer;
+use super::input::inputs::{InputHold, StepInputs};
+use super::input::steady::Steady;
+use super::input::stuck::Stuck;
 use super::layout::{SLIP_STIFFNESS, SPEED};
-use super::load::Load;
-use super::manoeuvres::Manoeuvres;
-use super::quantisation::Quantisation;
-use super::relearning::Relearning;
+use super::load::known_load::KnownLoad;
+use super::load::mass_step::Load;
+use super::measurements::conditions::Digging;
+use super::measurements::quantisation::Quantisation;
+use super::measurements::slope::SlopeError;
+use super::measurements::wheel_noise::WheelNoise;
+use super::measurements::windup::Windup;
+use super::physics::cg_model::{CgModel, Integration};
+use super::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use super::sample::Sample;
 use super::settings::{Inputs as Driven, Settings};
-use super::shared_slip::SharedSlip;
-use super::slope::SlopeError;
-use super::steady::Steady;
-use super::stuck::Stuck;
 use super::verdict::Evidence;
-use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
-use super::windup::Windup;
 use crate::Quantity;
 use crate::sigma_points::Spread;
 use crate::time_base::{Tick, TimeBase};
@@ -68,7 +69,7 @@ use spin::Spin;
 /// A longer step between rows is a jump, whatever the settings take for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
-/// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force),
+/// The filter with `N` states (6, 8 to 11, see [`super::physics::cg_model`]) and `M` measurements (3, or 4 with the specific force),
 /// which keeps its state as a `B`.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -78,7 +79,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     belief: B,
     dynamics: WheelDynamics,
     hold: InputHold,
-    monitor: Monitor,
+    digging: Digging,
+    wheel_noise: WheelNoise,
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
@@ -130,7 +132,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             belief: B::new([0.0; N], &[0.0; N], spread),
             dynamics: WheelDynamics::of(settings),
             hold: InputHold::new(settings.machine.mass),
-            monitor: Monitor::default(),
+            digging: Digging::default(),
+            wheel_noise: WheelNoise::default(),
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),

@@ -1,12 +1,13 @@
 //! Process noise and measurement noise of a step, by state and by measurement.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
 use crate::loader::layout::{
     ByState, CENTRE, CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
-use crate::loader::wheel_dynamics::GRAVITY;
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::measurements::wheel_noise::{REFERENCE_STEP, WheelStep};
+use crate::loader::physics::cg_model::CgModel;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
@@ -17,7 +18,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         boom_moving: bool,
         dt: f64,
     ) -> [f64; N] {
-        let (keys, prior) = (&self.settings.estimator, &self.settings.prior);
+        let keys = &self.settings.estimator;
         let scale = sqrt(dt / REFERENCE_STEP);
         let mut std: [f64; N] = ByState {
             motion: [keys.q_speed, keys.q_wheel_speed, keys.q_wheel_speed],
@@ -34,23 +35,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
         if self.settings.protected() && !self.known_load.is_some() {
-            if boom_moving || self.lifts_unreported() {
-                std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
-                std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
-            }
-            let weighed = self.is_loaded();
-            if weighed {
-                // However long the boom may have moved, it has not left the machine.
-                for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre()) {
-                    let room = (most * most - self.belief.variance(i)).max(0.0);
-                    std[i] = std[i].min(sqrt(room));
-                }
-            }
-            // What is weighed needs no guess of what the bucket holds.
-            if conditions.reopen && keys.reopen > 0.0 && !weighed {
-                std[CG_HEIGHT] = keys.reopen * prior.cg_height_std;
-                std[CG_RATIO] = keys.reopen * prior.cg_ratio_std;
-            }
+            self.free_centre(&mut std, conditions, boom_moving, scale);
         }
         std[SPEED] = std[SPEED].max(GRAVITY * self.settings.sensors.slope_std * dt);
         if let Some(bias) = const { Layout::of(N) }.slope_bias
@@ -65,6 +50,34 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             }
         }
         std
+    }
+
+    /// Height and ratio of a machine whose load nobody knows may change: the boom moves, or the bucket was dug full.
+    fn free_centre(
+        &self,
+        std: &mut [f64; N],
+        conditions: &Conditions,
+        boom_moving: bool,
+        scale: f64,
+    ) {
+        let (keys, prior) = (&self.settings.estimator, &self.settings.prior);
+        if boom_moving || self.lifts_unreported() {
+            std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
+            std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
+        }
+        let weighed = self.is_loaded();
+        if weighed {
+            // However long the boom may have moved, it has not left the machine.
+            for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre()) {
+                let room = (most * most - self.belief.variance(i)).max(0.0);
+                std[i] = std[i].min(sqrt(room));
+            }
+        }
+        // What is weighed needs no guess of what the bucket holds.
+        if conditions.reopen && keys.reopen > 0.0 && !weighed {
+            std[CG_HEIGHT] = keys.reopen * prior.cg_height_std;
+            std[CG_RATIO] = keys.reopen * prior.cg_ratio_std;
+        }
     }
 
     /// Noise of the sensors by themselves.
@@ -106,11 +119,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             machine: &model.dynamics,
             inputs: &model.inputs,
             sensor_std: self.wheel_sensor_std(),
-            weak: conditions.weak_wheels,
+            weak: conditions.frozen,
             learns_ripple: self.settings.at_work(),
             dt: model.dt,
         };
-        [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.monitor.wheel_std(
+        [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.wheel_noise.std(
             &self.settings.estimator,
             &step,
             state[SPEED],

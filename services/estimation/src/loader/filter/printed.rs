@@ -3,9 +3,9 @@
 use super::report::RowReport;
 use super::update::measurements;
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 
 /// Measurement noise that stands for "not measured".

@@ -1,15 +1,15 @@
 //! When the filter starts, and when it lost its way: gaps, restarts, bounds.
 
 use super::{Belief, CgFilter, RowReport};
-use crate::loader::conditions::Conditions;
-use crate::loader::coupling::Coupling;
-use crate::loader::curves::Curves;
-use crate::loader::directions::Directions;
+use crate::loader::doubts::coupling::Coupling;
+use crate::loader::doubts::curves::Curves;
+use crate::loader::doubts::directions::Directions;
+use crate::loader::doubts::relearning::Relearning;
 use crate::loader::estimate::Status;
 use crate::loader::layout::{CENTRE, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
-use crate::loader::relearning::Relearning;
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::measurements::windup::Windup;
 use crate::loader::sample::Sample;
-use crate::loader::windup::Windup;
 use crate::math::sqrt;
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].

@@ -1,9 +1,9 @@
 //! A row's signals made true before they are used: known gains and offsets, values that leap or are stuck, the slope of the road.
 
 use super::{Belief, CgFilter};
+use crate::loader::input::stuck::Witness;
 use crate::loader::layout::{Layout, SPEED};
 use crate::loader::sample::Sample;
-use crate::loader::stuck::Witness;
 
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;

@@ -3,10 +3,10 @@
 use super::report::RowReport;
 use super::wheels::Seen;
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::conditions::Conditions;
-use crate::loader::inputs::StepInputs;
+use crate::loader::input::inputs::StepInputs;
 use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::measurements::conditions::Conditions;
+use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 
 /// The measurements of a row; NaN where missing.
@@ -79,12 +79,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let unknown_force = place.map_or(0.0, |i| state[i]);
         let force = step.inputs.spade_force_x + unknown_force;
         let mut conditions = self
-            .monitor
+            .digging
             .conditions(&self.settings, state[SPEED], force, dt);
         let other_mass = self.settings.at_work() && self.disturbance.mass.lighter() != 0.0;
         if self.known_load.is_open() || other_mass {
             // Neither the mass nor where it sits is known.
-            (conditions.frozen, conditions.weak_wheels) = (true, true);
+            conditions.frozen = true;
         }
         conditions
     }
@@ -128,9 +128,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
             let predicted = B::measurement_std(expected, j);
             let more = predicted * predicted + disturbed * disturbed;
-            std[j] *= self.monitor.far(keys, wheel, innovation[j], more);
+            std[j] *= self.wheel_noise.far(keys, wheel, innovation[j], more);
         }
-        let rows = self.monitor.row_variance(keys);
+        let rows = self.wheel_noise.row_variance(keys);
         rows.map(|row| disturbed * disturbed + row)
     }
 }

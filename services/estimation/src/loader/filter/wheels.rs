@@ -2,12 +2,13 @@
 //! turns, and whether its centre drive is locked.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
-use crate::loader::coupling::Turning;
-use crate::loader::curves::Difference;
+use crate::loader::doubts::coupling::Turning;
+use crate::loader::doubts::curves::Difference;
+use crate::loader::doubts::manoeuvres::Slip;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
-use crate::loader::manoeuvres::Slip;
-use crate::loader::wheel_dynamics::GRAVITY;
+use crate::loader::measurements::windup::LEAST_SHARE;
+use crate::loader::physics::cg_model::CgModel;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
 
 /// What held before the row.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +49,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) {
         let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
         let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
-        self.monitor.see(&self.settings.estimator, wheels, model.dt);
+        self.wheel_noise
+            .see(&self.settings.estimator, wheels, model.dt);
         let slip = self.slip(seen, model);
         let disagrees = self
             .manoeuvres
@@ -82,7 +84,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| seen.state[i]);
         let acceleration = (speed - seen.before.speed) / model.dt;
         let lift = acceleration + GRAVITY * seen.sine;
-        let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
+        let front = ratio - height * lift / (GRAVITY * machine.wheelbase);
+        let front = front.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
         let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);

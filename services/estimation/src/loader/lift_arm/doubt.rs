@@ -20,15 +20,14 @@
 //! A bucket that was exchanged moves the centre of gravity as a load does, a zero or a misdescribed bucket does not:
 //! the covariances say how much of the error is whose.
 
-use super::super::layout::Each;
-use super::drawing::{
-    Drawing, EMPTY_HEIGHT, EMPTY_RATIO, Empty, LIFT_ZERO, NUMBERS, Posture, TILT_ZERO,
-};
+use super::drawing::Drawing;
+use super::geometry::{Empty, Posture};
+use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO};
+use super::tare::Tare;
 use crate::Quantity;
+use crate::loader::layout::Each;
 use crate::math::sqrt;
 use crate::positive::positive;
-
-use super::tare::Tare;
 
 /// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
 /// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already.
@@ -90,7 +89,7 @@ impl Sums {
     }
 
     /// What is left where the emptied bucket is known, by the variance of what it shows; and by how much each moves for a unit.
-    fn told(mut self, total: f64) -> (Self, [f64; 3]) {
+    fn conditioned(mut self, total: f64) -> (Self, [f64; 3]) {
         let gains = self.with_tare.map(|covariance| covariance / total);
         for ((variance, gain), covariance) in
             self.variances.iter_mut().zip(gains).zip(self.with_tare)
@@ -176,13 +175,16 @@ impl Doubts {
     }
 
     /// The sums with what an emptied bucket tells, and by how much payload, ratio and height are off by that [kg, -, m].
-    fn told(&self) -> (Sums, [f64; 3]) {
+    fn conditioned(&self) -> (Sums, [f64; 3]) {
         let ((sums, gains), apart) = match (&self.now, &self.last) {
             (Some(tare), _) => {
                 let sums = self.sums.tared();
-                (sums.told(sums.variances[0] + tare.variance), tare.apart)
+                (
+                    sums.conditioned(sums.variances[0] + tare.variance),
+                    tare.apart,
+                )
             }
-            (None, Some(tared)) => (self.sums.told(tared.total), tared.tare.apart),
+            (None, Some(tared)) => (self.sums.conditioned(tared.total), tared.tare.apart),
             (None, None) => return (self.sums, [0.0; 3]),
         };
         (sums, gains.map(|gain| gain * apart))
@@ -190,7 +192,7 @@ impl Doubts {
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
-        let (sums, error) = self.told();
+        let (sums, error) = self.conditioned();
         let sums = sums.add(&rows, 0.0, 1.0);
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
@@ -200,8 +202,8 @@ impl Doubts {
         };
         let quantity = |value: f64, std: f64| Quantity { value, std };
         // What an emptied bucket has shown below nothing is in the payload already.
-        let told = self.now.is_some() || self.last.is_some();
-        let payload_wider = if told { 1.0 } else { wider };
+        let is_tared = self.now.is_some() || self.last.is_some();
+        let payload_wider = if is_tared { 1.0 } else { wider };
         let payload_std = payload_wider * sqrt(sums.variances[0].max(0.0));
         Doubted {
             payload: quantity(payload - error[0], payload_std),
@@ -218,7 +220,7 @@ impl Doubts {
 
     /// The same, the bucket holding no less than nothing.
     pub fn not_less_than_nothing(&self, doubted: &Doubted, rows: [f64; 3]) -> Doubted {
-        let sums = self.told().0.add(&rows, 0.0, 1.0);
+        let sums = self.conditioned().0.add(&rows, 0.0, 1.0);
         let payload = positive(doubted.payload);
         let moved = payload.value - doubted.payload.value;
         let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
@@ -305,8 +307,8 @@ mod tests {
 
     #[test]
     fn an_emptied_bucket_takes_its_error_out_of_the_payload() {
-        let mut told = doubts();
-        told.empty(Some(Tare {
+        let mut tared = doubts();
+        tared.empty(Some(Tare {
             apart: 130.0,
             variance: 900.0,
             at_dump: true,
@@ -314,15 +316,15 @@ mod tests {
         let variance = (MISSTATED * 100.0).powi(2);
         let gain = variance / (variance + 900.0);
         // A load comes. Numbers go round and do the same to it: what the bucket told holds on.
-        told.empty(None);
+        tared.empty(None);
         for _ in 0..3 {
-            told.put(0, [100.0, 0.02, 0.1]);
+            tared.put(0, [100.0, 0.02, 0.1]);
         }
         let centre = Each {
             ratio: 0.6,
             height: 1.4,
         };
-        let answer = told.doubted(2000.0, centre, [0.0; 3], 1.0);
+        let answer = tared.doubted(2000.0, centre, [0.0; 3], 1.0);
         assert!((answer.payload.value - 2000.0 + gain * 130.0).abs() < 1e-9);
         assert!((answer.payload.std - (variance * (1.0 - gain)).sqrt()).abs() < 1e-9);
         let untold = doubts().doubted(2000.0, centre, [0.0; 3], 1.0);
@@ -332,9 +334,9 @@ mod tests {
         assert!((ratio.value - 0.6 + with * gain * 130.0).abs() < 1e-12);
         let learnt = with * with * variance * gain;
         assert!((ratio.std - (untold.centre.ratio.std.powi(2) - learnt).sqrt()).abs() < 1e-12);
-        told.forget();
+        tared.forget();
         assert_eq!(
-            told.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,
+            tared.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,
             2000.0
         );
     }

@@ -1,40 +1,17 @@
-//! The described arm, bucket, cylinder and empty machine, each number with its doubt, and what follows by geometry.
+//! The described numbers of the lift arm and of the machine, each with its doubt.
 
-use super::super::RATED_SHARE;
-use super::super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
-use super::super::layout::Each;
-use super::super::wheel_dynamics::GRAVITY;
+use super::numbers::{
+    BASE, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
+    HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, NUMBERS, OFFSET, ROD_ZERO, SPAN,
+    TILT_ZERO,
+};
 use super::turn::Turn;
-use crate::math::{sin_cos, sqrt};
+use crate::loader::RATED_SHARE;
+use crate::loader::layout::Each;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::settings::Settings;
+use crate::math::sqrt;
 
-/// Numbers of the drawing, in this order.
-pub(super) const LENGTH: usize = 0;
-pub(super) const MASS: usize = 1;
-pub(super) const MASS_DISTANCE: usize = 2;
-pub(super) const BUCKET: usize = 3;
-pub(super) const LOAD_DISTANCE: usize = 4;
-pub(super) const HEAD_AREA: usize = 5;
-pub(super) const ROD_AREA: usize = 6;
-pub(super) const BASE: usize = 7;
-pub(super) const EYE: usize = 8;
-pub(super) const CYLINDER_ANGLE: usize = 9;
-pub(super) const PIVOT_X: usize = 10;
-pub(super) const PIVOT_Z: usize = 11;
-pub(super) const EMPTY_MASS: usize = 12;
-pub(super) const EMPTY_RATIO: usize = 13;
-pub(super) const EMPTY_HEIGHT: usize = 14;
-pub(super) const FRICTION: usize = 15;
-pub(super) const HEAD_ZERO: usize = 16;
-pub(super) const ROD_ZERO: usize = 17;
-pub(super) const LIFT_ZERO: usize = 18;
-pub(super) const TILT_ZERO: usize = 19;
-/// What the bucket weighs beyond the one that the empty machine was weighed with.
-pub(super) const EXCHANGED: usize = 20;
-/// Numbers of a calibration: relative error of the moment, and force that the pressures show too much.
-pub(super) const SPAN: usize = 21;
-pub(super) const OFFSET: usize = 22;
-/// How many there are.
-pub(super) const NUMBERS: usize = 23;
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
 const LEFT: [usize; 6] = [
     LOAD_DISTANCE,
@@ -47,16 +24,17 @@ const LEFT: [usize; 6] = [
 
 /// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
 pub(super) const FULL_PRESSURE: f64 = 20e6;
-/// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
-pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
-/// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
-const UNKNOWN_BUCKET: f64 = 0.4;
 /// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.
 const OTHER_BUCKET: f64 = 0.08;
-/// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
-const LEAST_LEVER: f64 = 0.2;
-/// The ground can carry the bucket while its pin is below this share of the arm's length.
-const LOW: f64 = 0.4;
+
+/// Standard deviations where none is stated, as shares: of lengths and areas that are drawn, of the arm's mass and of where it sits,
+/// of the bucket's mass, of where a load lies in it, of a machine on scales, of the friction of seals.
+const DRAWN: f64 = 0.01;
+const ARM: f64 = 0.05;
+const BUCKET_MASS: f64 = 0.2;
+const LOAD_PLACE: f64 = 0.1;
+const WEIGHED: f64 = 0.02;
+const SEALS: f64 = 0.5;
 
 /// The described numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,124 +50,34 @@ pub(super) struct Drawing {
     /// Correlation of the errors of span and offset.
     pub correlation: f64,
     /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket [N m].
-    missed: [f64; 4],
-    count: f64,
-    wheelbase: f64,
+    pub missed: [f64; 4],
+    /// How many cylinders lift the arm.
+    pub count: f64,
+    pub wheelbase: f64,
     /// Arm, and bucket to the horizontal, as the empty machine is stated.
-    reference: [Turn; 2],
+    pub reference: [Turn; 2],
     /// The cylinder's angle.
-    cylinder: Turn,
+    pub cylinder: Turn,
     /// What the bucket may carry [kg].
     pub capacity: f64,
+    /// Noise of a pressure [Pa].
     pub pressure_std: f64,
-}
-
-/// Arm, bucket and what is measured in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Posture {
-    /// The arm to the horizontal.
-    pub arm: Turn,
-    /// The bucket, pin to load, to the horizontal.
-    pub bucket: Turn,
-    /// Pressures [Pa].
-    pub head: f64,
-    pub rod: f64,
-    /// g cos(slope), and the specific force along the body [m/s^2].
-    pub gravity: f64,
-    pub acceleration: f64,
-    /// Friction as a share of its size, positive while the rod goes out.
-    pub seals: f64,
-    /// Friction beside it, as a share of the full force.
-    pub rest: f64,
-}
-
-/// Places of the masses from the pivot [m].
-struct Places {
-    arm: [f64; 2],
-    load: [f64; 2],
-}
-
-/// The machine with its arm where it is, before a payload is added.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Empty {
-    mass: f64,
-    /// First moments over the wheelbase, and above the ground [kg], [kg m].
-    front: f64,
-    up: f64,
-    /// What a kilogram of load adds to them [-], [m].
-    ahead: f64,
-    height: f64,
-}
-
-impl Empty {
-    /// Ratio and height of the centre of gravity with this payload.
-    pub fn with(&self, payload: f64) -> Each<f64> {
-        let mass = self.mass + payload;
-        Each {
-            ratio: (self.front + payload * self.ahead) / mass,
-            height: (self.up + payload * self.height) / mass,
-        }
-    }
-}
-
-/// Cosine and sine of the angles of arm and bucket to the horizontal.
-pub(super) fn turns(posture: &Posture) -> [f64; 4] {
-    let (arm, bucket) = (posture.arm, posture.bucket);
-    [arm.cosine, arm.sine, bucket.cosine, bucket.sine]
 }
 
 impl Drawing {
     /// None where the arm or its cylinder is not described.
-    pub fn of(
-        arm: &LiftArm,
-        cylinder: &LiftCylinder,
-        machine: &Machine,
-        sensors: &Sensors,
-        prior: &Prior,
-    ) -> Option<Self> {
-        let described = [
+    pub fn of(settings: &Settings) -> Option<Self> {
+        let (arm, cylinder) = (&settings.lift_arm, &settings.lift_cylinder);
+        let needed = [
             arm.length,
             cylinder.head_area,
             cylinder.base_distance,
             cylinder.rod_distance,
         ];
-        if described.iter().any(|x| *x <= 0.0) {
+        if needed.iter().any(|x| *x <= 0.0) {
             return None;
         }
-        let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
-        let empty_mass = or(arm.empty_mass, machine.mass);
-        let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
-        let both = [
-            by(arm.length, arm.length_std, 0.01),
-            by(arm.mass, arm.mass_std, 0.05),
-            by(arm.mass_distance, arm.mass_distance_std, 0.05),
-            by(arm.bucket_mass, arm.bucket_mass_std, 0.2),
-            by(arm.payload_distance, arm.payload_distance_std, 0.1),
-            by(cylinder.head_area, cylinder.head_area_std, 0.01),
-            by(cylinder.rod_area, cylinder.rod_area_std, 0.01),
-            by(cylinder.base_distance, cylinder.base_distance_std, 0.01),
-            by(cylinder.rod_distance, cylinder.rod_distance_std, 0.01),
-            (cylinder.angle, cylinder.angle_std),
-            (arm.pivot_x, or(arm.pivot_x_std, 0.01 * arm.length)),
-            (arm.pivot_z, or(arm.pivot_z_std, 0.01 * arm.length)),
-            by(empty_mass, arm.empty_mass_std, 0.02),
-            (
-                or(arm.empty_ratio, prior.cg_ratio),
-                or(arm.empty_ratio_std, prior.cg_ratio_std),
-            ),
-            (
-                or(arm.empty_height, prior.cg_height),
-                or(arm.empty_height_std, prior.cg_height_std),
-            ),
-            by(cylinder.friction, cylinder.friction_std, 0.5),
-            (0.0, sensors.pressure_offset_std),
-            (0.0, sensors.pressure_offset_std),
-            (0.0, sensors.angle_offset_std),
-            (0.0, sensors.angle_offset_std),
-            (0.0, OTHER_BUCKET * arm.bucket_mass),
-            (0.0, cylinder.span_std),
-            (cylinder.force_offset, cylinder.force_offset_std),
-        ];
+        let both = described(settings);
         let std = both.map(|(_, std)| std);
         let (span, offset) = (cylinder.span_std > 0.0, cylinder.force_offset_std > 0.0);
         let values = both.map(|(value, _)| value);
@@ -202,13 +90,13 @@ impl Drawing {
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
             count: cylinder.count,
-            wheelbase: machine.wheelbase,
+            wheelbase: settings.machine.wheelbase,
             reference: [
                 Turn::of(arm.reference_angle),
                 Turn::of(arm.reference_angle + arm.reference_tilt),
             ],
             cylinder: Turn::of(cylinder.angle),
-            pressure_std: sensors.pressure_std,
+            pressure_std: settings.sensors.pressure_std,
         })
     }
 
@@ -235,123 +123,55 @@ impl Drawing {
             height: of(EMPTY_HEIGHT),
         }
     }
+}
 
-    /// g cos(slope) [m/s^2].
-    pub fn gravity(&self, slope: f64) -> f64 {
-        GRAVITY * sin_cos(slope).1
-    }
-
-    /// Angle of the bucket from the horizontal [rad].
-    pub fn bucket_angle(&self, lift: f64, tilt: Option<f64>) -> f64 {
-        tilt.map_or(UNKNOWN_BUCKET, |tilt| lift + tilt)
-    }
-
-    /// The ground may carry the bucket.
-    pub fn is_low(&self, arm: Turn) -> bool {
-        self.values[PIVOT_Z] + self.values[LENGTH] * arm.sine < LOW * self.values[LENGTH]
-    }
-
-    /// Force of the cylinders at full pressure [N].
-    pub fn full_force(&self, v: &[f64; NUMBERS]) -> f64 {
-        full_force(self.count, v)
-    }
-
-    /// Standard deviation of the cylinders' force by the noise of the pressures [N].
-    pub fn force_std(&self) -> f64 {
-        let (head, rod) = (self.values[HEAD_AREA], self.values[ROD_AREA]);
-        self.count * self.pressure_std * sqrt(head * head + rod * rod)
-    }
-
-    /// Length of the cylinder [m].
-    pub fn rod_length(&self, arm: Turn) -> f64 {
-        self.cylinder(&self.values, arm).0
-    }
-
-    /// Lever of the cylinder [m].
-    pub fn lever(&self, arm: Turn) -> f64 {
-        self.cylinder(&self.values, arm).1
-    }
-
-    /// Length of the cylinder and its lever [m].
-    fn cylinder(&self, v: &[f64; NUMBERS], arm: Turn) -> (f64, f64) {
-        let off = v[LIFT_ZERO] + v[CYLINDER_ANGLE] - self.values[CYLINDER_ANGLE];
-        let Turn { sine, cosine } = arm.and(self.cylinder).by(off);
-        let (base, eye) = (v[BASE], v[EYE]);
-        let square = base * base + eye * eye - 2.0 * base * eye * cosine;
-        let length = sqrt(square.max(1e-6));
-        (length, base * eye * sine / length)
-    }
-
-    fn places(v: &[f64; NUMBERS], arm: Turn, bucket: Turn) -> Places {
-        Places {
-            arm: [v[MASS_DISTANCE] * arm.cosine, v[MASS_DISTANCE] * arm.sine],
-            load: [
-                v[LENGTH] * arm.cosine + v[LOAD_DISTANCE] * bucket.cosine,
-                v[LENGTH] * arm.sine + v[LOAD_DISTANCE] * bucket.sine,
-            ],
-        }
-    }
-
-    /// Where the masses are, the sensors' zeros being off.
-    fn places_now(v: &[f64; NUMBERS], posture: &Posture) -> Places {
-        let arm = posture.arm.by(v[LIFT_ZERO]);
-        let bucket = posture.bucket.by(v[LIFT_ZERO] + v[TILT_ZERO]);
-        Self::places(v, arm, bucket)
-    }
-
-    /// Moment of the empty arm and bucket, and that of a kilogram of load [N m], [N m/kg].
-    pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
-        let places = Self::places_now(v, posture);
-        let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
-        let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
-        let missed: f64 = self
-            .missed
-            .iter()
-            .zip(turns(posture))
-            .map(|(m, turn)| m * turn)
-            .sum();
+/// Each number with its standard deviation.
+fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
+    let Settings {
+        machine,
+        lift_arm: arm,
+        lift_cylinder: cylinder,
+        sensors,
+        prior,
+        ..
+    } = settings;
+    let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
+    let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
+    [
+        by(arm.length, arm.length_std, DRAWN),
+        by(arm.mass, arm.mass_std, ARM),
+        by(arm.mass_distance, arm.mass_distance_std, ARM),
+        by(arm.bucket_mass, arm.bucket_mass_std, BUCKET_MASS),
+        by(arm.payload_distance, arm.payload_distance_std, LOAD_PLACE),
+        by(cylinder.head_area, cylinder.head_area_std, DRAWN),
+        by(cylinder.rod_area, cylinder.rod_area_std, DRAWN),
+        by(cylinder.base_distance, cylinder.base_distance_std, DRAWN),
+        by(cylinder.rod_distance, cylinder.rod_distance_std, DRAWN),
+        (cylinder.angle, cylinder.angle_std),
+        (arm.pivot_x, or(arm.pivot_x_std, DRAWN * arm.length)),
+        (arm.pivot_z, or(arm.pivot_z_std, DRAWN * arm.length)),
+        by(
+            or(arm.empty_mass, machine.mass),
+            arm.empty_mass_std,
+            WEIGHED,
+        ),
         (
-            v[MASS] * of(places.arm) + (v[BUCKET] + v[EXCHANGED]) * of(places.load) + missed,
-            per_load,
-        )
-    }
-
-    /// Moment of the cylinders less their friction [N m].
-    pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
-        let (_, lever) = self.cylinder(v, posture.arm);
-        let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
-        let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
-        let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
-        lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
-    }
-
-    /// The payload that the pressures of this row show [kg].
-    pub fn payload(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
-        let (empty, per_load) = self.moments(v, posture);
-        (self.lifting(v, posture) - empty) / per_load
-    }
-
-    /// The machine with its arm in this posture.
-    pub fn empty_at(&self, v: &[f64; NUMBERS], posture: &Posture) -> Empty {
-        let now = Self::places_now(v, posture);
-        // The reference is where the arm truly stood.
-        let then = Self::places(v, self.reference[0], self.reference[1]);
-        let moved = |axis: usize| {
-            v[MASS] * (now.arm[axis] - then.arm[axis])
-                + v[BUCKET] * (now.load[axis] - then.load[axis])
-        };
-        let ahead = (self.wheelbase + v[PIVOT_X] + now.load[0]) / self.wheelbase;
-        let height = v[PIVOT_Z] + now.load[1];
-        Empty {
-            mass: v[EMPTY_MASS] + v[EXCHANGED],
-            front: v[EMPTY_MASS] * v[EMPTY_RATIO]
-                + moved(0) / self.wheelbase
-                + v[EXCHANGED] * ahead,
-            up: v[EMPTY_MASS] * v[EMPTY_HEIGHT] + moved(1) + v[EXCHANGED] * height,
-            ahead,
-            height,
-        }
-    }
+            or(arm.empty_ratio, prior.cg_ratio),
+            or(arm.empty_ratio_std, prior.cg_ratio_std),
+        ),
+        (
+            or(arm.empty_height, prior.cg_height),
+            or(arm.empty_height_std, prior.cg_height_std),
+        ),
+        by(cylinder.friction, cylinder.friction_std, SEALS),
+        (0.0, sensors.pressure_offset_std),
+        (0.0, sensors.pressure_offset_std),
+        (0.0, sensors.angle_offset_std),
+        (0.0, sensors.angle_offset_std),
+        (0.0, OTHER_BUCKET * arm.bucket_mass),
+        (0.0, cylinder.span_std),
+        (cylinder.force_offset, cylinder.force_offset_std),
+    ]
 }
 
 /// The deviations that are left for the payload where the moment's span or offset was calibrated.
@@ -370,7 +190,7 @@ fn weighing(std: [f64; NUMBERS], span: bool, offset: bool) -> [f64; NUMBERS] {
 }
 
 /// Force of the cylinders at full pressure [N].
-fn full_force(count: f64, v: &[f64; NUMBERS]) -> f64 {
+pub(super) fn full_force(count: f64, v: &[f64; NUMBERS]) -> f64 {
     count * v[HEAD_AREA] * FULL_PRESSURE
 }
 

@@ -5,16 +5,17 @@
 //! ```
 //! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
 
-use super::super::sample::Sample;
-use super::super::settings::Settings;
-use super::super::wheel_dynamics::GRAVITY;
 use super::Quantity;
-use super::drawing::{
-    BASE, CYLINDER_ANGLE, Drawing, EYE, FRICTION, FULL_PRESSURE, HEAD_AREA, HEAD_ZERO, OFFSET,
-    Posture, ROD_AREA, ROD_ZERO, SPAN, USUAL_ROD_PRESSURE, turns,
+use super::drawing::{Drawing, FULL_PRESSURE};
+use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
+use super::numbers::{
+    BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, OFFSET, ROD_AREA, ROD_ZERO, SPAN,
 };
 use super::seals::Seals;
 use super::turn::Turn;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::sample::Sample;
+use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};
 
 /// Length of a block, and the longest gap between rows \[s\].
@@ -22,6 +23,8 @@ const BLOCK: f64 = 0.2;
 const GAP: f64 = 0.25;
 /// A machine slower than this stands [m/s].
 const STANDS: f64 = 0.1;
+/// A cylinder with less lever tells nothing [m].
+const LEAST_LEVER: f64 = 1e-3;
 /// Rates of a bucket that turns, and of an arm that moves [rad/s].
 const TURNS: f64 = 0.05;
 const MOVES: f64 = 0.01;
@@ -113,13 +116,7 @@ impl Lifts {
     /// None where no lift arm is described.
     #[must_use]
     pub fn new(settings: &Settings) -> Option<Self> {
-        let drawing = Drawing::of(
-            &settings.lift_arm,
-            &settings.lift_cylinder,
-            &settings.machine,
-            &settings.sensors,
-            &settings.prior,
-        )?;
+        let drawing = Drawing::of(settings)?;
         Some(Self {
             drawing,
             seals: Seals::default(),
@@ -137,7 +134,7 @@ impl Lifts {
         let posture = Posture {
             arm: Turn::of(0.0),
             bucket: Turn::of(0.0),
-            head: 10e6,
+            head: 0.5 * FULL_PRESSURE,
             rod: 0.0,
             gravity: GRAVITY,
             acceleration: 0.0,
@@ -285,7 +282,7 @@ impl Lifts {
             DRAWN * measured / lever,
         ];
         let noise = self.drawing.force_std();
-        (lever.abs() > 1e-3).then_some(LiftMoment {
+        (lever.abs() > LEAST_LEVER).then_some(LiftMoment {
             lever,
             measured,
             empty,

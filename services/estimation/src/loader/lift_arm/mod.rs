@@ -3,7 +3,8 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `drawing` | the described numbers, each with its doubt; moment, payload and centre of gravity by geometry |
+//! | `drawing`, `numbers` | the described numbers, each with its doubt |
+//! | `geometry` | moment, payload and centre of gravity in a posture |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `turn` | sine and cosine of an angle, taken once a row |
@@ -31,23 +32,27 @@ mod below;
 mod content;
 mod doubt;
 mod drawing;
+mod geometry;
 mod lifts;
+mod numbers;
 mod scale;
 mod seals;
 mod tare;
 mod turn;
 
-use super::carriage::Carriage;
-use super::cg_model::Loading;
-use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
+use super::input::carriage::Carriage;
 use super::layout::Each;
+use super::physics::cg_model::Loading;
 use super::sample::Sample;
+use super::settings::Settings;
 use crate::Quantity;
 use below::Below;
 use content::Content;
 use doubt::Doubts;
-use drawing::{Drawing, Empty, Posture};
+use drawing::Drawing;
+use geometry::{Empty, Posture, USUAL_ROD_PRESSURE};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
+use numbers::EMPTY_MASS;
 use scale::Scale;
 use seals::Seals;
 use tare::Emptied;
@@ -112,14 +117,8 @@ pub(super) struct Weighed {
 
 impl LiftWitness {
     /// The witness that a description allows; none where no arm is described.
-    pub fn new(
-        arm: &LiftArm,
-        cylinder: &LiftCylinder,
-        machine: &Machine,
-        sensors: &Sensors,
-        prior: &Prior,
-    ) -> Option<Self> {
-        let drawing = Drawing::of(arm, cylinder, machine, sensors, prior)?;
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let drawing = Drawing::of(settings)?;
         Some(Self {
             scale: Scale::new(&drawing),
             drawing,
@@ -128,7 +127,7 @@ impl LiftWitness {
             last_time: 0.0,
             held: [f64::NAN; 2],
             still: [0.0; 2],
-            rod: drawing::USUAL_ROD_PRESSURE,
+            rod: USUAL_ROD_PRESSURE,
             carriage: Carriage::default(),
             seals: Seals::default(),
             content: Content::default(),
@@ -288,8 +287,8 @@ impl LiftWitness {
         } else {
             self.doubts.not_less_than_nothing(&shown, rows)
         };
-        let mass = drawing.values[drawing::EMPTY_MASS] + widened.payload.value;
-        let share = drawing.values[drawing::EMPTY_MASS] / mass;
+        let mass = drawing.values[EMPTY_MASS] + widened.payload.value;
+        let share = drawing.values[EMPTY_MASS] / mass;
         let (empty, Each { ratio, height }) = (self.empty(), widened.centre);
         Weighed {
             payload: shown.payload,

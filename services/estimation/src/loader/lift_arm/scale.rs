@@ -9,7 +9,9 @@
 //! Doubts of the drawing are no noise: they are added to the answer (`doubt`).
 
 use super::content::Motion;
-use super::drawing::{Drawing, Posture};
+use super::drawing::Drawing;
+use super::geometry::Posture;
+use super::numbers::FRICTION;
 use super::seals::Seals;
 use crate::Quantity;
 use crate::math::sqrt;
@@ -22,6 +24,10 @@ const FAST: f64 = 0.3;
 const MEMORY: f64 = 3.0;
 /// Heaving at the start and at least, as a share of the moment.
 const HEAVING: (f64, f64) = (0.02, 0.004);
+/// Moments of an arm that carries nothing heave too: what counts as carried at least, as a share of the full force.
+const ARM_ALONE: f64 = 0.03;
+/// Square of an innovation beyond which it is no heaving: a fifth of the moment.
+const MOST_HEAVING: f64 = 0.04;
 /// What an accelerated arm adds, and what a moving content does, as shares of the moment.
 const LIFTING: f64 = 0.08;
 const SETTLING: f64 = 0.15;
@@ -37,8 +43,12 @@ const DUG: f64 = 0.45;
 const JUMP: f64 = 0.25;
 /// Standard deviations of the smoothed innovation that are a jump.
 const JUMPS: f64 = 3.5;
+/// Shares of the variances of heaving and of noise that the smoothing over `FAST` leaves.
+const LEFT: (f64, f64) = (0.6, 0.04);
 /// What drawing and friction leave unexplained in a smoothed innovation, as a share of the moment.
 const UNEXPLAINED: f64 = 0.015;
+/// Rest of friction before the first row: standard deviation, as a share of the friction.
+const UNKNOWN_REST: f64 = 1.5;
 /// The rest of friction is another one after so long while the rod moves, and while it stands [s].
 const REST_MOVING: f64 = 0.3;
 const REST_STILL: f64 = 3.0;
@@ -60,7 +70,7 @@ impl Scale {
     /// A bucket that holds anything.
     pub fn new(drawing: &Drawing) -> Self {
         let capacity = drawing.capacity;
-        let friction = 1.5 * drawing.values[super::drawing::FRICTION];
+        let friction = UNKNOWN_REST * drawing.values[FRICTION];
         Self {
             state: [JUMP * capacity, 0.0],
             covariance: [[capacity * capacity, 0.0], [0.0, friction * friction]],
@@ -97,7 +107,7 @@ impl Scale {
         let shown = drawing.lifting(&drawing.values, posture);
         let by = [per_load, full];
         let innovation = shown - empty - per_load * self.state[0] - full * self.state[1];
-        let carried = shown.abs() + 0.03 * full;
+        let carried = shown.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
         let noise = lever * drawing.force_std();
         self.listen(innovation / carried, motion, dt);
@@ -138,7 +148,7 @@ impl Scale {
         };
         let walk = walk * drawing.capacity;
         self.covariance[0][0] += walk * walk * dt;
-        let unknown = seals.unknown() * drawing.values[super::drawing::FRICTION];
+        let unknown = seals.unknown() * drawing.values[FRICTION];
         let time = if motion.lifting {
             REST_MOVING
         } else {
@@ -163,15 +173,16 @@ impl Scale {
         self.fast += (dt / FAST).min(1.0) * (innovation - self.fast);
         if !motion.settling && !motion.lifting && !motion.held {
             let away = innovation - self.fast;
-            let square = (away * away).min(0.04);
+            let square = (away * away).min(MOST_HEAVING);
             self.heaving += (dt / MEMORY).min(1.0) * (square - self.heaving);
         }
     }
 
     fn is_jump(&self, [carried, predicted, noise]: [f64; 3]) -> bool {
         let square = carried * carried;
-        let usual =
-            0.6 * self.heaving * square + 0.04 * noise * noise + UNEXPLAINED * UNEXPLAINED * square;
+        let usual = LEFT.0 * self.heaving * square
+            + LEFT.1 * noise * noise
+            + UNEXPLAINED * UNEXPLAINED * square;
         self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
     }
 

@@ -10,6 +10,12 @@ const SMOOTH: f64 = 0.2;
 /// Half-width of the play [m]: four standard deviations of an angle's noise of 2 mrad on a lever of 1 m, smoothed.
 const PLAY: f64 = 1.5e-3;
 
+/// From this share on friction is against the motion.
+const AGAINST: f64 = 0.9;
+/// How far friction is not known, as a share of it: within the play, and against the motion.
+const WITHIN_PLAY: f64 = 0.7;
+const FULLY_AGAINST: f64 = 0.25;
+
 /// Memory of the rod.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -47,10 +53,10 @@ impl Seals {
 
     /// How far friction is not known, as a share of its size.
     pub fn unknown(&self) -> f64 {
-        match (self.known, self.share().abs() > 0.9) {
+        match (self.known, self.share().abs() > AGAINST) {
             (false, _) => 1.0,
-            (true, false) => 0.7,
-            (true, true) => 0.25,
+            (true, false) => WITHIN_PLAY,
+            (true, true) => FULLY_AGAINST,
         }
     }
 }

@@ -80,7 +80,7 @@ mod tests {
     const IN_THE_GROUND: Motion = Motion { held: true, ..OPEN };
 
     /// What the bucket tells after it has shown these payloads [kg] in these motions.
-    fn told(rows: &[(f64, &Motion)]) -> Option<Tare> {
+    fn shown_after(rows: &[(f64, &Motion)]) -> Option<Tare> {
         let mut bucket = Emptied::default();
         let see = |&(value, motion): &(f64, &Motion)| {
             let shown = Quantity { value, std: 40.0 };
@@ -91,7 +91,7 @@ mod tests {
 
     /// The same of a bucket that is opened with a load and shows `after`.
     fn dumped(before: f64, after: f64) -> Option<Tare> {
-        told(&[(before, &STILL), (before, &OPEN), (after, &STILL)])
+        shown_after(&[(before, &STILL), (before, &OPEN), (after, &STILL)])
     }
 
     #[test]
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn an_emptied_bucket_stays_empty_until_it_turns_in_the_ground() {
         let after = |motion, shown| {
-            told(&[
+            shown_after(&[
                 (3000.0, &STILL),
                 (3000.0, &OPEN),
                 (20.0, &STILL),

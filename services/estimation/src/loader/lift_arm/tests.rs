@@ -1,6 +1,6 @@
 extern crate std;
 use super::*;
-use crate::loader::Settings;
+use crate::loader::keys::{LiftArm, LiftCylinder};
 use std::vec::Vec;
 
 /// A 12 t loader, its pressures made by the statics of its own drawing.
@@ -36,23 +36,13 @@ fn settings() -> Settings {
     settings
 }
 
-fn witness(settings: &Settings) -> Option<LiftWitness> {
-    LiftWitness::new(
-        &settings.lift_arm,
-        &settings.lift_cylinder,
-        &settings.machine,
-        &settings.sensors,
-        &settings.prior,
-    )
-}
-
 /// One second of work: angles of arm and bucket and payload at its end, and friction's direction.
 struct Second(f64, f64, f64, f64);
 
 /// What the witness says at the end of each second.
 fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
     let settings = settings();
-    let mut witness = witness(&settings).expect("a described arm");
+    let mut witness = LiftWitness::new(&settings).expect("a described arm");
     let drawing = witness.drawing;
     let (mut lift, mut bucket, mut load, mut time) = (seconds[0].0, seconds[0].1, 0.0, 0.0);
     let mut said = Vec::new();
@@ -95,7 +85,7 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
 
 #[test]
 fn an_arm_that_is_not_described_weighs_nothing() {
-    assert!(witness(&Settings::DEFAULT).is_none());
+    assert!(LiftWitness::new(&Settings::DEFAULT).is_none());
 }
 
 #[test]
@@ -152,7 +142,7 @@ fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug
 
 #[test]
 fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
-    let mut witness = witness(&settings()).expect("a described arm");
+    let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
     for k in 0..600 {
         said = witness.step(&Sample {

@@ -1,7 +1,5 @@
 //! Simulated loaders with a lift arm: what is stated of them, and their estimators.
 
-use std::sync::atomic::AtomicBool;
-
 use calibrate::loader::{Input, StatedLoad};
 use estimation::Quantity;
 use estimation::loader::keys::{LiftArm, LiftCylinder};
@@ -149,19 +147,8 @@ fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
         prior: settings.prior,
         ..config::Loader::default()
     };
-    let outcome = calibrate::loader::calibrate(
-        &inputs,
-        &calibrate::loader::Options {
-            description: &description,
-            weighed: StatedLoad::default(),
-            ways: &[],
-            slices: false,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        },
-    )
-    .map_err(Error::refused)?;
+    let options = calibrate::loader::Options::of(&description);
+    let outcome = calibrate::loader::calibrate(&inputs, &options).map_err(Error::refused)?;
     let (found, _) = outcome
         .description(&description, &[])
         .ok_or_else(|| Error::refused(outcome.faults.join("; ")))?;

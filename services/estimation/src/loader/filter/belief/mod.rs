@@ -5,7 +5,7 @@
 
 use core::fmt::Debug;
 
-use crate::loader::cg_model::CgModel;
+use crate::loader::physics::cg_model::CgModel;
 use crate::math::sqrt;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;

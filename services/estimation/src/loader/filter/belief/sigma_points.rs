@@ -3,7 +3,7 @@
 use super::Belief;
 use crate::ekf::add;
 use crate::images::Images;
-use crate::loader::cg_model::CgModel;
+use crate::loader::physics::cg_model::CgModel;
 use crate::prediction::Prediction;
 use crate::root::triangularise;
 use crate::sigma_points::Spread;

@@ -4,10 +4,10 @@
 
 use super::Belief;
 use crate::ekf::{Ekf, Expected, carry, combine};
-use crate::loader::cg_model::CgModel;
 use crate::loader::layout::{Layout, SPEED};
-use crate::loader::tangent::Tangent;
-use crate::loader::wheel_dynamics::{GRAVITY, Road};
+use crate::loader::physics::cg_model::CgModel;
+use crate::loader::physics::tangent::Tangent;
+use crate::loader::physics::wheel_dynamics::{GRAVITY, Road};
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
 

@@ -1,0 +1,104 @@
+//! Two witnesses of one centre of gravity: the slips of the wheels, and the weight that the lift arm carries.
+//!
+//! They share no assumption but the empty machine and the payload. The sharper one answers; the other checks it, whenever it is
+//! sound by itself:
+//! ```text
+//! z^2 = (lam_s - lam_w)^2/(sigma_s^2 + sigma_w^2),   averaged over some seconds
+//! ```
+//! Where they differ by more than both claim, or a bucket would hold less than nothing, one of their assumptions is wrong and
+//! nobody says which: the interval spans both answers, and neither is believed.
+
+use crate::Quantity;
+use crate::loader::estimate::{Estimate, Status};
+use crate::loader::lift_arm::Weighed;
+use crate::loader::reason::Reason;
+use crate::loader::settings::Settings;
+use crate::math::sqrt;
+
+/// Averaging time of the disagreement [s].
+const MEMORY: f64 = 5.0;
+/// Mean z^2 beyond which the witnesses differ: 1 in 100 by chance.
+const DIFFER: f64 = 6.6;
+/// Standard deviation of a payload that may be believed, as a share of the machine's mass.
+const KNOWN_PAYLOAD: f64 = 0.03;
+
+/// Memory of the comparison.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Witnesses {
+    /// Mean z^2.
+    apart: f64,
+}
+
+impl Witnesses {
+    /// Puts both together; `answer` is that of the slips, `dt` after the one before.
+    pub fn judge(
+        &mut self,
+        settings: &Settings,
+        answer: &mut Estimate,
+        weighed: &Weighed,
+        dt: f64,
+    ) {
+        let slips = [answer.cg_ratio, answer.cg_height];
+        if answer.trusted_ratio && !weighed.open {
+            self.compare(slips[0], weighed.ratio, dt);
+        }
+        let differ = self.apart > DIFFER || weighed.wrong;
+        let (ratio, by_weight) = sharper(slips[0], weighed.ratio, answer.trusted_ratio);
+        let (height, height_by_weight) = sharper(slips[1], weighed.height, answer.trusted_height);
+        let spanned = |one: Quantity, other: Quantity| Quantity {
+            std: sqrt(one.std * one.std + (one.value - other.value) * (one.value - other.value)),
+            ..one
+        };
+        (answer.cg_ratio, answer.cg_height) = if differ {
+            (
+                spanned(weighed.ratio, slips[0]),
+                spanned(weighed.height, slips[1]),
+            )
+        } else {
+            (ratio, height)
+        };
+        answer.cg_distance = (1.0 - answer.cg_ratio.value) * settings.machine.wheelbase;
+        answer.payload = Some(weighed.payload);
+        let limits = &settings.estimator;
+        let (ratio, height) = (answer.cg_ratio, answer.cg_height);
+        answer.converged_ratio = ratio.std <= limits.converged_ratio * ratio.value.abs();
+        answer.converged_height = height.std <= limits.converged_height;
+        let believed = !weighed.open && !differ && answer.status != Status::Diverged;
+        if by_weight || differ {
+            (answer.excited_ratio, answer.identifiable_ratio) = (true, true);
+            answer.trusted_ratio = believed && answer.converged_ratio;
+        }
+        if height_by_weight || differ {
+            (answer.excited_height, answer.identifiable_height) = (true, true);
+            answer.trusted_height = believed && answer.converged_height;
+        }
+        if by_weight && height_by_weight {
+            // What the slips lack is no matter of the weight.
+            (answer.fresh, answer.consistent, answer.reason) = (true, true, Reason::None);
+        }
+        answer.trusted_payload = believed && weighed.payload.std <= KNOWN_PAYLOAD * weighed.mass;
+        if differ {
+            (answer.consistent, answer.reason) = (false, Reason::Disagreement);
+        } else if weighed.open {
+            answer.reason = Reason::Load;
+        }
+    }
+
+    fn compare(&mut self, slips: Quantity, weight: Quantity, dt: f64) {
+        let away = slips.value - weight.value;
+        let square = away * away / (slips.std * slips.std + weight.std * weight.std);
+        if square.is_finite() {
+            self.apart += (dt / MEMORY).clamp(0.0, 1.0) * (square - self.apart);
+        }
+    }
+}
+
+/// The sharper of both, and whether it is the weight's; slips that are not believed by themselves are never the sharper ones.
+fn sharper(slips: Quantity, weight: Quantity, believed: bool) -> (Quantity, bool) {
+    if believed && slips.std < weight.std {
+        (slips, false)
+    } else {
+        (weight, true)
+    }
+}

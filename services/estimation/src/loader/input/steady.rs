@@ -1,0 +1,38 @@
+//! What no drive and no road of a loader can do is missing.
+
+use crate::leap::{Leap, SteadyTorque};
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::sample::Sample;
+
+/// An axle pulls at least this share of the weight.
+const LEAST_PULL: f64 = 0.02;
+/// No road and no lag of its sensor tilts the machine faster [rad/s].
+const TILTING: f64 = 2.0;
+/// Roughness of a road, and the noise of the sensor, from row to row [rad].
+const ROUGHNESS: f64 = 0.15;
+
+/// Torques and slope without their leaps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::loader) struct Steady {
+    torques: [SteadyTorque; 2],
+    slope: Leap,
+}
+
+impl Steady {
+    /// Takes what leaps out of a row `dt` after the one before, of a machine of this mass [kg] and wheel radius [m].
+    pub(in crate::loader) fn watch(
+        &mut self,
+        sample: &mut Sample,
+        mass: f64,
+        radius: f64,
+        dt: f64,
+    ) {
+        let least = LEAST_PULL * mass * GRAVITY * radius;
+        let torques = [&mut sample.front_torque, &mut sample.rear_torque];
+        for (torque, steady) in torques.into_iter().zip(&mut self.torques) {
+            *torque = steady.pass(*torque, [least, 0.0], dt);
+        }
+        sample.slope = self.slope.pass(sample.slope, TILTING, ROUGHNESS, dt);
+    }
+}

@@ -1,0 +1,196 @@
+//! Moment, payload and centre of gravity of a drawing in a posture.
+
+use super::drawing::{Drawing, full_force};
+use super::numbers::{
+    BASE, BUCKET, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
+    HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, MASS, MASS_DISTANCE, NUMBERS, OFFSET,
+    PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO,
+};
+use super::turn::Turn;
+use crate::loader::layout::Each;
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::math::{sin_cos, sqrt};
+
+/// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
+pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
+/// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
+const UNKNOWN_BUCKET: f64 = 0.4;
+/// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
+const LEAST_LEVER: f64 = 0.2;
+/// A cylinder is no shorter, whatever its drawing says [m].
+const LEAST_LENGTH: f64 = 1e-3;
+/// The ground can carry the bucket while its pin is below this share of the arm's length.
+const LOW: f64 = 0.4;
+
+/// Arm, bucket and what is measured in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Posture {
+    /// The arm to the horizontal.
+    pub arm: Turn,
+    /// The bucket, pin to load, to the horizontal.
+    pub bucket: Turn,
+    /// Pressures [Pa].
+    pub head: f64,
+    pub rod: f64,
+    /// g cos(slope), and the specific force along the body [m/s^2].
+    pub gravity: f64,
+    pub acceleration: f64,
+    /// Friction as a share of its size, positive while the rod goes out.
+    pub seals: f64,
+    /// Friction beside it, as a share of the full force.
+    pub rest: f64,
+}
+
+/// Places of the masses from the pivot [m].
+struct Places {
+    arm: [f64; 2],
+    load: [f64; 2],
+}
+
+/// The machine with its arm where it is, before a payload is added.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Empty {
+    mass: f64,
+    /// First moments over the wheelbase, and above the ground [kg], [kg m].
+    front: f64,
+    up: f64,
+    /// What a kilogram of load adds to them [-], [m].
+    ahead: f64,
+    height: f64,
+}
+
+impl Empty {
+    /// Ratio and height of the centre of gravity with this payload.
+    pub fn with(&self, payload: f64) -> Each<f64> {
+        let mass = self.mass + payload;
+        Each {
+            ratio: (self.front + payload * self.ahead) / mass,
+            height: (self.up + payload * self.height) / mass,
+        }
+    }
+}
+
+/// Cosine and sine of the angles of arm and bucket to the horizontal.
+pub(super) fn turns(posture: &Posture) -> [f64; 4] {
+    let (arm, bucket) = (posture.arm, posture.bucket);
+    [arm.cosine, arm.sine, bucket.cosine, bucket.sine]
+}
+
+impl Drawing {
+    /// g cos(slope) [m/s^2].
+    pub fn gravity(&self, slope: f64) -> f64 {
+        GRAVITY * sin_cos(slope).1
+    }
+
+    /// Angle of the bucket from the horizontal [rad].
+    pub fn bucket_angle(&self, lift: f64, tilt: Option<f64>) -> f64 {
+        tilt.map_or(UNKNOWN_BUCKET, |tilt| lift + tilt)
+    }
+
+    /// The ground may carry the bucket.
+    pub fn is_low(&self, arm: Turn) -> bool {
+        self.values[PIVOT_Z] + self.values[LENGTH] * arm.sine < LOW * self.values[LENGTH]
+    }
+
+    /// Force of the cylinders at full pressure [N].
+    pub fn full_force(&self, v: &[f64; NUMBERS]) -> f64 {
+        full_force(self.count, v)
+    }
+
+    /// Standard deviation of the cylinders' force by the noise of the pressures [N].
+    pub fn force_std(&self) -> f64 {
+        let (head, rod) = (self.values[HEAD_AREA], self.values[ROD_AREA]);
+        self.count * self.pressure_std * sqrt(head * head + rod * rod)
+    }
+
+    /// Length of the cylinder [m].
+    pub fn rod_length(&self, arm: Turn) -> f64 {
+        self.cylinder(&self.values, arm).0
+    }
+
+    /// Lever of the cylinder [m].
+    pub fn lever(&self, arm: Turn) -> f64 {
+        self.cylinder(&self.values, arm).1
+    }
+
+    /// Length of the cylinder and its lever [m].
+    fn cylinder(&self, v: &[f64; NUMBERS], arm: Turn) -> (f64, f64) {
+        let off = v[LIFT_ZERO] + v[CYLINDER_ANGLE] - self.values[CYLINDER_ANGLE];
+        let Turn { sine, cosine } = arm.and(self.cylinder).by(off);
+        let (base, eye) = (v[BASE], v[EYE]);
+        let square = base * base + eye * eye - 2.0 * base * eye * cosine;
+        let length = sqrt(square.max(LEAST_LENGTH * LEAST_LENGTH));
+        (length, base * eye * sine / length)
+    }
+
+    fn places(v: &[f64; NUMBERS], arm: Turn, bucket: Turn) -> Places {
+        Places {
+            arm: [v[MASS_DISTANCE] * arm.cosine, v[MASS_DISTANCE] * arm.sine],
+            load: [
+                v[LENGTH] * arm.cosine + v[LOAD_DISTANCE] * bucket.cosine,
+                v[LENGTH] * arm.sine + v[LOAD_DISTANCE] * bucket.sine,
+            ],
+        }
+    }
+
+    /// Where the masses are, the sensors' zeros being off.
+    fn places_now(v: &[f64; NUMBERS], posture: &Posture) -> Places {
+        let arm = posture.arm.by(v[LIFT_ZERO]);
+        let bucket = posture.bucket.by(v[LIFT_ZERO] + v[TILT_ZERO]);
+        Self::places(v, arm, bucket)
+    }
+
+    /// Moment of the empty arm and bucket, and that of a kilogram of load [N m], [N m/kg].
+    pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
+        let places = Self::places_now(v, posture);
+        let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
+        let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
+        let missed: f64 = self
+            .missed
+            .iter()
+            .zip(turns(posture))
+            .map(|(m, turn)| m * turn)
+            .sum();
+        (
+            v[MASS] * of(places.arm) + (v[BUCKET] + v[EXCHANGED]) * of(places.load) + missed,
+            per_load,
+        )
+    }
+
+    /// Moment of the cylinders less their friction [N m].
+    pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
+        let (_, lever) = self.cylinder(v, posture.arm);
+        let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
+        let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
+        let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
+        lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
+    }
+
+    /// The payload that the pressures of this row show [kg].
+    pub fn payload(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
+        let (empty, per_load) = self.moments(v, posture);
+        (self.lifting(v, posture) - empty) / per_load
+    }
+
+    /// The machine with its arm in this posture.
+    pub fn empty_at(&self, v: &[f64; NUMBERS], posture: &Posture) -> Empty {
+        let now = Self::places_now(v, posture);
+        // The reference is where the arm truly stood.
+        let then = Self::places(v, self.reference[0], self.reference[1]);
+        let moved = |axis: usize| {
+            v[MASS] * (now.arm[axis] - then.arm[axis])
+                + v[BUCKET] * (now.load[axis] - then.load[axis])
+        };
+        let ahead = (self.wheelbase + v[PIVOT_X] + now.load[0]) / self.wheelbase;
+        let height = v[PIVOT_Z] + now.load[1];
+        Empty {
+            mass: v[EMPTY_MASS] + v[EXCHANGED],
+            front: v[EMPTY_MASS] * v[EMPTY_RATIO]
+                + moved(0) / self.wheelbase
+                + v[EXCHANGED] * ahead,
+            up: v[EMPTY_MASS] * v[EMPTY_HEIGHT] + moved(1) + v[EXCHANGED] * height,
+            ahead,
+            height,
+        }
+    }
+}

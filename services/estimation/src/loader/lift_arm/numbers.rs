@@ -1,0 +1,29 @@
+//! The numbers of a drawing, by their place in its arrays.
+
+pub(super) const LENGTH: usize = 0;
+pub(super) const MASS: usize = 1;
+pub(super) const MASS_DISTANCE: usize = 2;
+pub(super) const BUCKET: usize = 3;
+pub(super) const LOAD_DISTANCE: usize = 4;
+pub(super) const HEAD_AREA: usize = 5;
+pub(super) const ROD_AREA: usize = 6;
+pub(super) const BASE: usize = 7;
+pub(super) const EYE: usize = 8;
+pub(super) const CYLINDER_ANGLE: usize = 9;
+pub(super) const PIVOT_X: usize = 10;
+pub(super) const PIVOT_Z: usize = 11;
+pub(super) const EMPTY_MASS: usize = 12;
+pub(super) const EMPTY_RATIO: usize = 13;
+pub(super) const EMPTY_HEIGHT: usize = 14;
+pub(super) const FRICTION: usize = 15;
+pub(super) const HEAD_ZERO: usize = 16;
+pub(super) const ROD_ZERO: usize = 17;
+pub(super) const LIFT_ZERO: usize = 18;
+pub(super) const TILT_ZERO: usize = 19;
+/// What the bucket weighs beyond the one that the empty machine was weighed with.
+pub(super) const EXCHANGED: usize = 20;
+/// Numbers of a calibration: relative error of the moment, and force that the pressures show too much.
+pub(super) const SPAN: usize = 21;
+pub(super) const OFFSET: usize = 22;
+/// How many there are.
+pub(super) const NUMBERS: usize = 23;

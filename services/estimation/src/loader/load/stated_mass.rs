@@ -1,0 +1,167 @@
+//! Whether the machine is as heavy as stated: force over acceleration by all rows, and by those in which the torques drive; and what
+//! that says of a load that nobody reports.
+//!
+//! Brakes that nobody tells make a machine look lighter while it brakes, and leave it as it is while it drives.
+
+use super::inertia::{Force, Inertia, Push};
+use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
+use crate::math::{exp, sqrt};
+
+/// A reported mass that changes by this share is weighed.
+const WEIGHS: f64 = 0.01;
+/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
+const USUAL_GAIN: f64 = 0.035;
+/// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how
+/// much. How often was chosen as `SHARED_SLIP` of `filter/doubt` was.
+const ONE_AXLE: (f64, f64) = (0.015, 0.15);
+
+/// What is known of the mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StatedMass {
+    /// Mass of the first row [kg], and whether a reported one has changed since: then it is weighed, and not only stated.
+    first: f64,
+    is_weighed: bool,
+    /// By all rows, and by those in which the torques drive.
+    inertia: Inertia,
+    driven: Inertia,
+    unreported_load: UnreportedLoad,
+}
+
+/// What holds in a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// The mass with its load is stated.
+    pub states_mass: bool,
+    /// The torques alone move the machine.
+    pub tells: bool,
+    /// They drive it.
+    pub drives: bool,
+    /// Slower than this, stiction and the ground act.
+    pub stands: bool,
+    /// Something pushes that the torques do not explain.
+    pub pushes: bool,
+}
+
+/// Bayes' rule on kappa - 1: tolerances of mass, radius and both torques together, or one axle's torque, which moves it half as far.
+fn one_axle(force: &Force) -> (f64, f64) {
+    let away = force.state[0] - 1.0;
+    let usual = USUAL_GAIN * USUAL_GAIN + force.covariance[0][0];
+    let own = ONE_AXLE.1 * ONE_AXLE.1;
+    let other = usual + 0.25 * own;
+    let odds = (1.0 - ONE_AXLE.0) / ONE_AXLE.0
+        * sqrt(other / usual)
+        * exp(0.5 * away * away * (1.0 / other - 1.0 / usual));
+    let (probability, gain) = (1.0 / (1.0 + odds), 0.5 * own / other);
+    let square = gain * gain * away * away + own - 0.5 * gain * own;
+    (probability, sqrt(probability * square))
+}
+
+impl StatedMass {
+    /// Takes a row with the mass that is taken for true [kg].
+    pub fn see(&mut self, mass: f64, row: &Push, kind: &Kind, dt: f64) {
+        if self.first == 0.0 {
+            self.first = mass;
+        }
+        let changed = (mass - self.first).abs() > WEIGHS * mass;
+        self.is_weighed |= kind.states_mass && changed;
+        if self.is_weighed {
+            self.inertia.mass_is_reported();
+            self.driven.mass_is_reported();
+        }
+        self.driven.see(row, kind.tells && kind.drives, true, dt);
+        let lighter = self.driven.excess() > 0.0;
+        self.inertia.see(row, kind.tells, lighter, dt);
+        if self.is_weighed || self.inertia.stepped() {
+            self.unreported_load.settle();
+        } else {
+            self.expect_load(row, kind, dt);
+        }
+    }
+
+    /// A load that nobody reports may come or go while the machine is idle.
+    fn expect_load(&mut self, row: &Push, kind: &Kind, dt: f64) {
+        // Who has carried a load that nobody reported may do so whenever it is slow.
+        let carries = self.inertia.since_step().is_finite();
+        let slow = row.speed.abs() < SLOW;
+        let idle = kind.stands || slow && (kind.pushes || carries);
+        let between = if kind.states_mass {
+            BETWEEN_STATED
+        } else {
+            BETWEEN
+        };
+        let idle = if idle { (dt / between).min(1.0) } else { 0.0 };
+        let tells = kind.tells && !(slow && carries);
+        let (signals, known) = (self.inertia.signals(), self.inertia.known());
+        self.unreported_load.see(signals, known, idle, tells, dt);
+    }
+
+    /// By how much the machine is lighter (or its torques larger) than stated, beyond tolerances and chance; negative where it is
+    /// heavier.
+    pub fn lighter(&self) -> f64 {
+        let all = self.inertia.excess();
+        all.min(self.driven.excess().max(0.0))
+    }
+
+    /// By how much stated and true mass differ, as a share, whatever tolerances explain.
+    pub fn off(&self) -> f64 {
+        let by = if self.lighter() > 0.0 {
+            &self.driven
+        } else {
+            &self.inertia
+        };
+        (1.0 - by.gain()).abs()
+    }
+
+    /// Whether the torque of one axle is off: probability, and what the mixture makes of its relative error, as a standard deviation.
+    pub fn axle_torque(&self) -> (f64, f64) {
+        let filter = if self.inertia.gain() > 1.0 {
+            &self.driven
+        } else {
+            &self.inertia
+        };
+        one_axle(filter.known())
+    }
+
+    /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
+    pub fn carried(&self) -> f64 {
+        (1.0 - self.inertia.gain()).max(0.0)
+    }
+
+    /// A load came or went with this row, and nobody reported it.
+    pub fn load_stepped(&self) -> bool {
+        self.inertia.stepped()
+    }
+
+    /// By how much the load is another one than that under which the ratio was learnt, as a share of the machine,
+    /// as far as that is probable.
+    pub fn other_load(&self) -> f64 {
+        self.unreported_load.share()
+    }
+
+    /// Time since a load came or went that nobody reported [s].
+    pub fn since_load(&self) -> f64 {
+        self.inertia.since_step()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torque_that_reads_low_on_one_axle_is_likelier_the_further_force_and_acceleration_are_apart()
+     {
+        let at = |kappa: f64| {
+            let mut force = Force::default();
+            force.state[0] = kappa;
+            force.covariance[0][0] = 4e-4;
+            one_axle(&force)
+        };
+        let [sound, off, far] = [1.01, 1.08, 1.15].map(at);
+        assert!(sound.0 < 0.02 && sound.1 < 0.02, "{sound:?}");
+        assert!(off.1 > 0.025 && off.1 > 2.0 * sound.1, "{off:?}");
+        assert!(far.0 > 0.5 && far.1 > 0.15, "{far:?}");
+        assert!(at(0.85).0 > 0.5);
+    }
+}

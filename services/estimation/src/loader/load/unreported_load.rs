@@ -1,0 +1,168 @@
+//! A load that nobody tells: how probable it is that the bucket holds another than the one under which the ratio was learnt.
+//!
+//! A loader fills and empties its bucket slowly, and force over acceleration tells of it as soon as its torques move it, at any speed.
+//! Two filters of kappa, c and z (`inertia`) go on from what was known before the machine was idle: one with the same load, one
+//! with another, which moves kappa by d. Bayes' rule weighs them (an interacting multiple model; Blom, Bar-Shalom 1988):
+//! ```text
+//! idle:     q+ = q + (1 - q) dt/T,   and the other filter takes over as much of the first one's state, moved by d
+//! moving:   q/(1 - q) *= N(y_other; 0, S_other)/N(y_same; 0, S_same)
+//! ```
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | q | `probability` | the load is another one | 1 |
+//! | T | `BETWEEN` | idle time between two changes: the machine stands, or slowly pushes against what its torques do not explain | s |
+//! | d | - | by how much another load would move kappa | 1 |
+//! | y, S | - | innovation of the acceleration in either filter, and its variance | m/s^2 |
+//!
+//! What neither filter knows (how the machine rolls backward, where the accelerometer's zero is) speaks for none of them.
+
+use super::inertia::{Force, LARGEST, STATES};
+use crate::math::{exp, ln, sqrt};
+
+/// Slower than this a bucket is filled against the ground: penetration of a V cycle [m/s].
+pub const SLOW: f64 = 1.5;
+/// Idle time between two changes: a V cycle of 40 s has two, and is idle for half of it [s].
+pub const BETWEEN: f64 = 10.0;
+/// The same where each row states a mass that has never changed: one change in a hundred is not in it [s].
+pub const BETWEEN_STATED: f64 = 1000.0;
+/// Share of the loaded machine that a usual load is: rated payload over operating mass with it.
+const USUAL_LOAD: f64 = 0.22;
+/// From this share of it on the machine counts as loaded.
+const HALF: f64 = 0.5;
+/// Standard deviation of what another load moves kappa by: from a third of a bucket to a heaped one.
+const OTHER_STD: f64 = 0.08;
+/// A probability below this is none, and none is nearer to 1: no row is as certain as its noise says.
+const LEAST: f64 = 1e-3;
+
+/// Memory of what a bucket may hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct UnreportedLoad {
+    probability: f64,
+    /// The same load, and another one; since the machine was idle.
+    filters: Option<[Force; 2]>,
+}
+
+impl UnreportedLoad {
+    /// Takes a row; `known` is kappa after it, `signals` are smoothed. It is `idle` by this share of the time between two changes, and
+    /// `counts` where the torques alone move the machine.
+    pub fn see(&mut self, signals: [f64; 3], known: &Force, idle: f64, counts: bool, dt: f64) {
+        if idle > 0.0 {
+            self.idle(known, idle);
+        }
+        let Some([same, other]) = &mut self.filters else {
+            return;
+        };
+        if !counts {
+            return;
+        }
+        let [first, second] = [same, other].map(|filter| filter.see(signals, dt));
+        if first[0].abs().min(second[0].abs()) < LARGEST {
+            let unlikely = |[y, s]: [f64; 2]| y * y / s + ln(s);
+            let likelier = 0.5 * (unlikely(first) - unlikely(second));
+            let kept = (1.0 - self.probability).max(LEAST) * exp(-likelier);
+            self.probability = (self.probability / (self.probability + kept)).min(1.0 - LEAST);
+        }
+        // Neither a certain row nor a bad one leaves anything to learn.
+        let least = LEAST * USUAL_LOAD * USUAL_LOAD;
+        if self.probability.is_nan() || self.square() < least && idle == 0.0 {
+            self.settle();
+        }
+    }
+
+    /// A share of the time between two changes passes.
+    fn idle(&mut self, known: &Force, share: f64) {
+        let changes = (1.0 - self.probability) * share;
+        self.probability += changes;
+        let [same, other] = self.filters.get_or_insert_with(|| {
+            let mut known = *known;
+            known.open_zero();
+            [known; 2]
+        });
+        let loaded = same.state[0] < 1.0 - HALF * USUAL_LOAD;
+        let by = if loaded { USUAL_LOAD } else { -USUAL_LOAD };
+        let weight = changes / self.probability.max(f64::MIN_POSITIVE);
+        let mut away = [0.0; STATES];
+        for (i, away) in away.iter_mut().enumerate() {
+            let moved = if i == 0 { by } else { 0.0 };
+            *away = same.state[i] + moved - other.state[i];
+        }
+        for i in 0..STATES {
+            other.state[i] += weight * away[i];
+            for j in 0..STATES {
+                let of_load = if i + j == 0 {
+                    OTHER_STD * OTHER_STD
+                } else {
+                    0.0
+                };
+                let fresh = same.covariance[i][j] + of_load + (1.0 - weight) * away[i] * away[j];
+                other.covariance[i][j] += weight * (fresh - other.covariance[i][j]);
+            }
+        }
+    }
+
+    /// What was learnt is of the load that is carried now.
+    pub fn settle(&mut self) {
+        *self = Self::default();
+    }
+
+    /// By how much the load is another one, as a share of the machine: root of the mixture's mean square.
+    pub fn share(&self) -> f64 {
+        sqrt(self.square())
+    }
+
+    fn square(&self) -> f64 {
+        self.filters.map_or(0.0, |[same, other]| {
+            let away = other.state[0] - same.state[0];
+            self.probability * (away * away + other.covariance[0][0])
+        })
+    }
+
+    /// Probability of another load.
+    #[cfg(test)]
+    fn probability(&self) -> f64 {
+        self.probability
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stands for `slow` seconds, then drives with this kappa, at this speed and with this zero of the accelerometer; the probability
+    /// before and after.
+    fn drive(slow: u32, kappa: f64, speed: f64, zero: f64) -> [f64; 2] {
+        let mut known = Force::default();
+        known.covariance[0][0] = 1e-4;
+        let mut unreported_load = UnreportedLoad::default();
+        (0..100 * slow).for_each(|_| {
+            unreported_load.see([zero, 0.0, 1.0], &known, 0.01 / BETWEEN, false, 0.01)
+        });
+        let before = unreported_load.probability();
+        for k in 0..600 {
+            let pull = f64::from(k % 300 < 200) * 0.8_f64.copysign(speed);
+            let resists = 0.2_f64.copysign(speed);
+            let signals = [kappa * pull - resists + zero, pull, 1.0_f64.copysign(speed)];
+            unreported_load.see(signals, &known, 0.0, true, 0.01);
+        }
+        [before, unreported_load.probability()]
+    }
+
+    #[test]
+    fn an_idle_machine_may_hold_another_load_and_a_driven_one_shows_it() {
+        assert_eq!(drive(0, 1.0, 2.0, 0.0), [0.0; 2]);
+        let [slow, same] = drive(10, 1.0, 2.0, 0.0);
+        assert!((0.6..0.7).contains(&slow) && same < 0.05, "{slow} {same}");
+        let [_, loaded] = drive(10, 1.0 - USUAL_LOAD, 2.0, 0.0);
+        assert!(loaded > 0.95, "{loaded}");
+    }
+
+    #[test]
+    fn the_zero_of_the_accelerometer_is_no_load_of_a_machine_that_turns_round() {
+        for zero in [-0.1, 0.1] {
+            let [_, same] = drive(10, 1.0, -2.0, zero);
+            let [_, loaded] = drive(10, 1.0 - USUAL_LOAD, -2.0, zero);
+            assert!(same < 0.2 && loaded > 0.8, "{zero} {same} {loaded}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Noise of the accelerometer where it is mounted: pitching and heaving move it, and no data sheet says so.
+//!
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | e | `residual` | specific force that the torques do not explain | m/s^2 |
+//! | t1, t2 | `SHORT`, `LONG` | time constants of 5 Hz and 1 Hz | s |
+//! | sigma | `std` | white noise with the same density between 1 and 5 Hz | m/s^2 |
+//!
+//! A body pitches at 2 to 3 Hz. An accelerometer half a metre off its centre of gravity shows a tenth of m/s^2 of that, in step with the
+//! axle loads that make the slips waver: a filter that takes it for little white noise reads slips from it, ten percent off. The
+//! torques tell the acceleration in that band better, so what lies between them there is the sensor's:
+//! ```text
+//! e_b = e smoothed over t1, less e smoothed over t2
+//! E e_b^2 = sigma^2 dt [1/(2 t1) + 1/(2 t2) - 2/(t1 + t2)]
+//! ```
+//! What is described is the least. At the start much is doubted, for two seconds of driving.
+
+use crate::math::sqrt;
+
+/// Time constants of 5 Hz and of 1 Hz [s].
+const SHORT: f64 = 0.032;
+const LONG: f64 = 0.16;
+/// int h^2 of the band's kernel [1/s].
+const BAND: f64 = 0.5 / SHORT + 0.5 / LONG - 2.0 / (SHORT + LONG);
+/// Averaging time [s].
+const MEMORY: f64 = 20.0;
+/// Noise that is expected before the first row, and how long it counts [m/s^2], [s].
+const START: (f64, f64) = (0.15, 2.0);
+/// A residual beyond this is a force, no noise [m/s^2].
+const MOST: f64 = 1.0;
+/// Found noise up to this multiple of the described one is the described one: chance, and the noise of the torques.
+const SAME: f64 = 2.0;
+
+/// Memory of the residuals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Shaking {
+    short: f64,
+    long: f64,
+    /// Mean sigma^2 and the time that it stands for.
+    square: f64,
+    time: f64,
+}
+
+impl Default for Shaking {
+    fn default() -> Self {
+        Self {
+            short: 0.0,
+            long: 0.0,
+            square: START.0 * START.0,
+            time: START.1,
+        }
+    }
+}
+
+impl Shaking {
+    /// Takes the unexplained specific force of a row [m/s^2]; `counts` where torques and nothing else move the machine.
+    pub fn see(&mut self, residual: f64, counts: bool, dt: f64) {
+        let residual = residual.clamp(-MOST, MOST);
+        self.short += (dt / SHORT).min(1.0) * (residual - self.short);
+        self.long += (dt / LONG).min(1.0) * (residual - self.long);
+        if counts {
+            let band = self.short - self.long;
+            self.time = (self.time + dt).min(MEMORY);
+            let weight = (dt / self.time).min(1.0);
+            self.square += weight * (band * band / (BAND * dt) - self.square);
+        }
+    }
+
+    /// Standard deviation of the specific force where `described` is what the sensor is said to have [m/s^2].
+    pub fn std(&self, described: f64) -> f64 {
+        let found = sqrt(self.square.max(0.0));
+        if found > SAME * described {
+            found
+        } else {
+            described
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found after a minute of residuals at 100 Hz.
+    fn found(residual: impl Fn(u32) -> f64) -> f64 {
+        let mut shaking = Shaking::default();
+        for k in 0..6000 {
+            shaking.see(residual(k), true, 0.01);
+        }
+        shaking.std(0.05)
+    }
+
+    #[test]
+    fn a_pitching_sensor_is_noisier_than_described_and_a_steady_one_is_not() {
+        let pitching = found(|k| 0.12 * f64::sin(core::f64::consts::TAU * 0.025 * f64::from(k)));
+        assert!((0.2..0.6).contains(&pitching), "{pitching}");
+        // White: +-0.05 by a shift register.
+        let white = found(|k| {
+            if k.wrapping_mul(2_654_435_761) >> 31 == 0 {
+                0.05
+            } else {
+                -0.05
+            }
+        });
+        assert_eq!(white, 0.05);
+        // A slope that is off does not pitch.
+        assert_eq!(found(|_| 0.3), 0.05);
+    }
+}

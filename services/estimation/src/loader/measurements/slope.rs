@@ -1,0 +1,77 @@
+//! How far the slope sensor is to be believed: its errors beside a constant bias, seen in the motion.
+//!
+//! ```text
+//! e = (a_x - g sin(slope) - dv/dt)/g
+//! ```
+//! with dv/dt from the wheels, all smoothed over half a second. An inclinometer that follows the acceleration, lags or shakes
+//! shows here; its bias, which the filter learns, does not. The size of e becomes the random walk of the bias: a sensor
+//! without such errors keeps a constant bias, and the slope then tells the acceleration. At the start nothing is known
+//! and much is doubted.
+
+use crate::math::{sin_cos, sqrt};
+
+use crate::loader::physics::wheel_dynamics::GRAVITY;
+
+/// Smoothing of the signals [s].
+const SMOOTH: f64 = 0.5;
+/// Averaging time of the mean and the variance of the error [s].
+const MEMORY: f64 = 10.0;
+/// Error that is doubted before the first second [rad].
+const DOUBT: f64 = 0.01;
+/// Error that the slip of the wheels alone may show [rad].
+const SLIP: f64 = 0.002;
+/// The error goes on for about this long: its random walk reaches its size in this time [s].
+const CORRELATION: f64 = 1.0;
+
+/// Memory of the slope's errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SlopeError {
+    started: bool,
+    /// Smoothed wheel speed [m/s] and smoothed a_x - g sin(slope) [m/s^2].
+    speed: f64,
+    free: f64,
+    mean: f64,
+    variance: f64,
+}
+
+impl Default for SlopeError {
+    fn default() -> Self {
+        Self {
+            started: false,
+            speed: 0.0,
+            free: 0.0,
+            mean: 0.0,
+            variance: DOUBT * DOUBT,
+        }
+    }
+}
+
+impl SlopeError {
+    /// Takes the mean rim speed of the wheels [m/s], the specific force and the slope of a row.
+    pub fn see(&mut self, rim_speed: f64, acceleration: f64, slope: f64, dt: f64) {
+        let free = acceleration - GRAVITY * sin_cos(slope).0;
+        if !self.started {
+            (self.started, self.speed, self.free) = (true, rim_speed, free);
+        }
+        let weight = (dt / SMOOTH).min(1.0);
+        let rate = (rim_speed - self.speed) / SMOOTH;
+        self.speed += weight * (rim_speed - self.speed);
+        self.free += weight * (free - self.free);
+        let error = (self.free - rate) / GRAVITY;
+        let weight = (dt / MEMORY).min(1.0);
+        let away = error - self.mean;
+        self.mean += weight * away;
+        self.variance += weight * (away * away - self.variance);
+    }
+
+    /// Size of the errors beside the bias [rad].
+    pub fn size(&self) -> f64 {
+        sqrt((self.variance - SLIP * SLIP).max(0.0))
+    }
+
+    /// Random walk of the bias over a step of `dt`, as a standard deviation [rad].
+    pub fn walk(&self, dt: f64) -> f64 {
+        self.size() * sqrt(dt / CORRELATION)
+    }
+}

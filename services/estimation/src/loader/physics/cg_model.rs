@@ -1,0 +1,213 @@
+//! The estimator's model of the loader: states, measurements, and the payload that is known beforehand.
+//!
+//! | states | x | filter |
+//! |---|---|---|
+//! | 6 | v, w_f, w_r, K, h, lam | the paper, (15)-(17) |
+//! | 8 | .., d_f, d_r | no accelerometer |
+//! | 10 | .., F_x, d_f, d_r, b | recommended |
+//! | 9, 11 | those of 8 or 10, tau | the speed comes late |
+//! | 12 | those of 10, e, tau | the radii give with the load, by more or less than is stated |
+//!
+//! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
+//! A late speed is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is
+//! twice the slip speed.
+//! The load that an acceleration moves changes the radii with the acceleration, as the slips change that tell the ratio: driving
+//! forward, e and lam look alike. Driving backward the slips change their sign against the acceleration, and the radii do not:
+//! then both are known. So e is a state, for both to be as uncertain as they are.
+//! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
+//! the measurement noise); (17) rewrites (15), not (12).
+
+use core::ops::Range;
+
+use super::tangent::Tangent;
+use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
+use crate::dual::Dual;
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
+use crate::math::sin_cos;
+use crate::model::Model;
+use crate::scalar::Scalar;
+
+/// Loaded centre of gravity as a function of the empty machine's: h = share h_0 + `height`, lam = share lam_0 + `ratio`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Loading {
+    /// Empty mass over total mass.
+    pub share: f64,
+    /// The payload's part of the height \[m\].
+    pub height: f64,
+    /// The payload's part of the ratio.
+    pub ratio: f64,
+}
+
+impl Loading {
+    /// No known payload: the states are the loaded machine's.
+    pub const NONE: Self = Self {
+        share: 1.0,
+        height: 0.0,
+        ratio: 0.0,
+    };
+}
+
+/// How the process model is integrated over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integration {
+    /// Linearly implicit: stable at every speed.
+    Implicit,
+    /// Explicit Euler (18): unstable for a real machine. For comparison only.
+    Euler,
+}
+
+/// One step of the loader under given inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CgModel {
+    /// The machine, its mass that of this step.
+    pub dynamics: WheelDynamics,
+    /// Inputs of the step.
+    pub inputs: Inputs,
+    /// Length of the step \[s\].
+    pub dt: f64,
+    /// Integration.
+    pub integration: Integration,
+    /// Parts into which the step is divided.
+    pub substeps: u32,
+    /// Known payload.
+    pub loading: Loading,
+}
+
+impl CgModel {
+    /// The parameters of a state, the payload added.
+    fn parameters<T: Scalar, const N: usize>(&self, state: &[T; N]) -> Parameters<T> {
+        let Loading {
+            share,
+            height,
+            ratio,
+        } = self.loading;
+        let parameters = Parameters::of(state);
+        Parameters {
+            cg_height: parameters.cg_height * share + height,
+            cg_ratio: parameters.cg_ratio * share + ratio,
+            ..parameters
+        }
+    }
+
+    /// The motion one step later, and the road.
+    fn advance<T: Scalar, const N: usize>(&self, state: &[T; N]) -> (Motion<T>, Road<T>) {
+        let (old, parameters) = (Motion::of(state), self.parameters(state));
+        let road = Road::of(-parameters.slope_bias + self.inputs.slope);
+        let new = match self.integration {
+            Integration::Implicit => self.dynamics.substeps(
+                &old,
+                &parameters,
+                &self.inputs,
+                &road,
+                self.dt,
+                self.substeps,
+            ),
+            Integration::Euler => self.dynamics.euler(
+                &old,
+                &parameters,
+                &self.inputs,
+                &road,
+                self.dt,
+                self.substeps,
+            ),
+        };
+        (new, road)
+    }
+
+    /// The same with its derivatives by the state.
+    pub(in crate::loader) fn tangent<const N: usize>(
+        &self,
+        state: &[f64; N],
+    ) -> (Tangent<N>, Road<f64>) {
+        let parameters = self.parameters(state);
+        let (sine, cosine) = sin_cos(self.inputs.slope - parameters.slope_bias);
+        let road = Road { sine, cosine };
+        if self.integration == Integration::Euler {
+            return (self.dual_tangent(state), road);
+        }
+        let part = self.dt / f64::from(self.substeps);
+        let step = |motion| {
+            self.dynamics
+                .step_tangent(&motion, &parameters, &self.inputs, &road, part)
+        };
+        let mut tangent: Tangent<N> = step(Motion::of(state));
+        for _ in 1..self.substeps {
+            tangent = tangent.then(&step(tangent.motion));
+        }
+        for row in &mut tangent.by {
+            row[CG_HEIGHT] *= self.loading.share;
+            row[CG_RATIO] *= self.loading.share;
+        }
+        (tangent, road)
+    }
+
+    /// The derivatives by dual numbers: for a form of the process whose derivatives are not written out.
+    fn dual_tangent<const N: usize>(&self, state: &[f64; N]) -> Tangent<N> {
+        let seeded: [Dual<N>; N] = core::array::from_fn(|k| {
+            Dual::new(
+                state[k],
+                core::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
+            )
+        });
+        let motion = self.advance(&seeded).0;
+        let rows = [
+            motion.speed,
+            motion.front_wheel_speed,
+            motion.rear_wheel_speed,
+        ];
+        Tangent {
+            motion: Motion::of(&rows.map(|row| row.value)),
+            by: rows.map(|row| row.derivative),
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Model<N, M> for CgModel {
+    const DYNAMIC: usize = 3;
+    const DIRECT: Range<usize> = Layout::of(N).direct();
+    const PASSIVE: usize = match Layout::of(N).speed_delay {
+        Some(delay) => delay,
+        None => N,
+    };
+
+    fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
+        let (old, (new, road)) = (Motion::of(state), self.advance(state));
+        let mut next = *state;
+        new.put(&mut next);
+        let rate = (new.speed - old.speed) / self.dt;
+        let measurement =
+            core::array::from_fn(|j| match (j, const { Layout::of(N) }.speed_delay) {
+                (SPEED, Some(delay)) => next[SPEED] - rate * state[delay],
+                (SPEED..=REAR_WHEEL, _) => next[j],
+                _ => rate + road.sine * GRAVITY,
+            });
+        (next, measurement)
+    }
+
+    /// The delay of the speed moves nothing.
+    fn measure<T: Scalar>(
+        &self,
+        state: &[T; N],
+        center: &([f64; N], [f64; M]),
+    ) -> ([T; N], [T; M]) {
+        let (next, mut measurement) = (center.0.map(T::constant), center.1.map(T::constant));
+        if let Some(delay) = const { Layout::of(N) }.speed_delay {
+            let rate = (next[SPEED] - state[SPEED]) / self.dt;
+            measurement[SPEED] = next[SPEED] - rate * state[delay];
+        }
+        (next, measurement)
+    }
+
+    /// The speed noise of the step acts on the specific force as q_v/dt, and what measures a state sees its noise.
+    fn noise_coupling(&self) -> [[f64; N]; M] {
+        let mut coupling = [[0.0; N]; M];
+        for (j, row) in coupling.iter_mut().enumerate().take(3) {
+            row[j] = 1.0;
+        }
+        for row in coupling.iter_mut().skip(3) {
+            row[SPEED] = 1.0 / self.dt;
+        }
+        coupling
+    }
+}

@@ -1,0 +1,152 @@
+//! The linearly implicit step: backward Euler with frozen loads and slip denominators, in closed form. Unconditionally stable,
+//! constant cost, any sign of v, standstill included.
+
+use super::{Inputs, Motion, Parameters, Road, WheelDynamics};
+use crate::loader::physics::axle_loads::axle_loads;
+use crate::scalar::Scalar;
+
+/// Loads and friction are inserted into the step this often.
+const PASSES: usize = 2;
+
+/// One axle in a pass of the implicit step.
+struct Axle<T> {
+    /// 0 in front, 1 behind.
+    axle: usize,
+    torque: f64,
+    /// Relative radius error.
+    error: T,
+    /// Error of the load sensitivity of the radius.
+    sensitivity_error: T,
+    load: T,
+    stiffness: T,
+    acceleration: T,
+}
+
+/// What one wheel contributes to the implicit step.
+pub(in crate::loader::physics) struct Wheel<T> {
+    /// r_i c_i: force per slip speed times radius.
+    pull: T,
+    /// N_i = 1 + dt r_i^2 c_i/I.
+    pub denominator: T,
+    /// g_i = c_i/N_i.
+    pub grip: T,
+    /// r_i w_i + dt r_i T_i/I: rim speed without the ground.
+    free_rim_speed: T,
+}
+
+impl WheelDynamics {
+    /// One linearly implicit step of `dt` seconds.
+    #[inline]
+    pub fn step<T: Scalar>(
+        &self,
+        old: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+        dt: f64,
+    ) -> Motion<T> {
+        let drag = self.drag(old.speed, u, road) + p.spade_force_x + u.spade_force_x;
+        let radius_front = (p.front_radius_error + 1.0) * self.wheel_radius;
+        let radius_rear = (p.rear_radius_error + 1.0) * self.wheel_radius;
+        let mut acceleration = self.rigid_acceleration(radius_front, radius_rear, u, drag);
+        let mut new = *old;
+        for _ in 0..PASSES {
+            let (load_front, load_rear) = axle_loads(
+                self,
+                acceleration,
+                p.cg_height,
+                p.cg_ratio,
+                u.spade_force_z,
+                road,
+            );
+            let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
+            let axle = |axle, torque, error, load| Axle {
+                axle,
+                torque,
+                error,
+                sensitivity_error: p.load_sensitivity_error,
+                load,
+                stiffness: p.slip_stiffness,
+                acceleration,
+            };
+            let (error_front, error_rear) = (p.front_radius_error, p.rear_radius_error);
+            let front = axle(0, u.front_torque, error_front, load_front);
+            let front = self.grip(&front, w_front, [new.speed, new.front_wheel_speed], dt);
+            let rear = axle(1, u.rear_torque, error_rear, load_rear);
+            let rear = self.grip(&rear, w_rear, [new.speed, new.rear_wheel_speed], dt);
+            let push = front.grip * front.free_rim_speed + rear.grip * rear.free_rim_speed - drag;
+            let speed = (old.speed + push * (dt / self.mass))
+                / ((front.grip + rear.grip) * (dt / self.mass) + 1.0);
+            new = Motion {
+                speed,
+                front_wheel_speed: self.wheel_speed(&front, u.front_torque, w_front, speed, dt),
+                rear_wheel_speed: self.wheel_speed(&rear, u.rear_torque, w_rear, speed, dt),
+            };
+            acceleration = (speed - old.speed) / dt;
+        }
+        new
+    }
+
+    /// What an axle contributes at the speeds of body and wheels of the pass before.
+    #[inline(always)]
+    fn grip<T: Scalar>(
+        &self,
+        axle: &Axle<T>,
+        old_speed: T,
+        [speed, wheel_speed]: [T; 2],
+        dt: f64,
+    ) -> Wheel<T> {
+        let Axle { torque, load, .. } = *axle;
+        let radius = self.radius(axle.error, axle.sensitivity_error, load);
+        let unbent = self.axle_stiffness(axle.axle, axle.stiffness, load);
+        let stiffness = self.stiffness(unbent, torque, radius, load, axle.acceleration);
+        let slip_speed = self.slip_denominator(speed, radius * wheel_speed);
+        self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
+    }
+
+    /// `parts` linearly implicit steps of `dt / parts` with the same inputs.
+    #[inline]
+    pub fn substeps<T: Scalar>(
+        &self,
+        old: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+        dt: f64,
+        parts: u32,
+    ) -> Motion<T> {
+        let part = dt / f64::from(parts);
+        (0..parts).fold(*old, |motion, _| self.step(&motion, p, u, road, part))
+    }
+
+    #[inline(always)]
+    pub(in crate::loader::physics) fn wheel<T: Scalar>(
+        &self,
+        force_per_slip_speed: T,
+        torque: f64,
+        radius: T,
+        old_speed: T,
+        dt: f64,
+    ) -> Wheel<T> {
+        let pull = radius * force_per_slip_speed;
+        let denominator = radius * pull * (dt / self.axle_inertia) + 1.0;
+        Wheel {
+            pull,
+            denominator,
+            grip: force_per_slip_speed / denominator,
+            free_rim_speed: radius * (old_speed + dt * torque / self.axle_inertia),
+        }
+    }
+
+    #[inline(always)]
+    fn wheel_speed<T: Scalar>(
+        &self,
+        wheel: &Wheel<T>,
+        torque: f64,
+        old_speed: T,
+        speed: T,
+        dt: f64,
+    ) -> T {
+        (old_speed + (wheel.pull * speed + torque) * (dt / self.axle_inertia)) / wheel.denominator
+    }
+}
