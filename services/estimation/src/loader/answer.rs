@@ -22,7 +22,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
     let learns = Learns {
         radii: layout.radii.is_some(),
-        load_sensitivity: filter.sensitivity_left(),
+        load_sensitivity: filter.sensitivity_left(settings),
         acceleration: M > 3,
     };
     let doubted = |std: f64, beyond: f64, centre: f64| {
@@ -52,7 +52,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
 ) -> Estimate {
     let x = filter.state();
     let layout = const { Layout::of(N) };
-    let doubt = filter.doubt();
+    let doubt = filter.doubt(settings);
     let (centre, intervals) = intervals(filter, settings, &doubt);
     let reported = intervals.reported;
     let verdict = filter
@@ -73,7 +73,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
         speed: x[SPEED],
         front_wheel_speed: x[FRONT_WHEEL],
         rear_wheel_speed: x[REAR_WHEEL],
-        slip_stiffness: filter.slip_stiffness(),
+        slip_stiffness: filter.slip_stiffness(settings),
         cg_height: Quantity {
             value: centre.height,
             std: reported.height,

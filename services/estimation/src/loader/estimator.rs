@@ -166,7 +166,8 @@ impl CgEstimator {
         let lift = self.lift.as_mut()?;
         let weighed = lift.step(sample);
         let empty = lift.empty();
-        each!(&mut self.filter, f => f.set_weighed(weighed, empty));
+        let settings = &self.settings;
+        each!(&mut self.filter, f => f.set_weighed(settings, weighed, empty));
         weighed
     }
 
@@ -248,6 +249,6 @@ fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     method: Method,
     sample: Sample,
 ) -> Estimate {
-    let row = filter.step(sample);
+    let row = filter.step(settings, sample);
     answer(filter, settings, method, &row)
 }

@@ -6,6 +6,7 @@ use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
+use crate::loader::settings::Settings;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
@@ -52,24 +53,26 @@ fn beyond(value: f64, (centre, std): (f64, f64)) -> f64 {
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
-    pub(in crate::loader) fn doubt(&self) -> Doubt {
-        let at_limit = Each::of(|i| self.is_at_limit(i));
-        if !self.settings.at_work() {
+    pub(in crate::loader) fn doubt(&self, settings: &Settings) -> Doubt {
+        let at_limit = Each::of(|i| self.is_at_limit(settings, i));
+        if !settings.at_work() {
             return Doubt {
                 at_limit,
                 ..Doubt::NONE
             };
         }
-        let prior = &self.settings.prior;
-        let expected = self.expected_centre();
+        let prior = &settings.prior;
+        let expected = self.expected_centre(settings);
         let away = self.away(expected);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
         );
         let signs = Signs {
-            late: self.is_late(),
-            at_limit: at_limit.ratio || at_limit.height || self.is_at_limit(SLIP_STIFFNESS),
+            late: self.is_late(settings),
+            at_limit: at_limit.ratio
+                || at_limit.height
+                || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
             contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
         };
@@ -82,13 +85,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         Doubt {
             birge: self.manoeuvres.ratio(),
-            wavering: self.wheel_noise.wavering(&self.settings.estimator),
-            beyond: self.mixed(away, stiffness, doubted, expected),
+            wavering: self.wheel_noise.wavering(&settings.estimator),
+            beyond: self.mixed(settings, away, stiffness, doubted, expected),
             at_limit,
-            unknown_height: self.lifts_unreported(),
+            unknown_height: self.lifts_unreported(settings),
             reason,
-            acts: self.acts(),
-            one_way: self.wants_a_drive_back(),
+            acts: self.acts(settings),
+            one_way: self.wants_a_drive_back(settings),
         }
     }
 
@@ -105,26 +108,33 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// A state is at one of its bounds, or nearly.
-    fn is_at_limit(&self, i: usize) -> bool {
-        let Range { low, high } = self.settings.bounds()[i - SLIP_STIFFNESS];
+    fn is_at_limit(&self, settings: &Settings, i: usize) -> bool {
+        let Range { low, high } = settings.bounds()[i - SLIP_STIFFNESS];
         let value = self.belief.state()[i];
         value <= (1.0 + NEAR) * low || value >= (1.0 - NEAR) * high
     }
 
     /// The speed comes later than a sensor may be.
-    fn is_late(&self) -> bool {
+    fn is_late(&self, settings: &Settings) -> bool {
         let delay = const { Layout::of(N) }
             .speed_delay
             .map_or(0.0, |i| self.belief.state()[i]);
-        let sensors = &self.settings.sensors;
+        let sensors = &settings.sensors;
         (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std
     }
 
     /// How far height and ratio may be off: a mixture of what lies beyond what was known, and of that itself where the estimate is
     /// `doubted`.
-    fn mixed(&self, away: Each<f64>, stiffness: f64, doubted: f64, expected: Centre) -> Each<f64> {
+    fn mixed(
+        &self,
+        settings: &Settings,
+        away: Each<f64>,
+        stiffness: f64,
+        doubted: f64,
+        expected: Centre,
+    ) -> Each<f64> {
         let state = self.belief.state();
-        let Each { ratio, height } = self.with_other_load(away);
+        let Each { ratio, height } = self.with_other_load(settings, away);
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
@@ -164,17 +174,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// What is not known of the radii's load sensitivity keeps the ratio from being trusted, and a drive the other way tells it.
-    fn wants_a_drive_back(&self) -> bool {
-        let converged = self.settings.estimator.converged_ratio;
+    fn wants_a_drive_back(&self, settings: &Settings) -> bool {
+        let converged = settings.estimator.converged_ratio;
         const { Layout::of(N) }.load_sensitivity.is_some()
             && self.directions.one_way()
-            && RATIO_PER_SENSITIVITY * self.sensitivity_left() > converged
+            && RATIO_PER_SENSITIVITY * self.sensitivity_left(settings) > converged
     }
 
     /// What an error that both slips share does to the ratio, as a standard deviation: of a stiffness that is x off by it the ratio is
     /// x (lam - 1/2) off where both axles pull alike.
-    fn by_shared_slip(&self) -> f64 {
-        let (prior, state) = (&self.settings.prior, self.belief.state());
+    fn by_shared_slip(&self, settings: &Settings) -> f64 {
+        let (prior, state) = (&settings.prior, self.belief.state());
         let spread = prior.slip_stiffness_std / prior.slip_stiffness;
         let away = state[SLIP_STIFFNESS] / prior.slip_stiffness - 1.0;
         let shared = SHARED_SLIP * SHARED_SLIP;
@@ -184,12 +194,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
-    fn with_other_load(&self, Each { ratio, height }: Each<f64>) -> Each<f64> {
+    fn with_other_load(&self, settings: &Settings, Each { ratio, height }: Each<f64>) -> Each<f64> {
         let state = self.belief.state();
         let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
         let off = self.disturbance.mass.off();
-        let ahead = (1.0 + LOAD_ARM * self.reach() - state[CG_RATIO]).abs();
+        let ahead = (1.0 + LOAD_ARM * self.reach(settings) - state[CG_RATIO]).abs();
         let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * ahead,
@@ -211,8 +221,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let torque =
             self.disturbance.mass.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
         // The floor is what no doubt has a name for: those that have one take its place.
-        let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
-        let named = norm(&[torque, self.by_shared_slip(), self.curves.ratio_std()]);
+        let floor = settings.estimator.cg_ratio_floor * state[CG_RATIO];
+        let named = norm(&[
+            torque,
+            self.by_shared_slip(settings),
+            self.curves.ratio_std(),
+        ]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
         if self.known_load.is_some() {
             return Each { ratio, height };
@@ -229,17 +243,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Curves that nobody reports are more than the ratio's interval may be.
-    fn seems_to_turn(&self) -> bool {
-        let least = self.settings.estimator.converged_ratio * self.belief.state()[CG_RATIO];
+    fn seems_to_turn(&self, settings: &Settings) -> bool {
+        let least = settings.estimator.converged_ratio * self.belief.state()[CG_RATIO];
         self.curves.ratio_std() > least
     }
 
     /// What acts on the machine that its model does not have.
-    fn acts(&self) -> Reason {
+    fn acts(&self, settings: &Settings) -> Reason {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP || self.seems_to_turn() {
+        } else if self.effect.turn > NOTED_SLIP || self.seems_to_turn(settings) {
             Reason::Steering
         } else if self.slope_error.size() > NOTED_SLOPE {
             Reason::Slope

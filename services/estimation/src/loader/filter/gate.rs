@@ -38,6 +38,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Gates every measurement of a row, and sets wheels aside that brakes move.
     pub(super) fn gates(
         &self,
+        settings: &Settings,
         sample: &Sample,
         innovation: &[f64; M],
         std: &mut [f64; M],
@@ -46,11 +47,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut report = RowReport::without_update(Status::Updated, false);
         for j in 0..M {
             (report.accepted[j], report.deweighted[j]) =
-                gate(&self.settings, innovation[j], &mut std[j], || {
+                gate(settings, innovation[j], &mut std[j], || {
                     B::measurement_std(expected, j)
                 });
         }
-        if self.settings.at_work() {
+        if settings.at_work() {
             // A held torque is of another time, and a wheel without its torque tells nothing.
             let driven = sample.front_torque.is_some() && sample.rear_torque.is_some();
             let (braking, accepted) = (self.effect.braking, &mut report.accepted);

@@ -5,6 +5,7 @@ use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
 use crate::loader::lift_arm::Weighed;
 use crate::loader::load::mass_step::Centre;
 use crate::loader::physics::cg_model::Loading;
+use crate::loader::settings::Settings;
 
 /// Share of the mass from which on the machine is loaded.
 const LEAST_LOAD: f64 = 0.04;
@@ -13,10 +14,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Takes what the lift pressure says of the next row; `empty` is what it knows of the empty machine.
     pub(in crate::loader) fn set_weighed(
         &mut self,
+        settings: &Settings,
         weighed: Option<Weighed>,
         empty: Each<(f64, f64)>,
     ) {
-        let prior = &self.settings.prior;
+        let prior = &settings.prior;
         if let Some(centre) = self.known_load.weigh(weighed, prior, empty) {
             self.restore(centre);
         }
@@ -29,13 +31,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .learn(|| (1.0 - variance() / predicted).clamp(0.0, 1.0));
     }
 
-    pub(super) fn loading(&self) -> Loading {
-        self.known_load.loading(&self.settings.machine)
+    pub(super) fn loading(&self, settings: &Settings) -> Loading {
+        self.known_load.loading(&settings.machine)
     }
 
     /// Mass with its load [kg].
-    pub(super) fn mass(&self) -> f64 {
-        let known = self.known_load.mass(&self.settings.machine);
+    pub(super) fn mass(&self, settings: &Settings) -> f64 {
+        let known = self.known_load.mass(&settings.machine);
         known.unwrap_or(self.hold.mass)
     }
 
@@ -45,23 +47,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// The machine is loaded, and nobody would say if the boom moved.
-    pub(in crate::loader) fn lifts_unreported(&self) -> bool {
-        self.settings.at_work() && !self.boom_reported && self.is_loaded()
+    pub(in crate::loader) fn lifts_unreported(&self, settings: &Settings) -> bool {
+        settings.at_work() && !self.boom_reported && self.is_loaded()
     }
 
     /// Reach of the bucket in wheelbases.
-    pub(super) fn reach(&self) -> f64 {
-        self.settings.machine.bucket_reach / self.dynamics.wheelbase
+    pub(super) fn reach(&self, settings: &Settings) -> f64 {
+        settings.machine.bucket_reach / self.dynamics.wheelbase
     }
 
     /// Height and ratio as they may be under the present load, where the motion has shown nothing.
-    pub(super) fn expected_centre(&self) -> Centre {
+    pub(super) fn expected_centre(&self, settings: &Settings) -> Centre {
         self.load
-            .expected(self.settings.prior.centre(), self.reach())
+            .expected(settings.prior.centre(), self.reach(settings))
     }
 
     /// A step of the mass moves the centre of gravity and makes it uncertain.
-    pub(super) fn weigh(&mut self, dt: f64) {
+    pub(super) fn weigh(&mut self, settings: &Settings, dt: f64) {
         let state = *self.belief.state();
         let centre = CENTRE.map(|i| (state[i], self.belief.std(i)));
         let Some(shift) = self.load.weigh(self.hold.mass, centre, dt) else {
@@ -71,17 +73,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.restore(centre);
             return;
         }
-        let (ratio, ratio_std) = shift.ratio(state[CG_RATIO], self.reach());
+        let (ratio, ratio_std) = shift.ratio(state[CG_RATIO], self.reach(settings));
         self.belief.state_mut()[CG_RATIO] = ratio;
         self.loosen_by(CG_HEIGHT, shift.height_std(state[CG_HEIGHT]));
         self.loosen_by(CG_RATIO, ratio_std);
         // The bucket was dug full, and what it holds is weighed: no longer anything.
-        for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre()) {
+        for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre(settings)) {
             if self.belief.std(i) > most {
                 self.belief.separate(&[(i, most)], &[0.0; N]);
             }
         }
-        self.clamp();
+        self.clamp(settings);
     }
 
     /// Height and ratio are again what they were; of their correlation with other states nothing is kept.

@@ -4,6 +4,7 @@ use super::{Belief, CgFilter};
 use crate::loader::doubts::directions::BothDirections;
 use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS};
+use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
@@ -22,26 +23,27 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Says what the next step may change more than usual; `sensitivity` is what it was before the row.
     pub(super) fn loosen(
         &mut self,
+        settings: &Settings,
         sensitivity: (f64, f64),
         process_std: &[f64; N],
         speed: f64,
         dt: f64,
     ) {
         let layout = const { Layout::of(N) };
-        self.loosened = self.relearnt();
-        let slowest = self.settings.estimator.v_freeze;
+        self.loosened = self.relearnt(settings);
+        let slowest = settings.estimator.v_freeze;
         let driven = self.directions.drive(speed, slowest, dt);
         if let Some(i) = layout.load_sensitivity {
             match driven {
                 BothDirections::NotYet | BothDirections::LongAgo => {
                     self.consider(i, sensitivity, process_std[i])
                 }
-                BothDirections::JustNow => self.open_sensitivity(i),
+                BothDirections::JustNow => self.open_sensitivity(settings, i),
                 BothDirections::Recently => {}
             }
         }
         if self.changed == 0.0 {
-            let prior = &self.settings.prior;
+            let prior = &settings.prior;
             self.loosened[CG_HEIGHT] = prior.cg_height_std;
             self.loosened[CG_RATIO] = prior.cg_ratio_std;
             if core::mem::take(&mut self.reopens) {
@@ -54,20 +56,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Process noise beyond the usual, for what must be learnt again.
-    fn relearnt(&mut self) -> [f64; N] {
-        let (prior, state) = (&self.settings.prior, self.belief.state());
+    fn relearnt(&mut self, settings: &Settings) -> [f64; N] {
+        let (prior, state) = (&settings.prior, self.belief.state());
         let (mut share, mut radius) = (0.0, 0.0);
-        if self.settings.at_work() {
+        if settings.at_work() {
             let ratio_std = self.belief.std(CG_RATIO);
             share = self.relearning.loosening(
-                self.settings.estimator.relearn,
+                settings.estimator.relearn,
                 prior,
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
                 ratio_std,
             );
-            let loading = self.loading();
+            let loading = self.loading(settings);
             let ratio = loading.share * state[CG_RATIO] + loading.ratio;
-            let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
+            let sensitivity_std = settings.machine.radius_load_sensitivity_std;
             radius = self.relearning.radius_std(sensitivity_std, ratio);
         }
         let learnt = prior.radius_std * share;
@@ -94,8 +96,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
     /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
-    fn open_sensitivity(&mut self, i: usize) {
-        let stated = self.settings.load_sensitivity_std();
+    fn open_sensitivity(&mut self, settings: &Settings, i: usize) {
+        let stated = settings.load_sensitivity_std();
         if stated == 0.0 {
             return;
         }
@@ -103,7 +105,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let state = self.belief.state();
         let ratio = RATIO_PER_SENSITIVITY * std * state[CG_RATIO];
         let height = (state[CG_HEIGHT] * std / state[i]).abs();
-        let height = self.settings.prior.cg_height_std.min(height);
+        let height = settings.prior.cg_height_std.min(height);
         for (i, std) in [(i, std), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
             self.loosen_by(i, std);
         }
@@ -115,8 +117,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Standard deviation of the load sensitivity of the rolling radii that the covariance does not hold.
-    pub(in crate::loader) fn sensitivity_left(&self) -> f64 {
-        let before = self.settings.load_sensitivity_std();
+    pub(in crate::loader) fn sensitivity_left(&self, settings: &Settings) -> f64 {
+        let before = settings.load_sensitivity_std();
         match const { Layout::of(N) }.load_sensitivity {
             Some(_) => self.directions.left(before, self.manoeuvres.ratio()),
             None => before,

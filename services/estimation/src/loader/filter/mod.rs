@@ -74,7 +74,6 @@ const LONGEST_STEP: f64 = 1.0;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
-    settings: Settings,
     printed: bool,
     belief: B,
     dynamics: WheelDynamics,
@@ -126,10 +125,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             beta: keys.beta,
             kappa: keys.kappa,
         };
-        let mut new = Self {
-            settings: *settings,
+        Self {
             printed: method == Method::IsrUkfPrinted,
-            belief: B::new([0.0; N], &[0.0; N], spread),
+            belief: B::new(
+                Self::prior_state(settings),
+                &Self::prior_std(settings),
+                spread,
+            ),
             dynamics: WheelDynamics::of(settings),
             hold: InputHold::new(settings.machine.mass),
             digging: Digging::default(),
@@ -160,9 +162,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             known_load: KnownLoad::default(),
             spin: Spin::default(),
             frozen: false,
-        };
-        new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
-        new
+        }
     }
 
     /// The state \[v, w_f, w_r, K, h, lam, ..\].
@@ -176,12 +176,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Slip stiffness with what the slips share.
-    pub(in crate::loader) fn slip_stiffness(&self) -> Quantity {
+    pub(in crate::loader) fn slip_stiffness(&self, settings: &Settings) -> Quantity {
         let quantity = |value: f64, std: f64| Quantity { value, std };
-        let prior = &self.settings.prior;
+        let prior = &settings.prior;
         let own = quantity(self.state()[SLIP_STIFFNESS], self.std(SLIP_STIFFNESS));
         let expected = quantity(prior.slip_stiffness, prior.slip_stiffness_std);
-        let range = self.settings.bounds()[0];
+        let range = settings.bounds()[0];
         let std = self.shared_slip.std(own, expected, range.high - range.low);
         quantity(own.value, std)
     }
@@ -191,53 +191,53 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Takes one plausible row.
-    pub fn step(&mut self, mut sample: Sample) -> RowReport<M> {
-        self.correct(&mut sample);
-        let gap = self.settings.gap();
+    pub fn step(&mut self, settings: &Settings, mut sample: Sample) -> RowReport<M> {
+        Self::correct(settings, &mut sample);
+        let gap = settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
             Tick::First => {
-                self.level(&mut sample, 0.0);
+                self.level(settings, &mut sample, 0.0);
                 return self.first(&sample);
             }
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
-            Tick::SetBack => return self.set_back(&sample),
+            Tick::SetBack => return self.set_back(settings, &sample),
         };
-        let at_work = self.settings.at_work();
+        let at_work = settings.at_work();
         if at_work {
-            self.drop_leaps(&mut sample, dt);
-            self.drop_stuck(&mut sample, dt);
+            self.drop_leaps(&settings.machine, &mut sample, dt);
+            self.drop_stuck(settings, &mut sample, dt);
         }
-        self.level(&mut sample, dt);
+        self.level(settings, &mut sample, dt);
         let sample = &sample;
-        let midpoint = self.settings.estimator.inputs != Driven::Hold;
+        let midpoint = settings.estimator.inputs != Driven::Hold;
         let step = self.hold.advance(sample, midpoint, at_work);
-        self.note(sample, &step, dt);
+        self.note(settings, sample, &step, dt);
         if at_work && self.spins(sample, dt) {
             self.evidence.set_aside();
-            return self.bridge_gap(sample, 0.0);
+            return self.bridge_gap(settings, sample, 0.0);
         }
         self.watch_slope(sample, dt);
-        self.watch_load(&step, dt);
-        let fresh = self.settings.estimator.fresh;
+        self.watch_load(settings, &step, dt);
+        let fresh = settings.estimator.fresh;
         if dt > gap || at_work && self.evidence.torque_lost(fresh) {
             let away = if dt > gap { dt } else { 0.0 };
-            return self.bridge_gap(sample, away);
+            return self.bridge_gap(settings, sample, away);
         }
-        let model = self.model(step.inputs, dt);
+        let model = self.model(settings, step.inputs, dt);
         let report = if self.printed {
-            self.step_printed(sample, &model)
+            self.step_printed(settings, sample, &model)
         } else {
-            self.update(&model, sample, &step)
+            self.update(settings, &model, sample, &step)
         };
-        self.finish(report, sample, dt)
+        self.finish(settings, report, sample, dt)
     }
 
     /// Time passes, and a row says what acts and which signals there are.
-    fn note(&mut self, sample: &Sample, step: &StepInputs, dt: f64) {
+    fn note(&mut self, settings: &Settings, sample: &Sample, step: &StepInputs, dt: f64) {
         let inputs = &step.inputs;
         self.spade_force_x = inputs.spade_force_x;
-        self.dynamics.mass = self.mass();
+        self.dynamics.mass = self.mass(settings);
         let torque = inputs.front_torque + inputs.rear_torque;
         let speed = self.belief.state()[SPEED];
         // Along the road, measured, or what the torques would give without slip.
@@ -257,10 +257,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// What a mass that steps, or the motion, says of the load.
-    fn watch_load(&mut self, step: &StepInputs, dt: f64) {
-        let at_work = self.settings.at_work();
+    fn watch_load(&mut self, settings: &Settings, step: &StepInputs, dt: f64) {
+        let at_work = settings.at_work();
         if at_work && !self.known_load.is_some() {
-            self.weigh(dt);
+            self.weigh(settings, dt);
         }
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, step, at, dt);
@@ -272,14 +272,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    fn model(&self, inputs: Inputs, dt: f64) -> CgModel {
+    fn model(&self, settings: &Settings, inputs: Inputs, dt: f64) -> CgModel {
         CgModel {
             dynamics: self.dynamics,
             inputs,
             dt,
             integration: Integration::Implicit,
-            substeps: u32::try_from(self.settings.estimator.substeps).unwrap_or(u32::MAX),
-            loading: self.loading(),
+            substeps: u32::try_from(settings.estimator.substeps).unwrap_or(u32::MAX),
+            loading: self.loading(settings),
         }
     }
 }

@@ -8,17 +8,19 @@ use crate::loader::measurements::conditions::Conditions;
 use crate::loader::measurements::wheel_noise::{REFERENCE_STEP, WheelStep};
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Process noise of a step, by state.
     pub(super) fn process_std(
         &self,
+        settings: &Settings,
         conditions: &Conditions,
         boom_moving: bool,
         dt: f64,
     ) -> [f64; N] {
-        let keys = &self.settings.estimator;
+        let keys = &settings.estimator;
         let scale = sqrt(dt / REFERENCE_STEP);
         let mut std: [f64; N] = ByState {
             motion: [keys.q_speed, keys.q_wheel_speed, keys.q_wheel_speed],
@@ -34,12 +36,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if conditions.frozen {
             std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
-        if self.settings.protected() && !self.known_load.is_some() {
-            self.free_centre(&mut std, conditions, boom_moving, scale);
+        if settings.protected() && !self.known_load.is_some() {
+            self.free_centre(settings, &mut std, conditions, boom_moving, scale);
         }
-        std[SPEED] = std[SPEED].max(GRAVITY * self.settings.sensors.slope_std * dt);
+        std[SPEED] = std[SPEED].max(GRAVITY * settings.sensors.slope_std * dt);
         if let Some(bias) = const { Layout::of(N) }.slope_bias
-            && self.settings.at_work()
+            && settings.at_work()
         {
             std[bias] = std[bias].max(self.slope_error.walk(dt));
         }
@@ -55,20 +57,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Height and ratio of a machine whose load nobody knows may change: the boom moves, or the bucket was dug full.
     fn free_centre(
         &self,
+        settings: &Settings,
         std: &mut [f64; N],
         conditions: &Conditions,
         boom_moving: bool,
         scale: f64,
     ) {
-        let (keys, prior) = (&self.settings.estimator, &self.settings.prior);
-        if boom_moving || self.lifts_unreported() {
+        let (keys, prior) = (&settings.estimator, &settings.prior);
+        if boom_moving || self.lifts_unreported(settings) {
             std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
             std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
         }
         let weighed = self.is_loaded();
         if weighed {
             // However long the boom may have moved, it has not left the machine.
-            for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre()) {
+            for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre(settings)) {
                 let room = (most * most - self.belief.variance(i)).max(0.0);
                 std[i] = std[i].min(sqrt(room));
             }
@@ -81,9 +84,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Noise of the sensors by themselves.
-    pub(super) fn sensor_std(&self) -> [f64; M] {
-        let sensors = &self.settings.sensors;
-        let acceleration_std = if self.settings.at_work() {
+    pub(super) fn sensor_std(&self, settings: &Settings) -> [f64; M] {
+        let sensors = &settings.sensors;
+        let acceleration_std = if settings.at_work() {
             self.disturbance.shaking.std(sensors.acceleration_std)
         } else {
             sensors.acceleration_std
@@ -98,9 +101,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Noise of the wheel speed sensors, with that of their steps [rad/s].
-    fn wheel_sensor_std(&self) -> [f64; 2] {
-        let stated = self.settings.sensors.wheel_speed_std;
-        if self.settings.at_work() {
+    fn wheel_sensor_std(&self, settings: &Settings) -> [f64; 2] {
+        let stated = settings.sensors.wheel_speed_std;
+        if settings.at_work() {
             self.quantisation.widen(stated)
         } else {
             [stated; 2]
@@ -110,26 +113,27 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Noise of a row's measurements; of the wheels with that of slips, tyres and what disturbs them.
     pub(super) fn measurement_std(
         &mut self,
+        settings: &Settings,
         state: &[f64; N],
         conditions: &Conditions,
         model: &CgModel,
     ) -> [f64; M] {
-        let mut std = self.sensor_std();
+        let mut std = self.sensor_std(settings);
         let step = WheelStep {
             machine: &model.dynamics,
             inputs: &model.inputs,
-            sensor_std: self.wheel_sensor_std(),
+            sensor_std: self.wheel_sensor_std(settings),
             weak: conditions.frozen,
-            learns_ripple: self.settings.at_work(),
+            learns_ripple: settings.at_work(),
             dt: model.dt,
         };
         [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.wheel_noise.std(
-            &self.settings.estimator,
+            &settings.estimator,
             &step,
             state[SPEED],
             state[SLIP_STIFFNESS],
         );
-        if self.settings.at_work() {
+        if settings.at_work() {
             let disturbed = self.disturbed_slip(state[SPEED]);
             for i in [FRONT_WHEEL, REAR_WHEEL] {
                 std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);

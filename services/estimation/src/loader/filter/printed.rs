@@ -7,16 +7,22 @@ use crate::loader::estimate::Status;
 use crate::loader::measurements::conditions::Conditions;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
+use crate::loader::settings::Settings;
 
 /// Measurement noise that stands for "not measured".
 const NOT_MEASURED_STD: f64 = 1e6;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    pub(super) fn step_printed(&mut self, sample: &Sample, model: &CgModel) -> RowReport<M> {
-        let process_std = self.process_std(&Conditions::default(), false, model.dt);
+    pub(super) fn step_printed(
+        &mut self,
+        settings: &Settings,
+        sample: &Sample,
+        model: &CgModel,
+    ) -> RowReport<M> {
+        let process_std = self.process_std(settings, &Conditions::default(), false, model.dt);
         let measured = measurements::<M>(sample, None);
         let accepted = measured.map(f64::is_finite);
-        let mut std = self.sensor_std();
+        let mut std = self.sensor_std(settings);
         for (std, accepted) in std.iter_mut().zip(accepted) {
             if !accepted {
                 *std = NOT_MEASURED_STD;
@@ -34,7 +40,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 }
             })
         });
-        self.clamp();
+        self.clamp(settings);
         RowReport {
             nis: printed.nis,
             accepted,

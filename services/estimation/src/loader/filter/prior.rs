@@ -2,17 +2,18 @@
 
 use super::{Belief, CgFilter};
 use crate::loader::layout::{ByState, Layout};
+use crate::loader::settings::Settings;
 
 /// Standard deviation of a state that is not estimated yet: next to nothing, and not nothing, which no covariance root has.
 const UNOPENED: f64 = 1e-9;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    pub(super) fn prior_state(&self) -> [f64; N] {
-        let prior = &self.settings.prior;
+    pub(super) fn prior_state(settings: &Settings) -> [f64; N] {
+        let prior = &settings.prior;
         let mut state: [f64; N] = ByState {
             parameters: [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
             slope_bias: prior.slope_bias,
-            speed_delay: self.settings.sensors.speed_delay,
+            speed_delay: settings.sensors.speed_delay,
             ..ByState::default()
         }
         .state();
@@ -23,8 +24,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         state
     }
 
-    pub(super) fn prior_std(&self) -> [f64; N] {
-        let prior = &self.settings.prior;
+    pub(super) fn prior_std(settings: &Settings) -> [f64; N] {
+        let prior = &settings.prior;
         ByState {
             motion: [
                 prior.speed_std,
@@ -39,7 +40,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             spade_force: prior.spade_force_std,
             radius: prior.radius_std,
             slope_bias: prior.slope_bias_std,
-            speed_delay: self.settings.sensors.speed_delay_std,
+            speed_delay: settings.sensors.speed_delay_std,
             load_sensitivity: UNOPENED,
         }
         .state()

@@ -10,6 +10,7 @@ use crate::loader::layout::{CENTRE, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIF
 use crate::loader::measurements::conditions::Conditions;
 use crate::loader::measurements::windup::Windup;
 use crate::loader::sample::Sample;
+use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
@@ -44,6 +45,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Counts the row, and restarts a filter that lost its way.
     pub(super) fn finish(
         &mut self,
+        settings: &Settings,
         mut report: RowReport<M>,
         sample: &Sample,
         dt: f64,
@@ -52,8 +54,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let centre = CENTRE.map(|i| self.belief.state()[i]);
         let endless = centre.iter().any(|x| x.abs() > ENDLESS);
         if endless || !self.belief.is_sound() || !report.nis.is_finite() {
-            *self.belief.state_mut() = self.prior_state();
-            self.restart(sample);
+            *self.belief.state_mut() = Self::prior_state(settings);
+            self.restart(settings, sample);
             return RowReport::without_update(Status::Diverged, report.frozen);
         }
         let came = [
@@ -68,26 +70,26 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         if self.evidence.locked_out > LOCKED_OUT {
             self.evidence.locked_out = 0.0;
-            return self.bridge_gap(sample, 0.0);
+            return self.bridge_gap(settings, sample, 0.0);
         }
         let used = report.accepted.iter().filter(|a| **a).count();
         let weight = (dt / JUDGED_OVER).min(1.0);
         self.evidence.judge(report.nis / used.max(1) as f64, weight);
-        if self.settings.protected()
-            && self.evidence.consistency > self.settings.estimator.reset_nis
+        if settings.protected()
+            && self.evidence.consistency > settings.estimator.reset_nis
             && self.evidence.since_reset > HOLD_OFF
         {
-            self.restart(sample);
+            self.restart(settings, sample);
             report.status = Status::Reset;
         }
         report
     }
 
     /// Covariance back to the prior, speeds to their measurements; the parameters keep their values.
-    pub(super) fn restart(&mut self, sample: &Sample) {
+    pub(super) fn restart(&mut self, settings: &Settings, sample: &Sample) {
         self.anchor(sample);
         let prior: [(usize, f64); N] = {
-            let std = self.prior_std();
+            let std = Self::prior_std(settings);
             core::array::from_fn(|i| (i, std[i]))
         };
         self.belief.separate(&prior, &[0.0; N]);
@@ -100,27 +102,32 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// The clock was set back: what was measured before is of another time, what was learnt is not.
-    pub(super) fn set_back(&mut self, sample: &Sample) -> RowReport<M> {
+    pub(super) fn set_back(&mut self, settings: &Settings, sample: &Sample) -> RowReport<M> {
         self.evidence.restart();
         RowReport {
             status: Status::ClockSetBack,
-            ..self.bridge_gap(sample, 0.0)
+            ..self.bridge_gap(settings, sample, 0.0)
         }
     }
 
     /// After a gap the speeds are new and independent; the parameters and their joint covariance stay, but for what
     /// they may have wandered while nothing was measured, for `away` [s], not beyond the prior.
-    pub(super) fn bridge_gap(&mut self, sample: &Sample, away: f64) -> RowReport<M> {
+    pub(super) fn bridge_gap(
+        &mut self,
+        settings: &Settings,
+        sample: &Sample,
+        away: f64,
+    ) -> RowReport<M> {
         self.anchor(sample);
-        let process = self.wandering(away);
+        let process = self.wandering(settings, away);
         self.windup = Windup::default();
-        let prior = &self.settings.prior;
+        let prior = &settings.prior;
         let least = [
             prior.speed_std,
             prior.wheel_speed_std,
             prior.wheel_speed_std,
         ];
-        let sensor = self.sensor_std();
+        let sensor = self.sensor_std(settings);
         let motion: [(usize, f64); 3] =
             core::array::from_fn(|i| (i, least[i].max(3.0 * sensor[i])));
         self.belief.separate(&motion, &process);
@@ -128,12 +135,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Process noise of the parameters over a time without rows, by state.
-    fn wandering(&self, away: f64) -> [f64; N] {
-        if away <= 0.0 || !self.settings.at_work() {
+    fn wandering(&self, settings: &Settings, away: f64) -> [f64; N] {
+        if away <= 0.0 || !settings.at_work() {
             return [0.0; N];
         }
-        let usual = self.process_std(&Conditions::default(), false, away);
-        let prior = self.prior_std();
+        let usual = self.process_std(settings, &Conditions::default(), false, away);
+        let prior = Self::prior_std(settings);
         core::array::from_fn(|i| {
             let room = (prior[i] * prior[i] - self.belief.variance(i)).max(0.0);
             if i <= REAR_WHEEL {
@@ -156,9 +163,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Keeps the means of K, h, lam within their bounds.
-    pub(super) fn clamp(&mut self) {
+    pub(super) fn clamp(&mut self, settings: &Settings) {
         let state = self.belief.state_mut();
-        for (i, bounds) in (SLIP_STIFFNESS..=CG_RATIO).zip(self.settings.bounds()) {
+        for (i, bounds) in (SLIP_STIFFNESS..=CG_RATIO).zip(settings.bounds()) {
             // Not f64::clamp: NaN must pass on to the check for it.
             state[i] = if state[i] < bounds.low {
                 bounds.low

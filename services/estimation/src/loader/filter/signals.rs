@@ -4,56 +4,54 @@ use super::{Belief, CgFilter};
 use crate::loader::input::stuck::Witness;
 use crate::loader::layout::{Layout, SPEED};
 use crate::loader::sample::Sample;
+use crate::loader::settings::{Machine, Settings};
 
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Makes torques and specific force true, and where the filter does not learn its bias, the slope.
-    pub(super) fn correct(&self, sample: &mut Sample) {
-        let sensors = &self.settings.sensors;
+    pub(super) fn correct(settings: &Settings, sample: &mut Sample) {
+        let sensors = &settings.sensors;
         sample.front_torque = sample.front_torque.map(|t| t / sensors.front_torque_gain);
         sample.rear_torque = sample.rear_torque.map(|t| t / sensors.rear_torque_gain);
         let offset = sensors.acceleration_offset;
         sample.acceleration = sample.acceleration.map(|a| a - offset);
         if const { Layout::of(N) }.slope_bias.is_none() {
-            sample.slope = sample.slope.map(|s| s - self.settings.prior.slope_bias);
+            sample.slope = sample.slope.map(|s| s - settings.prior.slope_bias);
         }
     }
 
     /// Makes the slope that of the road, a bias that the filter learns left in it.
-    pub(super) fn level(&mut self, sample: &mut Sample, dt: f64) {
+    pub(super) fn level(&mut self, settings: &Settings, sample: &mut Sample, dt: f64) {
         let bias = const { Layout::of(N) }
             .slope_bias
-            .map_or(0.0, |_| self.settings.prior.slope_bias);
-        sample.slope = self
-            .inclinometer
-            .road(&self.settings.sensors, bias, sample, dt);
+            .map_or(0.0, |_| settings.prior.slope_bias);
+        sample.slope = self.inclinometer.road(&settings.sensors, bias, sample, dt);
     }
 
     /// Takes the values that leap out of a row.
-    pub(super) fn drop_leaps(&mut self, sample: &mut Sample, dt: f64) {
-        let machine = &self.settings.machine;
-        self.steady
-            .watch(sample, machine.mass, machine.wheel_radius, dt);
+    pub(super) fn drop_leaps(&mut self, machine: &Machine, sample: &mut Sample, dt: f64) {
+        let (mass, radius) = (machine.mass, machine.wheel_radius);
+        self.steady.watch(sample, mass, radius, dt);
     }
 
     /// Takes the values that are stuck out of a row.
-    pub(super) fn drop_stuck(&mut self, sample: &mut Sample, dt: f64) {
-        let witness = self.witness(sample);
+    pub(super) fn drop_stuck(&mut self, settings: &Settings, sample: &mut Sample, dt: f64) {
+        let witness = self.witness(settings, sample);
         self.stuck.watch(sample, &witness, dt);
     }
 
     /// What the motion says of a row beside its own signals.
-    fn witness(&self, sample: &Sample) -> Witness {
-        let (state, sensors) = (self.belief.state(), &self.settings.sensors);
+    fn witness(&self, settings: &Settings, sample: &Sample) -> Witness {
+        let (state, sensors) = (self.belief.state(), &settings.sensors);
         let radius = self.dynamics.wheel_radius;
         let speed = sample.speed.unwrap_or(state[SPEED]);
         let front = sample.front_wheel_speed.unwrap_or(speed / radius);
         let rear = sample.rear_wheel_speed.unwrap_or(speed / radius);
         let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
         Witness {
-            moving: fastest > self.settings.estimator.v_freeze,
+            moving: fastest > settings.estimator.v_freeze,
             speeds: [0.5 * radius * (front + rear), rear, front],
             unexplained: self.disturbance.unexplained.abs() > UNEXPLAINED,
             std: [
@@ -65,7 +63,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 sensors.slope_std,
                 sensors.acceleration_std,
             ],
-            patience: self.settings.estimator.fresh,
+            patience: settings.estimator.fresh,
         }
     }
 

@@ -8,6 +8,7 @@ use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIF
 use crate::loader::measurements::conditions::Conditions;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
+use crate::loader::settings::Settings;
 
 /// The measurements of a row; NaN where missing.
 pub(super) fn measurements<const M: usize>(sample: &Sample, acceleration: Option<f64>) -> [f64; M] {
@@ -23,6 +24,7 @@ pub(super) fn measurements<const M: usize>(sample: &Sample, acceleration: Option
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub(super) fn update(
         &mut self,
+        settings: &Settings,
         model: &CgModel,
         sample: &Sample,
         step: &StepInputs,
@@ -30,23 +32,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut ahead = self.belief.ahead(model);
         let (before, sensitivity) = (self.before(), self.sensitivity());
         let state = *B::state_ahead(&ahead);
-        let conditions = self.conditions(&state, step, model.dt);
-        let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
+        let conditions = self.conditions(settings, &state, step, model.dt);
+        let process_std = self.process_std(settings, &conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantisation
             .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
-        let mut std = self.measurement_std(&state, &conditions, model);
+        let mut std = self.measurement_std(settings, &state, &conditions, model);
         let mut expected = self.belief.predict(&mut ahead, model, &process_std);
-        let innovation = self.innovation(&measured, &state, &expected, model);
-        let noise = if self.settings.at_work() {
-            self.doubt_hops(&innovation, &expected, state[SPEED], &mut std)
+        let innovation = self.innovation(settings, &measured, &state, &expected, model);
+        let noise = if settings.at_work() {
+            self.doubt_hops(settings, &innovation, &expected, state[SPEED], &mut std)
         } else {
             [0.0; 2]
         };
-        let gated = self.gates(sample, &innovation, &mut std, &expected);
+        let gated = self.gates(settings, sample, &innovation, &mut std, &expected);
         let accepted = gated.accepted;
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
-        if self.settings.at_work() && both {
+        if settings.at_work() && both {
             let seen = Seen {
                 before,
                 state: &state,
@@ -57,15 +59,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 noise,
                 sine: step.sine,
             };
-            self.learn_from_wheels(&seen, &expected, model);
+            self.learn_from_wheels(settings, &seen, &expected, model);
         }
         let nis = self
             .belief
             .update(&mut expected, &innovation, &std, &accepted);
         let walked = process_std[CG_RATIO] * process_std[CG_RATIO];
         self.learn_under_load(before.ratio_variance + walked);
-        self.clamp();
-        self.loosen(sensitivity, &process_std, state[SPEED], model.dt);
+        self.clamp(settings);
+        self.loosen(settings, sensitivity, &process_std, state[SPEED], model.dt);
         RowReport {
             nis,
             frozen: conditions.frozen,
@@ -74,14 +76,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Under which a row is taken.
-    fn conditions(&mut self, state: &[f64; N], step: &StepInputs, dt: f64) -> Conditions {
+    fn conditions(
+        &mut self,
+        settings: &Settings,
+        state: &[f64; N],
+        step: &StepInputs,
+        dt: f64,
+    ) -> Conditions {
         let place = const { Layout::of(N) }.spade_force;
         let unknown_force = place.map_or(0.0, |i| state[i]);
         let force = step.inputs.spade_force_x + unknown_force;
-        let mut conditions = self
-            .digging
-            .conditions(&self.settings, state[SPEED], force, dt);
-        let other_mass = self.settings.at_work() && self.disturbance.mass.lighter() != 0.0;
+        let mut conditions = self.digging.conditions(settings, state[SPEED], force, dt);
+        let other_mass = settings.at_work() && self.disturbance.mass.lighter() != 0.0;
         if self.known_load.is_open() || other_mass {
             // Neither the mass nor where it sits is known.
             conditions.frozen = true;
@@ -92,6 +98,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What was measured beyond the prediction; of the wheels at work without what winds up the tyres and what bends the machine.
     fn innovation(
         &mut self,
+        settings: &Settings,
         measured: &[f64; M],
         state: &[f64; N],
         expected: &B::Expected,
@@ -99,9 +106,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> [f64; M] {
         let predicted = B::measurement(expected);
         let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
-        if self.settings.at_work() {
+        if settings.at_work() {
             let windup = self.windup.wheel_speeds(
-                self.settings.machine.relaxation_length,
+                settings.machine.relaxation_length,
                 &model.dynamics,
                 &model.inputs,
                 model.dt,
@@ -118,12 +125,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Makes wheels that hop count less; the variance of each wheel that is no other row's [rad^2/s^2].
     fn doubt_hops(
         &self,
+        settings: &Settings,
         innovation: &[f64; M],
         expected: &B::Expected,
         speed: f64,
         std: &mut [f64; M],
     ) -> [f64; 2] {
-        let keys = &self.settings.estimator;
+        let keys = &settings.estimator;
         let disturbed = self.disturbed_slip(speed);
         for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
             let predicted = B::measurement_std(expected, j);

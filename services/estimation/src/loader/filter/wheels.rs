@@ -9,6 +9,7 @@ use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_S
 use crate::loader::measurements::windup::LEAST_SHARE;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::loader::settings::Settings;
 
 /// What held before the row.
 #[derive(Clone, Copy, Debug)]
@@ -43,14 +44,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     pub(super) fn learn_from_wheels(
         &mut self,
+        settings: &Settings,
         seen: &Seen<N, M>,
         expected: &B::Expected,
         model: &CgModel,
     ) {
         let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
         let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
-        self.wheel_noise
-            .see(&self.settings.estimator, wheels, model.dt);
+        self.wheel_noise.see(&settings.estimator, wheels, model.dt);
         let slip = self.slip(seen, model);
         let disagrees = self
             .manoeuvres
@@ -62,7 +63,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let predicted = || B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
         if !self.turning_reported {
             let variances = [predicted(), seen.noise[0] + seen.noise[1]];
-            self.watch_curves(&slip, seen.state[SPEED], variances, model.dt);
+            self.watch_curves(settings, &slip, seen.state[SPEED], variances, model.dt);
         }
         let difference = |of: &[f64; M]| of[FRONT_WHEEL] - of[REAR_WHEEL];
         let [front, rear] = [FRONT_WHEEL, REAR_WHEEL].map(|i| seen.process_std[i]);
@@ -99,8 +100,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// A row of a machine of which nobody says how it turns; `variances` are those of prediction and row [rad^2/s^2].
-    fn watch_curves(&mut self, slip: &Slip, speed: f64, variances: [f64; 2], dt: f64) {
-        let per_speed = 1.0 / speed.abs().max(self.settings.estimator.v_freeze);
+    fn watch_curves(
+        &mut self,
+        settings: &Settings,
+        slip: &Slip,
+        speed: f64,
+        variances: [f64; 2],
+        dt: f64,
+    ) {
+        let per_speed = 1.0 / speed.abs().max(settings.estimator.v_freeze);
         let radius = self.dynamics.wheel_radius * per_speed;
         let [predicted, noise] = variances.map(|variance| radius * radius * variance);
         let row = Difference {
