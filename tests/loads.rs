@@ -226,6 +226,22 @@ fn what_cannot_be_counted_is_refused_in_words_and_nothing_is_written() {
     assert!(!Path::new(&out).exists());
 }
 
+#[test]
+fn an_exported_recording_is_counted_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = ["--payload", "1200"];
+    let (recording, _) = recorded(folder.path(), "loader", "loading", &more);
+    let of = Path::new(&recording).parent().expect("a folder");
+    let of = of.to_str().expect("a path");
+    run_ok(&["export", of, "-o", of]);
+    let said = run_ok(&["loads", of, "--machine", "loader"]);
+    assert!(!said.contains("loader_sensors.csv"), "{said}");
+    // Named, it is a table as others are.
+    let sensors = common::path_in(Path::new(of), "loader_sensors.csv");
+    let said = run_ok(&["loads", &sensors, "--machine", "loader"]);
+    assert!(said.contains("loader_sensors.csv"), "{said}");
+}
+
 /// Where the first block of samples of an MCAP file begins: records are an opcode, a length of 8 bytes, and their content.
 fn first_block(bytes: &[u8]) -> usize {
     const MAGIC: usize = 8;

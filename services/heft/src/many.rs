@@ -135,19 +135,26 @@ fn is_table(path: &Path) -> bool {
             .any(|v| e.eq_ignore_ascii_case(v))
     });
     let kind = Kind::by_name(path).filter(|_| !is_vague);
-    matches!(kind, Some(Kind::Table | Kind::Log)) && !is_ours(path)
+    // An exported channel is the recording once more, which lies in the folder too.
+    let is_made = is_ours(path) || begins(path, &[recording::csv::is_export]);
+    matches!(kind, Some(Kind::Table | Kind::Log)) && !is_made
 }
 
 /// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.
 pub fn is_ours(path: &Path) -> bool {
-    let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
-    let ours = [
+    let ours: [fn(&[u8]) -> bool; 3] = [
         recording::csv::is_estimates,
         view::loads::is_csv,
         is_summary,
     ];
-    read.is_ok() && ours.iter().any(|is_ours| is_ours(&head))
+    begins(path, &ours)
+}
+
+/// Whether a file begins as one of these says.
+fn begins(path: &Path, kinds: &[fn(&[u8]) -> bool]) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
+    read.is_ok() && kinds.iter().any(|is_it| is_it(&head))
 }
 
 /// First columns of a table of results.

@@ -26,6 +26,12 @@ pub fn export(reader: &Reader, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>,
         .collect()
 }
 
+/// Whether a file that begins like this is a channel that heft has written, of this version or another one.
+#[must_use]
+pub fn is_export(head: &[u8]) -> bool {
+    head.starts_with(b"machine,epoch,sequence,")
+}
+
 fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> {
     let path = folder.join(format!("{}.csv", channel.replace('/', "_")));
     let inputs: Vec<&Path> = reader.files().collect();
@@ -34,11 +40,7 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     let names = fields.iter().map(|f| f.name.as_str());
     let flags = meaning.flags.iter().map(|(name, _)| name.as_ref());
     let header = names.chain(flags).collect::<Vec<_>>().join(",");
-    // An earlier export, by this version or another one.
-    let is_ours = |head: &[u8]| {
-        let line = first_line(head).unwrap_or_default();
-        line == header || line.starts_with("machine,epoch,sequence,")
-    };
+    let is_ours = |head: &[u8]| is_export(head) || first_line(head).unwrap_or_default() == header;
     let mut out = Output::create("write the channel", &path, &inputs, is_ours)?;
     out.put(header.as_bytes())?;
     out.put(b"\n")?;
