@@ -79,6 +79,9 @@ pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
     if let Some(config) = &args.description.config {
         option("--config", &config.display().to_string());
     }
+    if let Some(mass) = args.description.class {
+        option("--class", &format!("{mass}kg"));
+    }
     for set in &args.description.set {
         option("--set", set);
     }
@@ -107,5 +110,17 @@ mod tests {
             ["e/run.mcap", "f/run.mcap"]
         );
         assert_eq!(of(&["a.csv", "a.csv"]), ["a.csv", "a.csv"]);
+    }
+
+    #[test]
+    fn the_size_of_the_machine_is_among_the_options_of_each() {
+        use clap::Parser;
+        let words = "heft calibrate excavator a --each --class 21.5t --set sensors.rate=50";
+        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
+            panic!("calibrate");
+        };
+        let all = options(&args);
+        assert_eq!(all, ["--class=21500kg", "--set=sensors.rate=50"]);
     }
 }
