@@ -18,6 +18,22 @@ pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a r
     map.filter(|_| !is_recording(file))
 }
 
+/// Refuses a recording that is named twice: it would count as two that agree, and narrow the intervals.
+pub fn check_distinct(files: &[PathBuf]) -> Result<(), Failure> {
+    let mut seen = std::collections::BTreeSet::new();
+    let mut places = files
+        .iter()
+        .map(|f| (f, f.canonicalize().unwrap_or_else(|_| f.clone())));
+    match places.find(|(_, place)| !seen.insert(place.clone())) {
+        None => Ok(()),
+        Some((file, _)) => Err(Failure::input(
+            "this recording is named twice",
+            file.display(),
+            "name each recording once",
+        )),
+    }
+}
+
 /// What the recordings are called in sentences: the ends of their paths, as long as it takes to tell them apart.
 pub fn names(files: &[PathBuf]) -> Vec<String> {
     let end = |file: &PathBuf, parts: usize| -> String {
