@@ -259,4 +259,18 @@ fn what_cannot_be_believed_is_said_and_not_written() {
         assert!(both(&result).contains(sentence), "{}", both(&result));
         assert!(!output.exists(), "{sentence}");
     }
+    for (files, more, sentence) in [
+        (all, &["--mass", "loaded.csv=0"][..], "stated as nothing"),
+        (
+            all,
+            &["--mass", "loaded.csv=6200", "--mass", "loaded.csv=6300"],
+            "is stated twice",
+        ),
+        (&["flat.csv", "flat.csv"], &[], "is named twice"),
+    ] {
+        let (result, output) = recordings.calibrate(files, more);
+        assert_eq!(result.status.code(), Some(2), "{}", both(&result));
+        assert!(both(&result).contains(sentence), "{}", both(&result));
+        assert!(!output.exists(), "{sentence}");
+    }
 }

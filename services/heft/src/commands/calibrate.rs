@@ -19,6 +19,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if args.each {
         return each::calibrate(args);
     }
+    inputs::check_distinct(&args.files)?;
     outcome::check_outputs(args)?;
     let description = before(args)?;
     (machines::entry(args.machine).calibrate)(args, &description)

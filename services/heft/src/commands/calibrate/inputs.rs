@@ -18,6 +18,22 @@ pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a r
     map.filter(|_| !is_recording(file))
 }
 
+/// Refuses a recording that is named twice: it would count as two that agree, and narrow the intervals.
+pub fn check_distinct(files: &[PathBuf]) -> Result<(), Failure> {
+    let mut seen = std::collections::BTreeSet::new();
+    let mut places = files
+        .iter()
+        .map(|f| (f, f.canonicalize().unwrap_or_else(|_| f.clone())));
+    match places.find(|(_, place)| !seen.insert(place.clone())) {
+        None => Ok(()),
+        Some((file, _)) => Err(Failure::input(
+            "this recording is named twice",
+            file.display(),
+            "name each recording once",
+        )),
+    }
+}
+
 /// What the recordings are called in sentences: the ends of their paths, as long as it takes to tell them apart.
 pub fn names(files: &[PathBuf]) -> Vec<String> {
     let end = |file: &PathBuf, parts: usize| -> String {
@@ -79,6 +95,9 @@ pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
     if let Some(config) = &args.description.config {
         option("--config", &config.display().to_string());
     }
+    if let Some(mass) = args.description.class {
+        option("--class", &format!("{mass}kg"));
+    }
     for set in &args.description.set {
         option("--set", set);
     }
@@ -107,5 +126,17 @@ mod tests {
             ["e/run.mcap", "f/run.mcap"]
         );
         assert_eq!(of(&["a.csv", "a.csv"]), ["a.csv", "a.csv"]);
+    }
+
+    #[test]
+    fn the_size_of_the_machine_is_among_the_options_of_each() {
+        use clap::Parser;
+        let words = "heft calibrate excavator a --each --class 21.5t --set sensors.rate=50";
+        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
+            panic!("calibrate");
+        };
+        let all = options(&args);
+        assert_eq!(all, ["--class=21500kg", "--set=sensors.rate=50"]);
     }
 }

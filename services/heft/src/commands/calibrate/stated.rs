@@ -34,7 +34,10 @@ pub fn stated(
             return Err(bad("no = between file and mass".into()));
         };
         let at = position(args, file, option, text)?;
-        loads[at] = Some(quantity(load).ok_or_else(|| bad(format!("{load} is no mass")))?);
+        let load = quantity(load).ok_or_else(|| bad(format!("{load} is no mass")))?;
+        if loads[at].replace(load).is_some() {
+            return Err(bad(format!("{file} is stated twice")));
+        }
     }
     Ok(loads)
 }

@@ -10,10 +10,20 @@ use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;
 
+/// No loader is lighter \[kg\].
+const LIGHTEST: f64 = 1.0;
+
 /// The loader's own parameters from recordings.
 pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
     let map = sources::map(args.map.as_deref())?;
     let masses = stated(args, &args.mass, "--mass")?;
+    if masses.iter().flatten().any(|m| m.value < LIGHTEST) {
+        return Err(Failure::input(
+            "the mass of the whole machine is stated as nothing",
+            "--mass",
+            "write what it weighs, in kg; --payload is the load in the bucket",
+        ));
+    }
     let payloads = stated(args, &args.payload, "--payload")?;
     let scales = weighed(args, d.machine.wheelbase)?;
     let mut inputs = Vec::new();
