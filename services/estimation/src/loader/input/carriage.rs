@@ -22,7 +22,7 @@ pub struct Carriage {
 }
 
 impl Carriage {
-    /// A row `dt` [s] after the one before: speed [m/s], angles of the lift arm to the horizontal and of the bucket to the arm \[rad\].
+    /// A row `dt` \[s\] after the one before: speed [m/s], angles of the lift arm to the horizontal and of the bucket to the arm \[rad\].
     pub fn see(&mut self, speed: f64, [lift, tilt]: [f64; 2], dt: f64) {
         if !((0.0..GAP).contains(&dt) && speed.abs() > DRIVES) {
             return;
