@@ -144,6 +144,46 @@ fn every_answer_is_finite_whatever_the_rows_hold() {
 }
 
 #[test]
+fn what_no_drive_and_no_road_can_do_is_as_if_it_were_missing() {
+    type Fault = fn(&mut Sample, Option<f64>);
+    let signals: [(Fault, &[f64]); 3] = [
+        (
+            |row, word| row.front_torque = word,
+            &[65_535.0, -1e5, 6.5e7],
+        ),
+        (|row, word| row.rear_torque = word, &[65_535.0, -1e5, 6.5e7]),
+        (|row, word| row.slope = word, &[0.6, -0.7, 1.2]),
+    ];
+    for (fault, words) in signals {
+        let with = |word: Option<f64>| {
+            let mut estimator = estimator(Method::Full);
+            let rows = (0..600_u32).map(|k| {
+                let time = f64::from(k) * 0.01;
+                // Signals without noise leap unseen: what is held may have changed meanwhile.
+                let noise = f64::from(k * 7919 % 13) / 13.0;
+                let row = cruise(time);
+                let mut row = Sample {
+                    front_torque: row.front_torque.map(|t| t + noise),
+                    rear_torque: row.rear_torque.map(|t| t - noise),
+                    slope: Some(1e-4 * noise),
+                    ..row
+                };
+                // A row, a moment, a third of a second.
+                if k == 150 || (220..225).contains(&k) || (300..333).contains(&k) {
+                    fault(&mut row, word);
+                }
+                numbers(&estimator.step(&row))
+            });
+            rows.collect::<Vec<_>>()
+        };
+        let missing = with(None);
+        for word in words {
+            assert_eq!(with(Some(*word)), missing, "{word}");
+        }
+    }
+}
+
+#[test]
 fn full_finds_back_after_a_broken_bus() {
     let mut estimator = estimator(Method::Full);
     for k in 0..500 {

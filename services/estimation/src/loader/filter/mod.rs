@@ -69,7 +69,7 @@ use spin::Spin;
 /// A longer step between rows is a jump, whatever the settings take for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
-/// The filter with `N` states (6, 8 to 11, see [`super::physics::cg_model`]) and `M` measurements (3, or 4 with the specific force),
+/// The filter with `N` states (6, 8, 9, 10 or 12, see [`super::physics::cg_model`]) and `M` measurements (3, or 4 with the specific force),
 /// which keeps its state as a `B`.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
