@@ -74,6 +74,7 @@ pub mod loader;
 pub mod loads;
 pub mod math;
 mod methods;
+mod mixture;
 pub mod model;
 pub mod pair;
 mod positive;

@@ -22,6 +22,7 @@ const NONE: Effects = Effects {
     rolling_resistance: 0.0,
     reverses: false,
     torque_gain: 0.0,
+    rear_torque_gain: 0.0,
     torque_delay: 0.0,
     slope_bias: 0.0,
     acceleration_offset: 0.0,
@@ -64,7 +65,7 @@ const fn payload(payload_reported: PayloadReport) -> Effects {
 
 /// What machines at work do that their description does not say: name, severity in words, effects. The first does
 /// nothing of the kind.
-pub const CASES: [(&str, &str, Effects); 34] = [
+pub const CASES: [(&str, &str, Effects); 37] = [
     ("none", "", NONE),
     ("late speed", "30 ms", late(0.03)),
     ("late speed", "100 ms", late(0.1)),
@@ -183,6 +184,30 @@ pub const CASES: [(&str, &str, Effects); 34] = [
         "-6 %",
         Effects {
             torque_gain: -0.06,
+            ..NONE
+        },
+    ),
+    (
+        "rear axle torque",
+        "+20 %",
+        Effects {
+            rear_torque_gain: 0.2,
+            ..NONE
+        },
+    ),
+    (
+        "rear axle torque",
+        "-15 %",
+        Effects {
+            rear_torque_gain: -0.15,
+            ..NONE
+        },
+    ),
+    (
+        "rear axle torque",
+        "-30 %",
+        Effects {
+            rear_torque_gain: -0.3,
             ..NONE
         },
     ),

@@ -60,6 +60,7 @@ impl Effects {
             roughness,
             rolling_resistance,
             reverses: noise.chance(EACH),
+            rear_torque_gain: Draw(noise).either(|e| e.rear_torque_gain),
             torque_gain,
             torque_delay,
             slope_bias,

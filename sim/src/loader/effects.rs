@@ -86,6 +86,8 @@ pub struct Effects {
     pub reverses: bool,
     /// Measured over true torque, less one.
     pub torque_gain: f64,
+    /// The same of the rear axle alone, beside it.
+    pub rear_torque_gain: f64,
     /// Delay of the torques \[s\].
     pub torque_delay: f64,
     /// The slope sensor shows so much too much \[rad\].

@@ -77,6 +77,7 @@ impl Simulation {
         ] {
             *gain *= 1.0 + run.effects.torque_gain;
         }
+        calibration.rear_torque_gain *= 1.0 + run.effects.rear_torque_gain;
         calibration.mass_gain *= 1.0 + run.effects.mass_error;
         nominal.mass *= 1.0 + run.effects.mass_error;
         nominal.wheel_radius *= 1.0 + run.effects.radius_error;

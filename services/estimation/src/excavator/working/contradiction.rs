@@ -1,8 +1,8 @@
 //! Does what is measured contradict what is known?
 //!
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
-//! Three things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that has changed
-//! though no joint moved it, and a parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
+//! Four things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that has changed
+//! though no joint moved it, one that no bucket holds, and a parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.
 
@@ -15,6 +15,8 @@ const USUAL: f64 = 1.5;
 /// Share of one swing in what is usual.
 const SWING: f64 = 0.15;
 
+/// So many standard deviations beyond its range a payload cannot be.
+const IMPOSSIBLE: f64 = 3.0;
 /// Logarithm of the odds at which a payload weighed anew is the one before, or is not.
 const SAME: f64 = 2.0;
 
@@ -65,6 +67,14 @@ impl Contradiction {
         odds > SAME
     }
 
+    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be.
+    pub(super) fn weighs(&mut self, (value, variance): (f64, f64), [least, most]: [f64; 2]) {
+        let beyond = value - value.clamp(least, most);
+        if beyond * beyond > IMPOSSIBLE * IMPOSSIBLE * variance * self.usual() {
+            self.outright();
+        }
+    }
+
     /// It cannot be as it is measured.
     pub(super) fn outright(&mut self) {
         self.level = REGAINED;
@@ -97,6 +107,15 @@ mod tests {
         assert!(contradiction.is_open());
         contradiction.agreed(false);
         assert!(!contradiction.is_open());
+    }
+
+    #[test]
+    fn a_bucket_that_weighs_less_than_nothing_contradicts() {
+        for (payload, contradicts) in [((-50.0, 400.0), false), ((-70.0, 400.0), true)] {
+            let mut contradiction = Contradiction::new();
+            contradiction.weighs(payload, [0.0, 2000.0]);
+            assert_eq!(contradiction.is_open(), contradicts, "{payload:?}");
+        }
     }
 
     /// A payload that seemed to change, and weighs this with this variance afterwards [kg, kg^2].

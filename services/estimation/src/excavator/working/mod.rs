@@ -241,7 +241,7 @@ impl Working {
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
-            trail.disagreement = self.agreement.factor() * self.doubt();
+            trail.disagreement = self.disagreement() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)
     }
@@ -382,6 +382,8 @@ impl Working {
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
+        let payload = (self.filter.x[M], self.filter.p[M][M]);
+        self.contradiction.weighs(payload, s.payload_range());
         self.tare(gate, &drive.now, trail);
         innovation
     }

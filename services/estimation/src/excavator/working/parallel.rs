@@ -5,19 +5,20 @@
 //! first does, and the likelihoods of the innovations of both distinguish them (Bayes; a generalised likelihood ratio: Willsky,
 //! Jones 1976). It may be as wrong as before, or a sensor has just broken: with each swing the second filter begins as the mixture of
 //! both (moments of a mixture: generalised pseudo-Bayes of first order; Blom, Bar-Shalom 1988). The interval is that of the mixture
-//! with the first, and the filter that is far more probable is the estimate.
+//! with the first ([`crate::mixture`]), and the filter that is far more probable is the estimate.
 
 use super::super::geometry::Inertia;
 use super::filter::{Filter, GAIN, Input, M};
 use crate::kalman::Innovation;
-use crate::math::{exp, ln};
+use crate::math::{exp, ln, sqrt};
+use crate::mixture::spread;
 
 /// Standard deviation of the factor by which a sensor may be wrong.
 const GAIN_STD: f64 = 0.3;
 /// Logarithm of the odds that a sensor has broken since the last swing.
 const PRIOR_LOG_ODDS: f64 = -7.0;
-/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in thirteen).
-const UNCALIBRATED_LOG_ODDS: f64 = -2.5;
+/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eight).
+const UNCALIBRATED_LOG_ODDS: f64 = -2.0;
 /// A gain that is stated more closely than this was calibrated.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
@@ -121,18 +122,19 @@ impl ParallelFilter {
         odds / (1.0 + odds)
     }
 
-    /// Variances that the mixture has beside those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
+    /// Variances that the mixture adds to those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
     pub(super) fn variances(&self, payload: f64, inertia: f64, now: &Inertia) -> [f64; 2] {
         let x = &self.filter.x;
-        let apart = x[M] - payload;
+        let (_, own) = self.filter.combination(&super::filter::inertia_row(now));
         let heavier = self.filter.inertia(now, x[M]) - inertia;
-        let row = super::filter::inertia_row(now);
-        let (_, own) = self.filter.combination(&row);
-        let p = self.probability();
         [
-            p * (self.filter.p[M][M].max(0.0) + apart * apart),
-            p * (own + heavier * heavier),
+            (x[M] - payload, self.filter.p[M][M].max(0.0)),
+            (heavier, own),
         ]
+        .map(|(away, variance)| {
+            let spread = spread(self.probability(), away, sqrt(variance));
+            spread * spread
+        })
     }
 
     /// Whether its numbers are sound.

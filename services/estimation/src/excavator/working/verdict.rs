@@ -51,7 +51,7 @@ impl Working {
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
-        let factor = self.agreement.factor() * self.doubt();
+        let factor = self.disagreement() * self.doubt();
         let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
         let contradicted = self.contradiction.is_open() || self.is_beyond();
         let anything = if contradicted {
@@ -109,6 +109,11 @@ impl Working {
             },
             ..State::default()
         }
+    }
+
+    /// Factor of the variances by which stretches of this swing disagree, or those of earlier ones did.
+    pub(super) fn disagreement(&self) -> f64 {
+        self.agreement.factor().max(self.contradiction.usual())
     }
 
     /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from

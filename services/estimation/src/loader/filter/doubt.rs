@@ -4,6 +4,7 @@ use super::{Belief, CgFilter};
 use crate::keys::Range;
 use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
+use crate::loader::load::axle_torque::RatioAway;
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
 use crate::loader::settings::Settings;
@@ -44,6 +45,8 @@ struct Signs {
     stiffness: bool,
     /// Height or ratio lies beyond what is expected.
     contradicted: bool,
+    /// One axle's torque is off, more probably than not.
+    axle_torque: bool,
 }
 
 /// By how much a value lies beyond what is expected.
@@ -68,6 +71,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
         );
+        let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque(&RatioAway {
+            ratio: self.belief.state()[CG_RATIO],
+            expected: expected[1].0,
+            std: expected[1].1,
+        });
         let signs = Signs {
             late: self.is_late(settings),
             at_limit: at_limit.ratio
@@ -75,6 +83,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
             contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
+            axle_torque: axle_torque > 0.5,
         };
         let reason = self.cause(&signs);
         // Where the model does not hold, nothing is known but what was known before.
@@ -86,7 +95,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         Doubt {
             birge: self.manoeuvres.ratio(),
             wavering: self.wheel_noise.wavering(&settings.estimator),
-            beyond: self.mixed(settings, away, stiffness, doubted, expected),
+            beyond: self.mixed(
+                settings,
+                (away, by_axle_torque),
+                stiffness,
+                doubted,
+                expected,
+            ),
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
@@ -128,13 +143,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn mixed(
         &self,
         settings: &Settings,
-        away: Each<f64>,
+        (away, by_axle_torque): (Each<f64>, f64),
         stiffness: f64,
         doubted: f64,
         expected: Centre,
     ) -> Each<f64> {
         let state = self.belief.state();
-        let Each { ratio, height } = self.with_other_load(settings, away);
+        let Each { ratio, height } = self.with_other_load(settings, away, by_axle_torque);
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
@@ -153,10 +168,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
-        } else if self.disturbance.gain.misfits()
-            || lighter > 0.0
-            || self.disturbance.mass.axle_torque().0 > 0.5
-        {
+        } else if self.disturbance.gain.misfits() || lighter > 0.0 || signs.axle_torque {
             Reason::Torque
         } else if signs.late {
             Reason::Latency
@@ -194,7 +206,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
-    fn with_other_load(&self, settings: &Settings, Each { ratio, height }: Each<f64>) -> Each<f64> {
+    fn with_other_load(
+        &self,
+        settings: &Settings,
+        Each { ratio, height }: Each<f64>,
+        by_axle_torque: f64,
+    ) -> Each<f64> {
         let state = self.belief.state();
         let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
@@ -217,13 +234,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             height + off * state[CG_HEIGHT]
         };
-        // A torque that is one axle's is taken for a load on the other.
-        let torque =
-            self.disturbance.mass.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
         // The floor is what no doubt has a name for: those that have one take its place.
         let floor = settings.estimator.cg_ratio_floor * state[CG_RATIO];
         let named = norm(&[
-            torque,
+            by_axle_torque,
             self.by_shared_slip(settings),
             self.curves.ratio_std(),
         ]);

@@ -61,15 +61,16 @@ impl Default for Force {
 }
 
 impl Force {
-    /// Whatever it may be that changes kappa, c and, where that is open, z goes on for `dt`.
-    fn walk(&mut self, opens_zero: bool, dt: f64) {
-        for (i, walk) in WALK
-            .into_iter()
-            .enumerate()
-            .take(if opens_zero { 3 } else { 2 })
-        {
+    /// Whatever it may be that changes the first states, by these random walks, goes on for `dt`.
+    pub fn walk(&mut self, walks: &[f64], dt: f64) {
+        for (i, walk) in walks.iter().enumerate() {
             self.covariance[i][i] += walk * walk * dt;
         }
+    }
+
+    /// kappa is as at the start.
+    pub fn open_gain(&mut self) {
+        self.covariance[0][0] += START[0] * START[0];
     }
 
     /// The accelerometer's zero is not known.
@@ -156,7 +157,8 @@ impl Inertia {
         if !counts {
             return;
         }
-        self.force.walk(self.mass_reported, dt);
+        let walks = if self.mass_reported { 3 } else { 2 };
+        self.force.walk(&WALK[..walks], dt);
         let [innovation, _] = self.force.see(self.smooth, dt);
         if innovation.abs() > LARGEST {
             // What was found was of bad rows, or of a force that begins: anew.

@@ -3,18 +3,12 @@
 //!
 //! Brakes that nobody tells make a machine look lighter while it brakes, and leave it as it is while it drives.
 
-use super::inertia::{Force, Inertia, Push};
+use super::axle_torque::{AxleTorque, RatioAway};
+use super::inertia::{Inertia, Push};
 use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
-use crate::math::{exp, sqrt};
 
 /// A reported mass that changes by this share is weighed.
 const WEIGHS: f64 = 0.01;
-/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
-const USUAL_GAIN: f64 = 0.035;
-/// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how
-/// much. How often was chosen as `SHARED_SLIP` of `filter/doubt` was.
-const ONE_AXLE: (f64, f64) = (0.015, 0.15);
-
 /// What is known of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -25,6 +19,7 @@ pub struct StatedMass {
     /// By all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
+    axle_torque: AxleTorque,
     unreported_load: UnreportedLoad,
 }
 
@@ -43,20 +38,6 @@ pub struct Kind {
     pub pushes: bool,
 }
 
-/// Bayes' rule on kappa - 1: tolerances of mass, radius and both torques together, or one axle's torque, which moves it half as far.
-fn one_axle(force: &Force) -> (f64, f64) {
-    let away = force.state[0] - 1.0;
-    let usual = USUAL_GAIN * USUAL_GAIN + force.covariance[0][0];
-    let own = ONE_AXLE.1 * ONE_AXLE.1;
-    let other = usual + 0.25 * own;
-    let odds = (1.0 - ONE_AXLE.0) / ONE_AXLE.0
-        * sqrt(other / usual)
-        * exp(0.5 * away * away * (1.0 / other - 1.0 / usual));
-    let (probability, gain) = (1.0 / (1.0 + odds), 0.5 * own / other);
-    let square = gain * gain * away * away + own - 0.5 * gain * own;
-    (probability, sqrt(probability * square))
-}
-
 impl StatedMass {
     /// Takes a row with the mass that is taken for true [kg].
     pub fn see(&mut self, mass: f64, row: &Push, kind: &Kind, dt: f64) {
@@ -70,8 +51,14 @@ impl StatedMass {
             self.driven.mass_is_reported();
         }
         self.driven.see(row, kind.tells && kind.drives, true, dt);
+        if kind.tells && kind.drives {
+            self.axle_torque.see(self.driven.signals(), dt);
+        }
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(row, kind.tells, lighter, dt);
+        if self.inertia.stepped() {
+            self.axle_torque.load_stepped();
+        }
         if self.is_weighed || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
@@ -113,14 +100,9 @@ impl StatedMass {
         (1.0 - by.gain()).abs()
     }
 
-    /// Whether the torque of one axle is off: probability, and what the mixture makes of its relative error, as a standard deviation.
-    pub fn axle_torque(&self) -> (f64, f64) {
-        let filter = if self.inertia.gain() > 1.0 {
-            &self.driven
-        } else {
-            &self.inertia
-        };
-        one_axle(filter.known())
+    /// Probability that one axle's torque is off, and what that adds to the deviation of the ratio.
+    pub fn axle_torque(&self, away: &RatioAway) -> (f64, f64) {
+        self.axle_torque.judge(away)
     }
 
     /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
@@ -142,26 +124,5 @@ impl StatedMass {
     /// Time since a load came or went that nobody reported [s].
     pub fn since_load(&self) -> f64 {
         self.inertia.since_step()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_torque_that_reads_low_on_one_axle_is_likelier_the_further_force_and_acceleration_are_apart()
-     {
-        let at = |kappa: f64| {
-            let mut force = Force::default();
-            force.state[0] = kappa;
-            force.covariance[0][0] = 4e-4;
-            one_axle(&force)
-        };
-        let [sound, off, far] = [1.01, 1.08, 1.15].map(at);
-        assert!(sound.0 < 0.02 && sound.1 < 0.02, "{sound:?}");
-        assert!(off.1 > 0.025 && off.1 > 2.0 * sound.1, "{off:?}");
-        assert!(far.0 > 0.5 && far.1 > 0.15, "{far:?}");
-        assert!(at(0.85).0 > 0.5);
     }
 }

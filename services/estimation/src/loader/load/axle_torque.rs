@@ -1,0 +1,133 @@
+//! Whether the torque of one axle is off: a gear ratio, a motor's constant, a displacement.
+//!
+//! It is told for a load on the other axle, and no motion tells both apart while the axles pull in one proportion. What speaks of it is
+//! that force over acceleration is off by half as much ([`super::inertia`]), and that the ratio is not what the machine's class has.
+//! An axle's torque lasts, so kappa is learnt here over minutes.
+//!
+//! ```text
+//! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2)
+//! H_f, H_r: kappa - 1 = g/2 + .., lam - lam_0 = -+ lam (1 - lam) g + .., g ~ N(0, c^2): the true torque over the measured one, minus 1
+//! ```
+
+use super::inertia::Force;
+use crate::math::{exp, sqrt};
+use crate::mixture::spread;
+
+/// How often a torque that nobody calibrated is off whatever its tolerance says: of twelve machines one, of each axle.
+const OFTEN: f64 = 0.077;
+/// By how much, as a standard deviation.
+const OFF: f64 = 0.2;
+/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
+const USUAL_GAIN: f64 = 0.035;
+/// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa lasts for minutes.
+const WALK: [f64; 3] = [0.004, 0.01, 0.01];
+/// Logarithm of the likelihood ratio beyond which nothing is told.
+const MAX_LOG_RATIO: f64 = 50.0;
+
+/// What driving has told of kappa so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AxleTorque {
+    force: Force,
+}
+
+impl Default for AxleTorque {
+    fn default() -> Self {
+        let mut force = Force::default();
+        force.open_zero();
+        Self { force }
+    }
+}
+
+/// A ratio beside what is expected, with the standard deviation of what is expected.
+#[derive(Clone, Copy, Debug)]
+pub struct RatioAway {
+    pub ratio: f64,
+    pub expected: f64,
+    pub std: f64,
+}
+
+impl AxleTorque {
+    /// Takes smoothed acceleration, force over mass and direction of a row in which the torques drive, `dt` after the last.
+    pub fn see(&mut self, signals: [f64; 3], dt: f64) {
+        self.force.walk(&WALK, dt);
+        self.force.see(signals, dt);
+    }
+
+    /// A load came or went that nobody reported: the mass is another one.
+    pub fn load_stepped(&mut self) {
+        self.force.open_gain();
+    }
+
+    /// Probability that one axle's torque is off, and what that adds to the deviation of the ratio.
+    pub fn judge(&self, away: &RatioAway) -> (f64, f64) {
+        let kappa = self.force.state[0] - 1.0;
+        let kappa_variance = USUAL_GAIN * USUAL_GAIN + self.force.covariance[0][0];
+        let by_axle = away.ratio * (1.0 - away.ratio);
+        let (mut total, mut mean_square, mut variance) = (0.0, 0.0, 0.0);
+        for sign in [-1.0, 1.0] {
+            let by = [0.5, sign * by_axle];
+            let weights = [by[0] / kappa_variance, by[1] / (away.std * away.std)];
+            let told = weights[0] * by[0] + weights[1] * by[1];
+            let shown = weights[0] * kappa + weights[1] * (away.ratio - away.expected);
+            let left = 1.0 / (1.0 / (OFF * OFF) + told);
+            let odds = sqrt(left) / OFF * exp((0.5 * left * shown * shown).min(MAX_LOG_RATIO));
+            let mean = left * shown;
+            total += odds;
+            mean_square += odds * mean * mean;
+            variance += odds * left;
+        }
+        let probability = OFTEN * total / (1.0 - 2.0 * OFTEN + OFTEN * total);
+        let [off, std] = [mean_square, variance].map(|square| by_axle * sqrt(square / total));
+        (probability, spread(probability, off, std))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a machine with this kappa, whose ratio lies so far from what is expected.
+    fn judged(kappa: f64, ratio_away: f64) -> (f64, f64) {
+        let mut axles = AxleTorque::default();
+        axles.force.state[0] = kappa;
+        axles.force.covariance[0][0] = 4e-4;
+        axles.judge(&RatioAway {
+            ratio: 0.45 + ratio_away,
+            expected: 0.45,
+            std: 0.06,
+        })
+    }
+
+    #[test]
+    fn a_torque_of_one_axle_is_likelier_the_further_force_and_acceleration_are_apart() {
+        let [sound, off, far] = [1.01, 1.08, 1.15].map(|kappa| judged(kappa, 0.0));
+        assert!(sound.0 < 0.1 && sound.1 < 0.005, "{sound:?}");
+        assert!(off.0 > 0.2 && off.1 > 0.02, "{off:?}");
+        assert!(far.0 > 0.8 && far.1 > off.1, "{far:?}");
+        assert!(judged(0.85, 0.0).0 > 0.8);
+    }
+
+    #[test]
+    fn a_ratio_that_is_off_with_it_makes_it_likelier_whichever_axle_it_is() {
+        let alone = judged(1.09, 0.0).0;
+        for away in [-0.1, 0.1] {
+            assert!(judged(1.09, away).0 > 1.2 * alone, "{away}");
+        }
+    }
+
+    #[test]
+    fn driving_tells_kappa_closely_and_a_load_that_nobody_reported_makes_it_unknown() {
+        let mut axles = AxleTorque::default();
+        for k in 0..6000 {
+            let t = f64::from(k) * 0.01;
+            let pull = f64::sin(0.8 * t) + 0.2;
+            axles.see([1.1 * pull - 0.2, pull, 1.0], 0.01);
+        }
+        let variance = |axles: &AxleTorque| axles.force.covariance[0][0];
+        assert!((axles.force.state[0] - 1.1).abs() < 0.01);
+        assert!(variance(&axles) < 0.03 * 0.03, "{}", variance(&axles));
+        axles.load_stepped();
+        assert!(variance(&axles) >= 0.1 * 0.1);
+    }
+}
