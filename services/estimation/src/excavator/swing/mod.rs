@@ -4,32 +4,25 @@
 //! The modes are extended Kalman filters and a grid. The square-root UKF on the model of mode D
 //! differs by at most 0.15 standard deviations over a swing (tests/excavator_ukf.rs) and costs more.
 
+mod answer;
+mod method;
+
+use self::method::check_method;
 use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
 use super::grid::{Grid, PERIOD, Tick};
 use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
-use super::reason::Reason;
 use super::screen::Screen;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::state::State;
 use super::verdict::Reasons;
 use super::working::{Trail, Working};
-use crate::Quantity;
-use crate::math::sqrt;
-
-/// The velocity alone tells the inertia by its decay, b/J: without damping by nothing [N m s/rad].
-const LEAST_DAMPING: f64 = 1e-3;
 
 /// A column that has no value for this long counts as absent [s].
 const PRESENCE: f64 = 1.0;
-/// Factor of the standard deviation where the torque is unknown and the velocity is differenced from
-/// an angle: changes of torque are then found late.
-const ENCODER_WITHOUT_TORQUE: f64 = 3.0;
-/// Growth of the relative standard deviation while the posture is stale [1/s].
-const STALE_POSTURE: f64 = 0.3;
 
 /// Swing inertia from the sensors, by any state-space mode.
 #[derive(Debug, Clone)]
@@ -365,112 +358,6 @@ impl SwingEstimator {
     fn needs(&self) -> (bool, bool) {
         needs(self.method)
     }
-
-    fn estimate(&self, sample: &Sample, reset: bool) -> Estimate {
-        let Some(reading) = &self.reading else {
-            let mut again = self.last;
-            again.refused = self.screen.refused();
-            again.method = self.method;
-            again.flags = Flags {
-                reset,
-                held: true,
-                ..Flags::default()
-            };
-            return again;
-        };
-        let state = self.at_row(reading, sample);
-        let r = reading.reasons;
-        let ahead = sample.time - reading.tick.time;
-        let (needs_torque, _) = self.needs();
-        Estimate {
-            inertia: state.inertia,
-            inertia_std: state.inertia_std,
-            damping: state.damping.filter(|d| d.1 > 0.0).map(quantity),
-            torque: if needs_torque {
-                self.measured_torque(reading)
-            } else {
-                state.total_torque.map(quantity)
-            },
-            payload: state.payload.map(quantity),
-            offset: state
-                .offset
-                .filter(|_| needs_torque)
-                .map(|(d, std)| quantity((-d, std))),
-            velocity: state.velocity + state.acceleration * ahead,
-            acceleration: state.acceleration,
-            nis: state.nis,
-            flags: Flags {
-                excited: r.excited,
-                consistent: r.consistent,
-                fresh: r.fresh,
-                converged: r.converged,
-                identifiable: r.identifiable && self.lateness() < 1.5,
-                held: reading.held,
-                changing: state.changing,
-                reset,
-                ..Flags::default()
-            },
-            method: self.method,
-            refused: self.screen.refused(),
-            reason: if self.screen.is_frozen() {
-                Reason::Frozen
-            } else if self.screen.has_jumped() {
-                Reason::Jump
-            } else {
-                state.reason
-            },
-            ..Estimate::default()
-        }
-    }
-
-    /// Torque corrected by its offset.
-    fn measured_torque(&self, reading: &Reading) -> Option<Quantity> {
-        let torque = self.grid.torque()?;
-        let (offset, offset_std) = reading.state.offset.unwrap_or((0.0, 0.0));
-        let noise = self.settings.sensors.swing_torque_std;
-        let variance = noise * noise * reading.tick.share + offset_std * offset_std;
-        Some(quantity((torque + offset, sqrt(variance))))
-    }
-
-    /// Without torque the modes live on finding its changes within 0.15 s. Rows slower than the grid
-    /// and differenced angles delay that; the interval then widens, and the verdict is no.
-    fn lateness(&self) -> f64 {
-        if self.needs().0 {
-            return 1.0;
-        }
-        let encoder = if self.columns.velocity {
-            1.0
-        } else {
-            ENCODER_WITHOUT_TORQUE
-        };
-        encoder * self.slowness
-    }
-
-    /// The reading at the posture of this row, which may be newer than the tick.
-    fn at_row(&self, reading: &Reading, sample: &Sample) -> State {
-        let mut state = reading.state;
-        let posture = sample.posture;
-        if let ((_, true), Some((mass, _)), [Some(boom), Some(arm), Some(bucket)]) =
-            (self.needs(), state.payload, posture)
-        {
-            let (now, before) = ([boom, arm, bucket], reading.tick.posture);
-            if now != before {
-                let [now, before] = [now, before].map(|q| self.settings.geometry.inertia(q));
-                state.inertia += now.with_payload(mass) - before.with_payload(mass);
-                state.inertia_std *= now.per_payload / before.per_payload;
-            }
-        }
-        let lateness = self.lateness();
-        state.inertia_std *= lateness;
-        state.payload = state.payload.map(|(mass, std)| (mass, std * lateness));
-        let age = reading.tick.posture_age;
-        if self.needs().1 && age.is_finite() && age > self.settings.estimator.fresh_others {
-            let stale = (age - self.settings.estimator.fresh_others).min(3.0);
-            let unknown = STALE_POSTURE * stale * state.inertia;
-            state.inertia_std = sqrt(state.inertia_std * state.inertia_std + unknown * unknown);
-        }
-        state
-    }
 }
 
 /// What a reference implementation would show besides the estimate.
@@ -494,48 +381,6 @@ fn stated_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64
     let std = settings.doubts?.delay_std;
     let total = crate::math::sqrt(std * std + unsaid * unsaid);
     Some([delays[1] - delays[0], total])
-}
-
-fn quantity((value, std): (f64, f64)) -> Quantity {
-    Quantity { value, std }
-}
-
-/// Whether a method can work with these columns, of a machine that is described so.
-fn check_method(
-    settings: &Settings,
-    method: Method,
-    columns: Columns,
-) -> Result<(), SettingsError> {
-    check_columns(method, columns)?;
-    if settings.nominal_damping < LEAST_DAMPING && method == Method::Velocity {
-        let (key, value) = ("machine.nominal_damping", settings.nominal_damping);
-        return Err(SettingsError::OutOfRange { key, value });
-    }
-    Ok(())
-}
-
-fn check_columns(method: Method, columns: Columns) -> Result<(), SettingsError> {
-    if method.is_regression() {
-        return Err(SettingsError::WrongStage {
-            method: method.name(),
-        });
-    }
-    let (torque, posture) = needs(method);
-    let missing = if !(columns.velocity || columns.angle) {
-        Some("swing_velocity")
-    } else if torque && !columns.torque {
-        Some("swing_torque")
-    } else if posture && !columns.posture {
-        Some("boom_angle, arm_angle, bucket_angle")
-    } else {
-        None
-    };
-    missing.map_or(Ok(()), |column| {
-        Err(SettingsError::MissingColumn {
-            method: method.name(),
-            column,
-        })
-    })
 }
 
 fn prior_state(settings: &Settings, uses_posture: bool, posture: Option<[f64; 3]>) -> State {
