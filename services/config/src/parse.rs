@@ -6,7 +6,7 @@ use messages::Machine;
 
 use crate::entries::{all_keys, document, entries, find, line_of, table_names};
 use crate::renamed::today;
-use crate::{Error, Errors, Keyed, Numbers, Table, Value, known, nearest, print};
+use crate::{Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print};
 
 pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
@@ -238,6 +238,13 @@ fn explain<M: Keyed>(defect: Defect, path: &str, file: &str, line: Option<usize>
         (_, _) => (
             format!("the {} has no key {path}", M::MACHINE),
             suggestion::<M>(path),
+        (Defect::Outside(number), Some(key)) if Range::is_tiny(number) => (
+            format!(
+                "{path} is {}: nearer to 0 than anything of a machine is",
+                print::with_unit(number, key.unit)
+            ),
+            format!("give {}", print::expected(&key)),
+        ),
         ),
     };
     Error {
