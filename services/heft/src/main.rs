@@ -54,7 +54,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     // Warnings, unless the environment chooses otherwise.
-    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off");
+    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
     let _process = span();
     outlive_limits();
     // Lists of processes would show the name that `image` starts it by.

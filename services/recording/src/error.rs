@@ -2,6 +2,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use crate::Plain;
+
 /// Why a file could not be read or written. Prints as three lines: what, where, what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
@@ -82,7 +84,9 @@ impl fmt::Display for Error {
         write!(
             f,
             "{}\n  where: {}\n  what to do: {}",
-            self.what, self.place, self.remedy
+            Plain(&self.what),
+            Plain(&self.place),
+            Plain(&self.remedy)
         )
     }
 }

@@ -19,7 +19,7 @@ use crate::can::{Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, packed};
+use crate::{Error, Kind, packed, steers};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
 use suggestion::missing;
@@ -82,7 +82,7 @@ messages::machines!(guesses);
 
 /// A text within a comment: what could end the comment, or cannot stand in one, becomes a mark.
 fn shown(text: &str) -> String {
-    text.replace(char::is_control, "\u{fffd}")
+    text.replace(steers, "\u{fffd}")
 }
 
 /// The first lines of a map: what it is and how to use it.
