@@ -3,7 +3,7 @@
 use calibrate::loader::{self as machine, StatedLoad};
 
 use crate::commands::calibrate::args::CalibrateArgs;
-use crate::commands::calibrate::inputs::{map_for, names, origin};
+use crate::commands::calibrate::inputs::{names, origin, samples};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
 use crate::commands::calibrate::stated::{position, scales, stated, ways};
 use crate::commands::weigh::{SCALE_STD, reference};
@@ -29,10 +29,10 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
     let mut inputs = Vec::new();
     let files = args.files.iter().zip(names(&args.files)).zip(masses);
     for (i, ((file, name), mass)) in files.enumerate() {
-        let rows = recording::load::<messages::LoaderSensors>(file, map_for(file, map.as_ref()))?;
+        let rows = samples::<messages::LoaderSensors>(file, map.as_ref(), d.sensors.rate)?;
         inputs.push(machine::Input {
             name,
-            samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
+            samples: rows.iter().map(steps::loader::sample).collect(),
             stated: StatedLoad {
                 mass,
                 ..scales[i + 1]
