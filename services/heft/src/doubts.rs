@@ -1,7 +1,7 @@
 //! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
 
 use config::Description;
-use messages::Message;
+use messages::{Envelope, Message};
 use recording::Lacks;
 
 use crate::commands::estimate::look::Look;
@@ -17,6 +17,32 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
+}
+
+/// The same of a machine whose kind is put aside, for one who sees all that its processes send.
+pub trait AnyDoubts {
+    /// Takes the samples among the messages.
+    fn see(&mut self, message: &Envelope);
+    /// Says what may be wrong.
+    fn tell(&self);
+    /// What is surely wrong with a result.
+    fn judge(&self) -> Result<(), Failure>;
+}
+
+impl<L: Look> AnyDoubts for Doubts<L> {
+    fn see(&mut self, message: &Envelope) {
+        if let Some(sample) = L::Sensors::inside(message) {
+            self.add(sample, false);
+        }
+    }
+
+    fn tell(&self) {
+        self.tell();
+    }
+
+    fn judge(&self) -> Result<(), Failure> {
+        self.judge(&Lacks::default())
+    }
 }
 
 /// Rows by which the unit of the time is judged.
