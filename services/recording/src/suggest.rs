@@ -9,13 +9,13 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use messages::Machine;
 
 use crate::can::dbc::Dbc;
-use crate::can::{Line, parse};
+use crate::can::{LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
@@ -99,12 +99,23 @@ type Frames = BTreeMap<(u32, bool), u32>;
 fn frames(path: &Path) -> Result<Frames, Error> {
     let failed = |e| Error::system("read the CAN log", path, &e);
     let log = BufReader::new(packed::open(path).map_err(failed)?);
-    let mut counts = BTreeMap::new();
-    for line in log.split(b'\n') {
-        let line = line.map_err(failed)?;
-        if let Some(Line::Frame { frame, .. }) = parse(&String::from_utf8_lossy(&line)) {
+    let (mut counts, mut left_out) = (BTreeMap::new(), LeftOut::default());
+    for (number, line) in (1..).zip(log.split(b'\n')) {
+        let line = match line {
+            Err(e) if !counts.is_empty() && e.kind() == ErrorKind::UnexpectedEof => break,
+            line => line.map_err(failed)?,
+        };
+        let text = String::from_utf8_lossy(&line);
+        let mut said = parse(&text);
+        if let Some(Line::Frame { frame, timed }) = &mut said {
+            // A map needs no times.
+            *timed = true;
             *counts.entry((frame.id, frame.extended)).or_insert(0_u32) += 1;
         }
+        left_out.count(said.as_ref(), number, &text);
+    }
+    if !counts.is_empty() {
+        left_out.judge(&path.display().to_string())?;
     }
     if counts.is_empty() {
         return Err(Error::new(

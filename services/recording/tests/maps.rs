@@ -221,7 +221,7 @@ fn can_names_that_do_not_fit_are_reported_with_the_nearest_ones() {
         silent.what.ends_with("has no value of swing_torque"),
         "{silent}"
     );
-    let text = log(can, SIGNALS, "(1.0) can0 064#E803\nhello\n").expect_err("no frame");
+    let text = log(can, SIGNALS, "(1.0) can0 064#E803\nhello\nworld\n").expect_err("no frame");
     assert!(text.place.ends_with("run.log:2"), "{text}");
     assert!(
         log(can, "swing_torque = { constant = 1.0 }\n", FRAMES).is_err(),

@@ -159,14 +159,26 @@ impl<S: Sensors> Decoder<S> {
     /// Whether there were frames, in the order of their times.
     ///
     /// # Errors
-    /// There was none, or most are earlier than one before them.
+    /// There was none, all carry one time, or most are earlier than one before them.
     pub fn check_times(&self, log: &str) -> Result<(), Error> {
-        let Clock { frames, early, .. } = self.clock;
+        let Clock {
+            frames,
+            early,
+            later,
+            ..
+        } = self.clock;
         if frames == 0 {
             return Err(Error::new(
                 "there is no frame in the file",
                 log,
                 "give a log of candump -L, or of candump -ta with its times",
+            ));
+        }
+        if frames > 1 && early == 0 && later == 0 {
+            return Err(Error::new(
+                format!("all {frames} frames carry one time: when they came is not known"),
+                log,
+                "record anew with candump -L or -ta, or have the converter write the time of each frame",
             ));
         }
         if 2 * early > frames {
@@ -348,9 +360,10 @@ struct Clock {
     shift: i64,
     strange: Option<i64>,
     strangers: u32,
-    /// Frames, and those that are earlier than one before them.
+    /// Frames, and those that are earlier than one before them, or later than all.
     frames: u64,
     early: u64,
+    later: u64,
 }
 
 impl Clock {
@@ -364,6 +377,7 @@ impl Clock {
         let ahead = time.saturating_sub(self.last);
         self.frames += 1;
         self.early += u64::from(ahead < 0);
+        self.later += u64::from(ahead > 0);
         if (-DISORDER..=JUMP).contains(&ahead) {
             if self.strangers > 0 {
                 let text = "frames with a wrong time were left out";

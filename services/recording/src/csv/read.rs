@@ -262,6 +262,11 @@ impl<S: Sensors> TableRows<S> {
         self.cut_off.as_deref()
     }
 
+    /// Words on columns without a value, once the rows were read.
+    pub(crate) fn empty(&self) -> Vec<String> {
+        self.columns.empty().collect()
+    }
+
     /// The next row; nothing at the end.
     pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
@@ -285,8 +290,7 @@ impl<S: Sensors> TableRows<S> {
                     "{}: the packed file was cut off; the rows before the cut were read",
                     table.file
                 ));
-                self.end();
-                return Ok(());
+                return self.end();
             }
             Err(e) => return Err(Error::system("read the data", &table.path, &e)),
         };
@@ -317,13 +321,13 @@ impl<S: Sensors> TableRows<S> {
                 remedy,
             ));
         }
-        self.end();
-        Ok(())
+        self.end()
     }
 
-    fn end(&mut self) {
+    fn end(&mut self) -> Result<(), Error> {
         self.has_ended = true;
         self.columns.finish();
+        self.columns.check_values(&self.table.file)
     }
 
     /// A last row that no line end closes was cut off while it was written: it is left out.
@@ -337,8 +341,7 @@ impl<S: Sensors> TableRows<S> {
             "{}:{line}: the last row was cut off; it is left out",
             table.file
         ));
-        self.end();
-        Ok(())
+        self.end()
     }
 }
 
