@@ -242,3 +242,26 @@ fn of_lines_that_come_each_one_that_is_left_out_is_counted() {
         "{remarks:?}"
     );
 }
+
+#[test]
+fn a_log_whose_times_are_too_coarse_for_its_values_is_refused() {
+    // Whole seconds; and the differences of a regular bus, as candump -td writes them.
+    for time in [|k| f64::from(k / 100), |k| if k == 0 { 0.0 } else { 0.01 }] {
+        let line = |k| format!("({:.6}) can0 064#E803\n", time(k));
+        let error = lacks(&(0..1000).map(line).collect::<String>()).expect_err("no times");
+        assert!(
+            error
+                .what
+                .ends_with("values carry the time of the one before them"),
+            "{error}"
+        );
+    }
+    // Two frames of one time now and then are a bus with a slow clock.
+    let line = |k: u32| {
+        format!(
+            "({:.2}) can0 064#E803\n",
+            0.01 * f64::from(k - u32::from(k % 3 == 1))
+        )
+    };
+    assert!(lacks(&(0..999).map(line).collect::<String>()).is_ok());
+}

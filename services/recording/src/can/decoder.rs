@@ -28,6 +28,9 @@ pub struct Decoder<S: Sensors> {
     /// The terms that come from the bus, as their series are numbered.
     terms: Vec<Bus>,
     clock: Clock,
+    /// Values, and those of them that carry the time of the one before.
+    values: u64,
+    repeated: u64,
     remarks: Vec<String>,
     map: Map,
 }
@@ -43,6 +46,8 @@ struct Bus {
     /// Who sends it.
     sender: Option<Sender>,
     has_value: bool,
+    /// When the last one came.
+    last: Option<i64>,
 }
 
 /// A place on a bus.
@@ -104,6 +109,8 @@ impl<S: Sensors> Decoder<S> {
             rows,
             terms,
             clock: Clock::default(),
+            values: 0,
+            repeated: 0,
             remarks: Vec::new(),
             map: map.clone(),
         })
@@ -120,6 +127,8 @@ impl<S: Sensors> Decoder<S> {
         for (series, bus) in self.terms.iter_mut().enumerate() {
             if let Some(value) = bus.read(frame, clock, &mut self.remarks) {
                 accepted = true;
+                self.values += 1;
+                self.repeated += u64::from(bus.last.replace(clock) == Some(clock));
                 self.rows.push(series, clock, value);
             }
         }
@@ -159,7 +168,7 @@ impl<S: Sensors> Decoder<S> {
     /// Whether there were frames, in the order of their times.
     ///
     /// # Errors
-    /// There was none, all carry one time, or most are earlier than one before them.
+    /// There was none, or most are earlier than one before them, or as late.
     pub fn check_times(&self, log: &str) -> Result<(), Error> {
         let Clock {
             frames,
@@ -179,6 +188,14 @@ impl<S: Sensors> Decoder<S> {
                 format!("all {frames} frames carry one time: when they came is not known"),
                 log,
                 "record anew with candump -L or -ta, or have the converter write the time of each frame",
+            ));
+        }
+        let (values, repeated) = (self.values, self.repeated);
+        if early == 0 && 2 * repeated > values {
+            return Err(Error::new(
+                format!("{repeated} of {values} values carry the time of the one before them"),
+                log,
+                "record with candump -L or -ta, which tell microseconds: the times of -td are differences, and whole seconds are too coarse",
             ));
         }
         if 2 * early > frames {
@@ -346,6 +363,7 @@ impl Resolver<'_> {
             place,
             sender: None,
             has_value: false,
+            last: None,
         };
         Ok((bus, signal.unit.clone()))
     }
