@@ -101,11 +101,10 @@ pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovere
         None => Some(free_name(&reader)),
     };
     if let Some(file) = file {
-        let note = match recovered.was_complete {
-            true => Metadata::new(),
-            false => note(&recovered),
-        };
-        write(&reader, &file, &note)?;
+        match recovered.was_complete {
+            true => copy_whole(&reader, &file)?,
+            false => write(&reader, &file, &note(&recovered)).map(drop)?,
+        }
         recovered.written = Some(file);
     }
     Ok(recovered)
@@ -152,16 +151,35 @@ pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
     write(reader, output, &[(JOINED.to_owned(), names)].into()).map(drop)
 }
 
-/// Writes every whole message into a new file, with the metadata of the run and a note.
-fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
-    let file = file::take(path).map_err(|e| match e {
+/// Copies a recording that is one whole file, with all that heft does not know in it.
+fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
+    let file = claim(path)?;
+    let copied = reader.files().next().map_or(Ok(()), |from| {
+        let mut file = &file;
+        std::io::copy(&mut File::open(from)?, &mut file)?;
+        file.sync_all()
+    });
+    copied.map_err(|e| {
+        let _ = std::fs::remove_file(path); // the error that is returned matters more
+        Error::system("write beside the recording", path, &e)
+    })
+}
+
+/// Takes the name of a file that does not exist yet.
+fn claim(path: &Path) -> Result<File, Error> {
+    file::take(path).map_err(|e| match e {
         ClaimError::System(e) => Error::system("write beside the recording", path, &e),
         ClaimError::Exists => Error::new(
             "this file exists already; it is not overwritten",
             path.display().to_string(),
             "choose another name with -o",
         ),
-    })?;
+    })
+}
+
+/// Writes every whole message into a new file, with the metadata of the run and a note.
+fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
+    let file = claim(path)?;
     fill(reader, path, file, note).inspect_err(|_| {
         let _ = std::fs::remove_file(path); // the error that is returned matters more
     })
