@@ -168,14 +168,17 @@ impl<S: Sensors> LineDecoder<S> {
         }
         match &mut self.kind {
             Kind::Frames(decoder) => decoder.finish(),
-            Kind::Table(columns, _) => {
-                columns.finish();
-                let empty = columns
-                    .empty()
-                    .map(|words| format!("{}: {words}", self.input));
-                self.remarks.extend(empty);
-            }
+            Kind::Table(columns, _) => columns.finish(),
             Kind::Headless => {}
+        }
+    }
+
+    /// Words on columns of a table that held no value in any row.
+    #[must_use]
+    pub fn empty(&self) -> Vec<String> {
+        match &self.kind {
+            Kind::Table(columns, _) => columns.empty().collect(),
+            Kind::Frames(_) | Kind::Headless => Vec::new(),
         }
     }
 

@@ -78,6 +78,9 @@ impl<S: Sensors> Lines<S> {
                 let rest = std::mem::take(&mut self.rest);
                 self.take(&rest, now);
                 self.stream.finish();
+                for empty in self.stream.empty() {
+                    tracing::warn!("standard input: {empty}");
+                }
                 self.has_ended = true;
             }
             Ok(count) => self.split(&bytes[..count], now),
