@@ -1,11 +1,14 @@
 //! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
 
+use std::ops::RangeInclusive;
+
 use config::Description;
 use messages::{Envelope, Message};
-use recording::Lacks;
+use recording::{Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
+use crate::measurable;
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -17,6 +20,8 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
+    /// How often each signal, by its bit, had one that is larger than any measurement.
+    beyond: [usize; 32],
 }
 
 /// The same of a machine whose kind is put aside, for one who sees all that its processes send.
@@ -58,6 +63,7 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
+            beyond: [0; 32],
         }
     }
 
@@ -69,6 +75,10 @@ impl<L: Look> Doubts<L> {
             self.times.push(sample.stamp().time);
         }
         self.is_measured |= sample.bits_of("valid") != 0;
+        let beyond = measurable::beyond(sample);
+        for (bit, count) in self.beyond.iter_mut().enumerate() {
+            *count += (beyond >> bit & 1) as usize;
+        }
         self.look.add(sample);
     }
 
@@ -76,6 +86,15 @@ impl<L: Look> Doubts<L> {
     pub fn tell(&self) {
         if let Some(hint) = time_hint(&self.times, self.rate) {
             eprintln!("{hint}");
+        }
+        for signal in <L::Sensors as Sensors>::SIGNALS {
+            let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
+            if count > 0 {
+                let name = signal.name;
+                eprintln!(
+                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale"
+                );
+            }
         }
         self.look.tell();
     }
@@ -102,11 +121,19 @@ impl<L: Look> Doubts<L> {
     }
 }
 
+/// No sensor is slower, and none faster \[s\].
+const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
+
 /// Words on times that seem to be in another unit.
 fn time_hint(times: &[f64], rate: f64) -> Option<String> {
-    let (step, unit) = recording::time_unit(times, rate)?;
+    if let Some((step, unit)) = recording::time_unit(times, rate) {
+        return Some(format!(
+            "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+        ));
+    }
+    let step = recording::usual_step(times).filter(|step| !STEPS.contains(step))?;
     Some(format!(
-        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz: check the unit of the time"
     ))
 }
 
@@ -137,5 +164,9 @@ mod tests {
             assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
         }
         assert_eq!(time_hint(&[], 100.0), None);
+        for step in [1e-11, 864.0] {
+            let hint = time_hint(&every(step), 100.0).expect("a hint");
+            assert!(hint.contains("check the unit of the time"), "{hint}");
+        }
     }
 }

@@ -41,6 +41,7 @@ impl Error {
             Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
                 "make room, or choose another folder"
             }
+            Kind::ReadOnlyFilesystem => "choose another folder: this disk cannot be written",
             Kind::IsADirectory => "give a file, not a folder",
             Kind::InvalidData | Kind::InvalidInput => {
                 "its content is damaged, the disk is not: mend it, or get the file anew"

@@ -62,5 +62,5 @@ pub use schema::RecordedField;
 pub use signal::{Row, Sensors, measured};
 pub use suggest::{Suggestion, suggest};
 pub use time::date_and_time;
-pub use time_unit::time_unit;
+pub use time_unit::{time_unit, usual_step};
 pub use writer::{Metadata, Writer, sha256};

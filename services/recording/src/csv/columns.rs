@@ -111,6 +111,13 @@ impl<S: Sensors> Columns<S> {
                 (Some(entry), Some(map)) if !entry.is_nowhere() => {
                     parts(entry, map, &header, file)?
                 }
+                (Some(entry), Some(map)) if is_time => {
+                    return Err(Error::new(
+                        "the map says that there is no time: t is \"none\"",
+                        map.place(entry),
+                        "name the column of the time: t = \"...\"",
+                    ));
+                }
                 (Some(_), _) => continue,
                 (None, _) => {
                     let Some(at) = header.iter().position(|h| *h == signal.name) else {

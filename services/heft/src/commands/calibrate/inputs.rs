@@ -9,6 +9,7 @@ use recording::{Reader, Sensors};
 use super::args::CalibrateArgs;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
+use crate::measurable;
 
 fn is_recording(file: &Path) -> bool {
     recording::Kind::by_name(file) == Some(recording::Kind::Recording)
@@ -19,8 +20,6 @@ fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recor
     map.filter(|_| !is_recording(file))
 }
 
-/// Beyond this, in SI units, nothing is a measurement: five times the largest pressure.
-const MEASURABLE: f64 = 1e9;
 /// Beyond this nothing is a time \[s\], since 1970 or since a start: 30 000 years.
 const DATABLE: f64 = 1e12;
 /// Rows that are further apart show no motion \[s\].
@@ -48,15 +47,9 @@ pub fn samples<S: Sensors>(
 
 /// Takes out what no sensor says; how many numbers that were.
 fn leave_out<S: Sensors>(sample: &mut S) -> usize {
-    let mut valid = sample.bits_of("valid");
-    let before = valid.count_ones();
-    for (index, bit) in recording::measured::<S>() {
-        let number = sample.get(index).map_or(0.0, Value::as_f64);
-        if valid & bit != 0 && number.abs() > MEASURABLE {
-            valid &= !bit;
-        }
-    }
+    let beyond = measurable::beyond(sample);
     if let Some(index) = S::index("valid") {
+        let valid = sample.bits_of("valid") & !beyond;
         sample.set(index, Value::U32(valid));
     }
     let time = &mut sample.stamp_mut().time;
@@ -64,16 +57,13 @@ fn leave_out<S: Sensors>(sample: &mut S) -> usize {
     if !is_timed {
         *time = f64::NAN;
     }
-    (before - valid.count_ones()) as usize + usize::from(!is_timed)
+    beyond.count_ones() as usize + usize::from(!is_timed)
 }
 
 /// Refuses rows between which a machine does whatever it likes.
 fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), Failure> {
     let times: Vec<f64> = samples.iter().map(|s| s.stamp().time).collect();
-    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    let Some(step) = steps.get(steps.len() / 2).filter(|step| **step > FARTHEST) else {
+    let Some(step) = recording::usual_step(&times).filter(|step| *step > FARTHEST) else {
         return Ok(());
     };
     let unit = recording::time_unit(&times, rate).map_or("ms", |(_, unit)| unit);

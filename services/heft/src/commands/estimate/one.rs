@@ -183,7 +183,7 @@ struct Notes {
 
 impl Notes {
     fn create(report: &Path, metadata: &Metadata) -> Result<Self, Failure> {
-        let failed = |e| Failure::file("write the page", report, &e);
+        let failed = |e| Failure::file("write", report, &e);
         let (file, _) = Beside::create(report).map_err(failed)?;
         let writer = Writer::create(file.path(), metadata)?;
         Ok(Self { writer, file })
