@@ -229,3 +229,20 @@ fn a_column_without_a_value_is_named_and_refused_where_nothing_else_measures_the
         "{said:?}"
     );
 }
+
+#[test]
+fn a_column_in_a_unit_of_something_else_is_no_signal() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("day.csv");
+    std::fs::write(&path, "t,Swing speed [mph],Torque [kNm]\n0,1,2\n1,1,2\n").expect("writable");
+    let machine = Some(messages::Machine::Excavator);
+    let map = recording::suggest(&path, &[], machine).expect("a map");
+    assert!(
+        map.text.contains(
+            "# swing_velocity = \"Swing speed [mph]\"  # its unit is mph, which is none of rad/s"
+        ),
+        "{}",
+        map.text
+    );
+    assert_eq!(map.missing, [["swing_velocity", "swing_angle"]]);
+}

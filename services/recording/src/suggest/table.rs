@@ -37,8 +37,20 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             "" => header[at].clone(),
             unit => format!("{} [{unit}]", header[at]),
         };
-        let guess = unit(&signal, unit_of::<S>(&signal), &named, &columns[at]);
+        let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
+        if let Some(other) = bracketed(&named)
+            .and_then(unit::guess)
+            .filter(|u| u.si != si)
+        {
+            let unit = other.name;
+            let _ = writeln!(
+                out,
+                "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
+            );
+            continue;
+        }
+        let guess = unit(&signal, si, &named, &columns[at]);
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
         let column = Column {
@@ -86,11 +98,10 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         .filter(|at| !taken.contains(at))
         .map(|at| names[at])
         .collect();
-    let _ = writeln!(
-        out,
-        "\n# Columns that fit nothing: {}",
-        shown(&rest.join(", "))
-    );
+    if !rest.is_empty() {
+        let rest = shown(&rest.join(", "));
+        let _ = writeln!(out, "\n# Columns that fit nothing: {rest}");
+    }
     Ok(Suggestion {
         text: out,
         missing,
@@ -227,9 +238,12 @@ fn mass(values: &[f64]) -> Guess {
 
 /// The unit that a column's name tells: in brackets, or behind the last underscore.
 fn named(name: &str) -> Option<&'static Unit> {
-    let bracketed = name
-        .rsplit_once(['[', '('])
-        .map(|(_, u)| u.trim_end_matches([']', ')']));
     let suffix = name.rsplit_once('_').map(|(_, u)| u);
-    bracketed.or(suffix).and_then(unit::guess)
+    bracketed(name).or(suffix).and_then(unit::guess)
+}
+
+/// What stands in the last brackets of a name.
+fn bracketed(name: &str) -> Option<&str> {
+    let (_, text) = name.rsplit_once(['[', '('])?;
+    Some(text.trim_end_matches([']', ')']))
 }
