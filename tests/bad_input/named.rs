@@ -203,3 +203,29 @@ fn a_number_may_begin_with_its_point() {
         set,
     ]);
 }
+
+#[test]
+fn what_is_said_of_an_input_is_said_of_many_too() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());
+    fs::rename(&file, dir.path().join("-day.csv")).expect("another name");
+    let output = heft()
+        .args([
+            "estimate",
+            "--machine",
+            "excavator",
+            "--class",
+            "13t",
+            "--",
+            "-day.csv",
+        ])
+        .current_dir(dir.path())
+        .output()
+        .expect("heft starts");
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(
+        both(&output).contains("-day.csv: the rows are 10 s apart"),
+        "{}",
+        both(&output)
+    );
+}
