@@ -229,3 +229,32 @@ fn what_is_said_of_an_input_is_said_of_many_too() {
         both(&output)
     );
 }
+
+#[test]
+fn a_result_in_doubt_stays_in_doubt() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_torque", |_, torque| {
+        (torque / 1000.0).to_string()
+    });
+    let estimate = |more: &[&str]| {
+        let args = [
+            "estimate",
+            &file,
+            "--machine",
+            "excavator",
+            "--class",
+            "13t",
+        ];
+        run(&[&args, more].concat())
+    };
+    for _ in 0..2 {
+        let output = estimate(&[]);
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    }
+    treated(dir.path(), "swing_torque", |_, _| String::new());
+    for more in [&[][..], &["--require-trust"], &["--require-trust"]] {
+        let output = estimate(more);
+        let expected = i32::from(!more.is_empty());
+        assert_eq!(output.status.code(), Some(expected), "{}", both(&output));
+    }
+}
