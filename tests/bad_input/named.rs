@@ -258,3 +258,19 @@ fn a_result_in_doubt_stays_in_doubt() {
         assert_eq!(output.status.code(), Some(expected), "{}", both(&output));
     }
 }
+
+#[test]
+fn a_damaged_recording_is_in_doubt_as_often_as_its_page_is_asked_for() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut bytes = fs::read(golden("recordings/excavator-cfdbb98.mcap")).expect("golden");
+    let middle = bytes.len() / 2;
+    bytes[middle..middle + 50]
+        .iter_mut()
+        .for_each(|b| *b ^= 0x55);
+    let file = path_in(dir.path(), "run.mcap");
+    fs::write(&file, bytes).expect("writable");
+    for _ in 0..2 {
+        let output = run(&["report", "--each", &file]);
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    }
+}
