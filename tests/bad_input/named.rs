@@ -274,3 +274,37 @@ fn a_damaged_recording_is_in_doubt_as_often_as_its_page_is_asked_for() {
         assert_eq!(output.status.code(), Some(1), "{}", both(&output));
     }
 }
+
+#[test]
+fn whoever_ends_a_command_of_many_inputs_ends_their_processes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let (header, rows) = text.split_once('\n').expect("rows");
+    // Long enough to be read for seconds: only the first round counts, the rest is refused.
+    let file = path_in(dir.path(), "day.csv");
+    fs::write(&file, format!("{header}\n{}", rows.repeat(200))).expect("writable");
+    let mut command = heft();
+    command.args(["estimate", &file, "--machine", "excavator"]);
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("heft");
+    let own = || {
+        let all = fs::read_dir("/proc").expect("/proc").flatten();
+        let lines = all.filter_map(|p| fs::read_to_string(p.path().join("cmdline")).ok());
+        lines.filter(|line| line.contains(&file)).count()
+    };
+    crate::common::wait_until(
+        "its process runs",
+        std::time::Duration::from_secs(10),
+        || own() == 2,
+    );
+    let pid = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("a process");
+    let status = child.wait().expect("its end");
+    assert!(!status.success());
+    crate::common::wait_until("none is left", std::time::Duration::from_secs(5), || {
+        own() == 0
+    });
+}

@@ -5,15 +5,16 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Read};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
-use std::sync::Mutex;
+use std::process::{Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use recording::Kind;
 
 use crate::failure::Failure;
 use crate::image;
 use crate::out::{self, Plain};
+use crate::signals::{Children, end_together};
 
 /// One input.
 pub struct Job {
@@ -201,13 +202,21 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let children = Children::default();
+    if let Err(failure) = end_together(&children) {
+        tracing::warn!("a signal would end this process alone: {failure}");
+    }
     let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let work = || {
         while let Some((at, job)) = {
             let at = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(at).map(|job| (at, job))
         } {
-            let end = if job.is_done { Outcome::Kept } else { one(job) };
+            let end = if job.is_done {
+                Outcome::Kept
+            } else {
+                one(job, &children)
+            };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
             }
@@ -234,11 +243,27 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         .collect()
 }
 
-fn one(job: &Job) -> Outcome {
+/// Runs a process to its end, one of these children meanwhile.
+fn output(job: &Job, children: &Children) -> std::io::Result<Output> {
     let mut command = image::command();
     command.args(&job.arguments);
-    command.stdin(Stdio::null()).stdout(Stdio::null());
-    match command.output() {
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let lock = || children.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut running = lock();
+    let child = command.spawn()?;
+    let pid = child.id();
+    running.insert(pid);
+    drop(running);
+    let output = child.wait_with_output();
+    lock().remove(&pid);
+    output
+}
+
+fn one(job: &Job, children: &Children) -> Outcome {
+    match output(job, children) {
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
             let (remarks, reason) = last_words(&said);
