@@ -101,8 +101,15 @@ impl<L: Look> Doubts<L> {
 
     /// Whether these rows can give a result: most were taken, and something was measured.
     pub fn has_rows(&self) -> Result<(), Failure> {
+        if self.rows == 0 {
+            return Err(Failure::input(
+                "the input gives no row",
+                "the times of the input",
+                "give a longer recording, or check the rate and the master of the signal map",
+            ));
+        }
         most_rows_were_taken(self.refused, self.rows)?;
-        if self.rows > 0 && !self.is_measured {
+        if !self.is_measured {
             return Err(Failure::input(
                 "nothing was measured: no row has a value beside the time",
                 "the columns that are used",
