@@ -39,11 +39,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         };
         let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
-        if let Some(other) = bracketed(&named)
-            .and_then(unit::guess)
-            .filter(|u| u.si != si)
-        {
-            let unit = other.name;
+        if let Some(unit) = foreign(&named, si) {
             let _ = writeln!(
                 out,
                 "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
@@ -94,19 +90,27 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing.insert(0, &["t"]);
     }
     out += &lacking::<S>(&found, &missing, "\"...\"");
-    let rest: Vec<&str> = (0..names.len())
-        .filter(|at| !taken.contains(at))
-        .map(|at| names[at])
-        .collect();
-    if !rest.is_empty() {
-        let rest = shown(&rest.join(", "));
-        let _ = writeln!(out, "\n# Columns that fit nothing: {rest}");
-    }
+    out += &rest(&names, &taken);
     Ok(Suggestion {
         text: out,
         missing,
         found: found.len(),
     })
+}
+
+/// The columns that are none of the signals, as a comment.
+fn rest(names: &[&str], taken: &[usize]) -> String {
+    let rest: Vec<&str> = (0..names.len())
+        .filter(|at| !taken.contains(at))
+        .map(|at| names[at])
+        .collect();
+    match rest.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\n# Columns that fit nothing: {}\n",
+            shown(&rest.join(", "))
+        ),
+    }
 }
 
 /// Angles of links, each from the one before it.
@@ -240,6 +244,12 @@ fn mass(values: &[f64]) -> Guess {
 fn named(name: &str) -> Option<&'static Unit> {
     let suffix = name.rsplit_once('_').map(|(_, u)| u);
     bracketed(name).or(suffix).and_then(unit::guess)
+}
+
+/// The unit in the brackets of a name, where it is of something else.
+fn foreign(name: &str, si: &str) -> Option<&'static str> {
+    let unit = bracketed(name).and_then(unit::guess)?;
+    (unit.si != si).then_some(unit.name)
 }
 
 /// What stands in the last brackets of a name.
