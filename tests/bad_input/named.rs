@@ -87,6 +87,20 @@ fn what_comes_on_standard_input_is_doubted_like_a_file() {
 }
 
 #[test]
+fn times_that_run_backwards_are_refused_as_they_come() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| (100.0 - t).to_string());
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(
+            both(&output).contains("rows were refused"),
+            "{}",
+            both(&output)
+        );
+    }
+}
+
+#[test]
 fn a_column_without_a_value_is_named() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "swing_torque", |_, _| String::new());

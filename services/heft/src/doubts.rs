@@ -1,5 +1,6 @@
 //! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
 
+use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
 use config::Description;
@@ -26,7 +27,7 @@ pub struct Doubts<L> {
 
 /// The same of a machine whose kind is put aside, for one who sees all that its processes send.
 pub trait AnyDoubts {
-    /// Takes the samples among the messages.
+    /// Takes samples, and the estimates of one channel.
     fn see(&mut self, message: &Envelope);
     /// Says what may be wrong.
     fn tell(&self);
@@ -34,19 +35,41 @@ pub trait AnyDoubts {
     fn judge(&self) -> Result<(), Failure>;
 }
 
-impl<L: Look> AnyDoubts for Doubts<L> {
+/// Doubts of what is seen of a run.
+pub struct Seen<L, E> {
+    doubts: Doubts<L>,
+    estimates: PhantomData<E>,
+}
+
+impl<L: Look, E> Seen<L, E> {
+    /// For a description.
+    pub fn of(description: &Description) -> Self {
+        Self {
+            doubts: Doubts::of(description),
+            estimates: PhantomData,
+        }
+    }
+}
+
+impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
     fn see(&mut self, message: &Envelope) {
         if let Some(sample) = L::Sensors::inside(message) {
-            self.add(sample, false);
+            self.doubts.add(sample, false);
         }
+        let is_refused = E::inside(message).is_some_and(E::is_refused);
+        self.doubts.refused += usize::from(is_refused);
     }
 
     fn tell(&self) {
-        self.tell();
+        self.doubts.tell();
     }
 
     fn judge(&self) -> Result<(), Failure> {
-        self.judge(&Lacks::default())
+        // A run that was ended before its first sample is none that failed.
+        if self.doubts.rows > 0 {
+            self.doubts.has_rows()?;
+        }
+        self.doubts.judge(&Lacks::default())
     }
 }
 

@@ -18,7 +18,7 @@ use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::estimate::args::EstimateArgs;
 use crate::commands::estimate::look::Look;
 use crate::commands::estimate::one;
-use crate::doubts::{AnyDoubts, Doubts};
+use crate::doubts::{AnyDoubts, Doubts, Seen};
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::serve::{self, Form, Input, Machines, Out, Played, Rows};
@@ -123,7 +123,7 @@ impl Entry {
             serve_shard: serve::serve_shard::<M::Sensors, M::Estimate>,
             estimate: estimate::<M>,
             follow: follow::<M>,
-            doubts: |description| Box::new(Doubts::<M::Look>::of(description)),
+            doubts: |description| Box::new(Seen::<M::Look, M::Estimate>::of(description)),
             calibrate: M::calibrate,
             evaluate: M::evaluate,
             figures: M::figures,

@@ -287,6 +287,9 @@ impl Sink for Watch {
             Carries::Estimate => {
                 if self.is_headline(channel) {
                     self.note_reason(message);
+                    if let Some(doubts) = &mut self.doubts {
+                        doubts.see(&envelope);
+                    }
                 }
                 self.scores.add(channel, message);
                 if let Some(memory) = &mut self.memory {

@@ -29,6 +29,9 @@ pub struct LineDecoder<S: Sensors> {
     refused: u64,
     left_out: LeftOut,
     remarks: Vec<String>,
+    /// Frames, and those whose lines tell no time.
+    frames: u64,
+    untimed: u64,
     /// Time of the last frame and when it came [ns].
     last: Option<(i64, i64)>,
 }
@@ -60,6 +63,8 @@ impl<S: Sensors> LineDecoder<S> {
             rows: 0,
             refused: 0,
             left_out: LeftOut::default(),
+            frames: 0,
+            untimed: 0,
             remarks: Vec::new(),
             last: None,
         })
@@ -91,7 +96,9 @@ impl<S: Sensors> LineDecoder<S> {
                 let text = String::from_utf8_lossy(line);
                 let mut said = parse(&text);
                 if let Some(Line::Frame { frame, timed }) = &mut said {
+                    self.frames += 1;
                     if !std::mem::replace(timed, true) {
+                        self.untimed += 1;
                         frame.time_ns = now_ns;
                     }
                     self.last = Some((frame.time_ns, now_ns));
@@ -221,10 +228,18 @@ impl<S: Sensors> LineDecoder<S> {
     pub fn judge(&self) -> Result<(), Error> {
         if let Kind::Frames(decoder) = &self.kind {
             self.left_out.judge(&self.input)?;
-            return match self.last {
+            let checked = match self.last {
                 Some(_) => decoder.check_times(&self.input),
                 None => Ok(()),
             };
+            return checked.map_err(|error| match 2 * self.untimed > self.frames {
+                true => Error::new(
+                    "the lines tell no times, and most came together",
+                    error.place,
+                    "record with candump -L, or with candump -ta",
+                ),
+                false => error,
+            });
         }
         if 2 * self.refused <= self.rows {
             return match &self.kind {

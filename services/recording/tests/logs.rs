@@ -225,6 +225,22 @@ fn a_log_whose_frames_carry_one_time_is_refused_on_a_disk_and_as_it_comes() {
 }
 
 #[test]
+fn lines_without_times_that_come_together_are_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let judged = |each: i64| {
+        let mut decoder = LineDecoder::<ExcavatorSensors>::new(Some(map(&dir))).expect("a decoder");
+        for k in 0..300 {
+            decoder.take(b"can0 064#E803", each * k).expect("a line");
+        }
+        decoder.finish();
+        decoder.judge()
+    };
+    assert_eq!(judged(10_000_000), Ok(()));
+    let error = judged(0).expect_err("no times");
+    assert!(error.what.starts_with("the lines tell no times"), "{error}");
+}
+
+#[test]
 fn of_lines_that_come_each_one_that_is_left_out_is_counted() {
     let dir = tempfile::tempdir().expect("a folder");
     let mut decoder = LineDecoder::<ExcavatorSensors>::new(Some(map(&dir))).expect("a decoder");
