@@ -174,6 +174,16 @@ fn a_mass_is_no_weight() {
     let output = run(&["weigh", &file]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
     assert!(both(&output).contains("N, kN, lbf"), "{}", both(&output));
+    // Without a row of units the mass of the machine tells.
+    fs::write(&file, "pitch,front_load,rear_load\n0,2500,2200\n").expect("writable");
+    let output = run(&["weigh", &file]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("seem to be in kg"),
+        "{}",
+        both(&output)
+    );
+    run_ok(&["weigh", &file, "--set", "machine.mass=480"]);
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         ));
     }
     let payloads = stated(args, &args.payload, "--payload")?;
-    let scales = weighed(args, d.machine.wheelbase)?;
+    let scales = weighed(args, d)?;
     let mut inputs = Vec::new();
     let files = args.files.iter().zip(names(&args.files)).zip(masses);
     for (i, ((file, name), mass)) in files.enumerate() {
@@ -59,7 +59,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
 }
 
 /// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
-fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<StatedLoad>, Failure> {
+fn weighed(args: &CalibrateArgs, d: &config::Loader) -> Result<Vec<StatedLoad>, Failure> {
     let mut all = vec![StatedLoad::default(); args.files.len() + 1];
     for text in &args.weigh {
         let (file, scales) = scales(text);
@@ -67,7 +67,7 @@ fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<StatedLoad>, Fail
             None => 0,
             Some(file) => 1 + position(args, file, "--weigh", text)?,
         };
-        let reference = reference(scales, wheelbase)?;
+        let reference = reference(scales, d)?;
         all[at] = StatedLoad::weighed(&reference, SCALE_STD);
     }
     Ok(all)
