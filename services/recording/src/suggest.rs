@@ -35,7 +35,15 @@ pub fn suggest(
     dbc: &[PathBuf],
     machine: Option<Machine>,
 ) -> Result<Suggestion, Error> {
-    let file = match Kind::of(path)? {
+    let kind = Kind::of(path)?;
+    if let Some(dbc) = dbc.first().filter(|_| kind != Kind::Log) {
+        return Err(Error::new(
+            "a DBC file describes a CAN log, and this is none",
+            path.display().to_string(),
+            format!("leave out --dbc {}, or give the log", dbc.display()),
+        ));
+    }
+    let file = match kind {
         Kind::Table => Foreign::Table,
         Kind::Log => Foreign::Log(dbc),
         Kind::Recording => Foreign::Topics(Box::new(list::open(path)?)),

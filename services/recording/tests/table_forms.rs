@@ -245,4 +245,7 @@ fn a_column_in_a_unit_of_something_else_is_no_signal() {
         map.text
     );
     assert_eq!(map.missing, [["swing_velocity", "swing_angle"]]);
+    // A DBC file says nothing of a table, and is not ignored.
+    let error = recording::suggest(&path, &["x.dbc".into()], machine).expect_err("no log");
+    assert!(error.remedy.contains("leave out --dbc x.dbc"), "{error}");
 }
