@@ -207,7 +207,11 @@ fn an_input_that_cannot_be_used_ends_the_run_with_the_remedy() {
         ("t,speed_of_swing\n0,1\n0.01,1\n", None, "swing_velocity"),
         ("t,swing_velocity\n", None, "ended without a sample"),
         ("", None, "ended without a sample"),
-        ("no frame\nneither\n", Some(&*map), "ended without a sample"),
+        (
+            "no frame\nneither\n",
+            Some(&*map),
+            "2 of 2 lines are no frames",
+        ),
     ] {
         let input = dir.path().join("input");
         std::fs::write(&input, lines).expect("writable");

@@ -181,8 +181,11 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         let samples = recording::open::<S>(path, map).map_err(refused)?;
         let found = run::<_, _, E>(description, method, samples.rows().map_err(refused)?, 0)?;
         samples.check().map_err(refused)?;
+        let lacks = samples.lacks();
+        let hints = found.hints.into_iter().chain(lacks.empty.clone());
         Ok(Estimates {
-            lacks: samples.lacks(),
+            hints: hints.collect(),
+            lacks,
             ..found
         })
     }

@@ -22,7 +22,7 @@ pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Error
             file: file.into(),
             line: error.span().map(|span| line_of(text, &span)),
             key: String::new(),
-            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes)"
+            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes, numbers like 0.5)"
                 .into(),
         })
     })

@@ -6,7 +6,7 @@ use messages::Machine;
 
 use crate::entries::{all_keys, document, entries, find, line_of, table_names};
 use crate::renamed::today;
-use crate::{Error, Errors, Keyed, Numbers, Table, Value, known, nearest, print};
+use crate::{Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print};
 
 pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
@@ -101,12 +101,27 @@ fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
     let (path, text) = (today(path.trim()), text.trim());
     let item = match text.parse::<toml_edit::Value>() {
         Ok(value) => Item::Value(value),
-        Err(_) => toml_edit::value(text), // a word without its quotes
+        Err(_) => numbers::<M>(path, text).unwrap_or_else(|| toml_edit::value(text)), // a word without its quotes
     };
     value_of(&item)
         .map_err(Defect::Form)
         .and_then(|value| assign(machine, path, &value))
         .map_err(|defect| explain::<M>(defect, path, &file, None))
+}
+
+/// Numbers as people write them and TOML does not (`.05`, `5.`, `007`), for a key that takes some.
+fn numbers<M: Keyed>(path: &str, text: &str) -> Option<Item> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    match find::<M>(path)?.form {
+        Form::Number | Form::OptionalNumber | Form::Count => number(text).map(toml_edit::value),
+        Form::List(_) | Form::Numbers => {
+            let items = text.strip_prefix('[').and_then(|t| t.strip_suffix(']'));
+            let items = items.unwrap_or(text).split(',').map(number);
+            let list: toml_edit::Array = items.collect::<Option<Vec<f64>>>()?.into_iter().collect();
+            Some(toml_edit::value(list))
+        }
+        Form::Flag | Form::Choice(_) => None,
+    }
 }
 
 /// The machine that the text names, or else the one that knows more of its keys; `None` if it
@@ -222,6 +237,13 @@ fn explain<M: Keyed>(defect: Defect, path: &str, file: &str, line: Option<usize>
                 "write kind = \"{}\" or use the machine file with the other machine",
                 M::MACHINE
             ),
+        ),
+        (Defect::Outside(number), Some(key)) if Range::is_tiny(number) => (
+            format!(
+                "{path} is {}: nearer to 0 than anything of a machine is",
+                print::with_unit(number, key.unit)
+            ),
+            format!("give {}", print::expected(&key)),
         ),
         (Defect::Outside(number), Some(key)) => (
             format!(

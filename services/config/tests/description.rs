@@ -386,3 +386,49 @@ fn a_description_differs_from_an_earlier_one_by_what_either_states() {
     let gone = gone.map(|(key, value)| (key.to_owned(), value.to_owned()));
     assert!(now.changed_since(&gone.into()).is_empty());
 }
+
+#[test]
+fn numbers_are_set_as_people_write_them() {
+    let mut excavator = Excavator::default();
+    for (text, value) in [(".05", 0.05), ("+0.3", 0.3), ("00.2", 0.2), ("3.e-1", 0.3)] {
+        let set = format!("sensors.swing_torque_delay={text}");
+        excavator.set(&set).expect("a number");
+        assert_eq!(excavator.sensors.swing_torque_delay, value, "{text}");
+    }
+    excavator.set("sensors.rate=5.").expect("a number");
+    excavator.set("sensors.rate=1e2").expect("a number");
+    assert_eq!(excavator.sensors.rate, 100.0);
+    excavator
+        .set("machine.rated_payload=.5e3")
+        .expect("a number");
+    assert_eq!(excavator.machine.rated_payload, Some(500.0));
+    excavator
+        .set("estimator.paper.covariance=[.5, 5., +1]")
+        .expect("a list");
+    for wrong in [
+        "sensors.rate=inf",
+        "sensors.rate=0,5",
+        "sensors.rate=.",
+        "estimator.variant=.5",
+    ] {
+        assert!(excavator.set(wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn a_number_that_is_nearer_to_zero_than_anything_of_a_machine_is_refused() {
+    let mut excavator = Excavator::default();
+    let error = excavator
+        .set("machine.geometry.bucket_mass=1.3e-160")
+        .expect_err("no mass");
+    assert!(
+        error
+            .what
+            .contains("nearer to 0 than anything of a machine"),
+        "{error}"
+    );
+    assert!(error.remedy.contains("from 0 to"), "{error}");
+    excavator
+        .set("machine.geometry.bucket_mass=0")
+        .expect("zero is none");
+}

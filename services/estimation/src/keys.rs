@@ -33,6 +33,22 @@ pub struct Range {
     pub high: f64,
 }
 
+impl Range {
+    /// Nothing of a machine is nearer to zero, in SI units, than this and not zero: squares of such a number vanish.
+    pub const TINY: f64 = 1e-18;
+
+    /// Whether a number is too near to zero to mean anything.
+    #[must_use]
+    pub fn is_tiny(number: f64) -> bool {
+        number != 0.0 && number.abs() < Self::TINY
+    }
+
+    /// Whether it holds a number.
+    fn holds(self, number: f64) -> bool {
+        (self.low..=self.high).contains(&number) && !Self::is_tiny(number)
+    }
+}
+
 /// One key of a description.
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
@@ -105,7 +121,7 @@ pub enum Value<'a> {
 impl Value<'_> {
     /// The first number of the value that lies outside `range`.
     pub fn outside(&self, range: Range) -> Option<f64> {
-        let outside = |x: &f64| !(range.low..=range.high).contains(x);
+        let outside = |x: &f64| !range.holds(*x);
         match self {
             Self::Number(x) => Some(*x).filter(outside),
             Self::Numbers(list) => list.iter().copied().find(outside),

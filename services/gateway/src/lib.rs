@@ -47,7 +47,10 @@ pub fn wall_ms() -> u64 {
 /// What the programs of a fleet say on standard error, unless the environment chooses otherwise: what they do, and errors of
 /// all that they are made of. `program` stands in each line.
 pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
-    diagnostics::start("error,gateway=info,iceoryx2=off,iceoryx2_log=off");
+    diagnostics::start(
+        "error,gateway=info,iceoryx2=off,iceoryx2_log=off",
+        std::io::stderr,
+    );
     tracing::error_span!(target: "gateway", "process", pid = std::process::id(), process = program)
         .entered()
 }

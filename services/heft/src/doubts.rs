@@ -1,11 +1,15 @@
 //! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
 
+use std::marker::PhantomData;
+use std::ops::RangeInclusive;
+
 use config::Description;
-use messages::Message;
-use recording::Lacks;
+use messages::{Envelope, Message};
+use recording::{Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
+use crate::measurable;
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -17,6 +21,56 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
+    /// How often each signal, by its bit, had one that is larger than any measurement.
+    beyond: [usize; 32],
+}
+
+/// The same of a machine whose kind is put aside, for one who sees all that its processes send.
+pub trait AnyDoubts {
+    /// Takes samples, and the estimates of one channel.
+    fn see(&mut self, message: &Envelope);
+    /// Says what may be wrong.
+    fn tell(&self);
+    /// What is surely wrong with a result.
+    fn judge(&self) -> Result<(), Failure>;
+}
+
+/// Doubts of what is seen of a run.
+pub struct Seen<L, E> {
+    doubts: Doubts<L>,
+    estimates: PhantomData<E>,
+}
+
+impl<L: Look, E> Seen<L, E> {
+    /// For a description.
+    pub fn of(description: &Description) -> Self {
+        Self {
+            doubts: Doubts::of(description),
+            estimates: PhantomData,
+        }
+    }
+}
+
+impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
+    fn see(&mut self, message: &Envelope) {
+        if let Some(sample) = L::Sensors::inside(message) {
+            self.doubts.add(sample, false);
+        }
+        let is_refused = E::inside(message).is_some_and(E::is_refused);
+        self.doubts.refused += usize::from(is_refused);
+    }
+
+    fn tell(&self) {
+        self.doubts.tell();
+    }
+
+    fn judge(&self) -> Result<(), Failure> {
+        // A run that was ended before its first sample is none that failed.
+        if self.doubts.rows > 0 {
+            self.doubts.has_rows()?;
+        }
+        self.doubts.judge(&Lacks::default())
+    }
 }
 
 /// Rows by which the unit of the time is judged.
@@ -32,6 +86,7 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
+            beyond: [0; 32],
         }
     }
 
@@ -43,6 +98,10 @@ impl<L: Look> Doubts<L> {
             self.times.push(sample.stamp().time);
         }
         self.is_measured |= sample.bits_of("valid") != 0;
+        let beyond = measurable::beyond(sample);
+        for (bit, count) in self.beyond.iter_mut().enumerate() {
+            *count += (beyond >> bit & 1) as usize;
+        }
         self.look.add(sample);
     }
 
@@ -51,13 +110,29 @@ impl<L: Look> Doubts<L> {
         if let Some(hint) = time_hint(&self.times, self.rate) {
             eprintln!("{hint}");
         }
+        for signal in <L::Sensors as Sensors>::SIGNALS {
+            let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
+            if count > 0 {
+                let name = signal.name;
+                eprintln!(
+                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale"
+                );
+            }
+        }
         self.look.tell();
     }
 
     /// Whether these rows can give a result: most were taken, and something was measured.
     pub fn has_rows(&self) -> Result<(), Failure> {
+        if self.rows == 0 {
+            return Err(Failure::input(
+                "the input gives no row",
+                "the times of the input",
+                "give a longer recording, or check the rate and the master of the signal map",
+            ));
+        }
         most_rows_were_taken(self.refused, self.rows)?;
-        if self.rows > 0 && !self.is_measured {
+        if !self.is_measured {
             return Err(Failure::input(
                 "nothing was measured: no row has a value beside the time",
                 "the columns that are used",
@@ -76,11 +151,19 @@ impl<L: Look> Doubts<L> {
     }
 }
 
+/// No sensor is slower, and none faster \[s\].
+const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
+
 /// Words on times that seem to be in another unit.
 fn time_hint(times: &[f64], rate: f64) -> Option<String> {
-    let (step, unit) = recording::time_unit(times, rate)?;
+    if let Some((step, unit)) = recording::time_unit(times, rate) {
+        return Some(format!(
+            "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+        ));
+    }
+    let step = recording::usual_step(times).filter(|step| !STEPS.contains(step))?;
     Some(format!(
-        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz: check the unit of the time"
     ))
 }
 
@@ -111,5 +194,9 @@ mod tests {
             assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
         }
         assert_eq!(time_hint(&[], 100.0), None);
+        for step in [1e-11, 864.0] {
+            let hint = time_hint(&every(step), 100.0).expect("a hint");
+            assert!(hint.contains("check the unit of the time"), "{hint}");
+        }
     }
 }

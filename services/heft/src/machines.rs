@@ -18,7 +18,7 @@ use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::estimate::args::EstimateArgs;
 use crate::commands::estimate::look::Look;
 use crate::commands::estimate::one;
-use crate::doubts::Doubts;
+use crate::doubts::{AnyDoubts, Doubts, Seen};
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::serve::{self, Form, Input, Machines, Out, Played, Rows};
@@ -95,6 +95,8 @@ pub struct Entry {
     pub estimate: fn(&EstimateArgs, &Path, &Path, &Description) -> Outcome,
     /// Takes an input through the steps of a method, and shows each truth, its sample and the estimate.
     pub follow: fn(&EstimationArgs, &Path, &Description, See<'_>) -> Outcome,
+    /// Looks at what the sensors of a described machine send.
+    pub doubts: fn(&Description) -> Box<dyn AnyDoubts>,
     /// `heft calibrate`.
     pub calibrate: fn(&CalibrateArgs, &Description) -> Outcome,
     /// The tables of `heft evaluate`.
@@ -121,6 +123,7 @@ impl Entry {
             serve_shard: serve::serve_shard::<M::Sensors, M::Estimate>,
             estimate: estimate::<M>,
             follow: follow::<M>,
+            doubts: |description| Box::new(Seen::<M::Look, M::Estimate>::of(description)),
             calibrate: M::calibrate,
             evaluate: M::evaluate,
             figures: M::figures,
@@ -142,7 +145,7 @@ trait MachineKind {
     /// What the demonstration states beside the defaults.
     const SHOWN_SETTINGS: &'static [&'static str];
     /// What looks at its samples.
-    type Look: Look<Sensors = Self::Sensors>;
+    type Look: Look<Sensors = Self::Sensors> + 'static;
 
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {

@@ -21,6 +21,7 @@ mod life;
 mod live;
 mod machines;
 mod many;
+mod measurable;
 mod notify;
 mod outputs;
 mod page;
@@ -54,7 +55,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     // Warnings, unless the environment chooses otherwise.
-    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off");
+    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
     let _process = span();
     outlive_limits();
     // Lists of processes would show the name that `image` starts it by.

@@ -5,15 +5,16 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Read};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
-use std::sync::Mutex;
+use std::process::{Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use recording::Kind;
 
 use crate::failure::Failure;
 use crate::image;
 use crate::out::{self, Plain};
+use crate::signals::{Children, end_together};
 
 /// One input.
 pub struct Job {
@@ -81,6 +82,11 @@ pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
 pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in paths {
+        // A name like an option would be one for the process that reads it.
+        let path = &match path.as_os_str().as_encoded_bytes() {
+            [b'-', ..] => Path::new(".").join(path),
+            _ => path.clone(),
+        };
         if path.is_dir() {
             walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
         } else if path.exists() {
@@ -196,13 +202,21 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let children = Children::default();
+    if let Err(failure) = end_together(&children) {
+        tracing::warn!("a signal would end this process alone: {failure}");
+    }
     let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let work = || {
         while let Some((at, job)) = {
             let at = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(at).map(|job| (at, job))
         } {
-            let end = if job.is_done { Outcome::Kept } else { one(job) };
+            let end = if job.is_done {
+                Outcome::Kept
+            } else {
+                one(job, &children)
+            };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
             }
@@ -229,15 +243,35 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         .collect()
 }
 
-fn one(job: &Job) -> Outcome {
+/// Runs a process to its end, one of these children meanwhile.
+fn output(job: &Job, children: &Children) -> std::io::Result<Output> {
     let mut command = image::command();
     command.args(&job.arguments);
-    command.stdin(Stdio::null()).stdout(Stdio::null());
-    match command.output() {
-        Ok(output) if output.status.success() => Outcome::Made,
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let lock = || children.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut running = lock();
+    let child = command.spawn()?;
+    let pid = child.id();
+    running.insert(pid);
+    drop(running);
+    let output = child.wait_with_output();
+    lock().remove(&pid);
+    output
+}
+
+fn one(job: &Job, children: &Children) -> Outcome {
+    match output(job, children) {
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
-            let reason = last_words(&said).map_or_else(|| output.status.to_string(), Into::into);
+            let (remarks, reason) = last_words(&said);
+            tell(&job.input, remarks);
+            let reason = reason.map_or_else(|| output.status.to_string(), Into::into);
+            if output.status.success() {
+                return Outcome::Made;
+            }
             match output.status.code() {
                 Some(1) => Outcome::No(reason),
                 _ => Outcome::Failed(reason),
@@ -247,15 +281,25 @@ fn one(job: &Job) -> Outcome {
     }
 }
 
-/// Why a process failed: the last failure that it reported, with all its lines.
-fn last_words(said: &str) -> Option<&str> {
+/// Passes on what a process said of its input.
+fn tell(input: &Path, remarks: &str) {
+    if !remarks.is_empty() && std::io::stderr().is_terminal() {
+        out::draw("\r\x1b[2K");
+    }
+    for remark in remarks.lines() {
+        eprintln!("{}: {remark}", input.display());
+    }
+}
+
+/// What a process said, and why it failed: the last failure that it reported, with all its lines.
+fn last_words(said: &str) -> (&str, Option<&str>) {
     const FIRST: &str = "heft: ";
     let from = match said.rfind(&format!("\n{FIRST}")) {
         Some(at) => at + 1,
         None if said.starts_with(FIRST) => 0,
-        None => return None,
+        None => return (said, None),
     };
-    Some(said[from + FIRST.len()..].trim_end())
+    (&said[..from], Some(said[from + FIRST.len()..].trim_end()))
 }
 
 #[cfg(test)]
@@ -265,12 +309,11 @@ mod tests {
     #[test]
     fn the_last_failure_is_reported_with_what_to_do() {
         let said = "heft: one\nnote: x\nheft: two\n  where: there\n  what to do: that\n";
-        assert_eq!(
-            last_words(said),
-            Some("two\n  where: there\n  what to do: that")
-        );
-        assert_eq!(last_words("heft: one\n"), Some("one"));
-        assert_eq!(last_words("note: heft: x\n"), None);
+        let (remarks, why) = last_words(said);
+        assert_eq!(remarks, "heft: one\nnote: x\n");
+        assert_eq!(why, Some("two\n  where: there\n  what to do: that"));
+        assert_eq!(last_words("heft: one\n"), ("", Some("one")));
+        assert_eq!(last_words("note: heft: x\n"), ("note: heft: x\n", None));
     }
 
     #[test]

@@ -5,39 +5,12 @@
 //! standard error either is not said.
 //!
 //! Names of files and columns are the words of others. Control characters in them would steer the
-//! terminal, so they are written out (`\u{1b}`). What heft draws itself goes by [`draw`].
+//! terminal, so they are written out ([`Plain`]). What heft draws itself goes by [`draw`].
 
-use std::fmt::{self, Arguments, Display, Formatter};
-use std::io::Write;
+use std::fmt::Arguments;
+use std::io::{self, Write};
 
-/// A text whose control characters are written out, but for line breaks and tabs.
-pub struct Plain<T>(pub T);
-
-impl<T: Display> Display for Plain<T> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        fmt::Write::write_fmt(&mut Writing(f), format_args!("{}", self.0))
-    }
-}
-
-/// Writes on with control characters written out.
-struct Writing<'a, 'b>(&'a mut Formatter<'b>);
-
-impl fmt::Write for Writing<'_, '_> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let steers = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
-        let mut rest = text;
-        while let Some(at) = rest.find(steers) {
-            let (before, from) = rest.split_at(at);
-            self.0.write_str(before)?;
-            let mut characters = from.chars();
-            if let Some(c) = characters.next() {
-                write!(self.0, "{}", c.escape_unicode())?;
-            }
-            rest = characters.as_str();
-        }
-        self.0.write_str(rest)
-    }
-}
+pub use recording::Plain;
 
 /// Writes to standard output, or ends the process.
 pub fn say(text: Arguments) {
@@ -70,6 +43,29 @@ pub fn complain(text: Arguments) {
     let _ = write!(std::io::stderr().lock(), "{}", Plain(text));
 }
 
+/// Standard error for the log, whose own colours stay: of what a message holds it writes out control characters itself.
+pub struct Log;
+
+impl Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let text = String::from_utf8_lossy(bytes);
+        let steers = |c: char| recording::steers(c) && !c.is_control();
+        let shown: String = text
+            .chars()
+            .map(|c| match steers(c) {
+                true => c.escape_unicode().to_string(),
+                false => c.to_string(),
+            })
+            .collect();
+        io::stderr().write_all(shown.as_bytes())?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
+}
+
 /// Draws a line on standard error that is drawn again: with its own control characters.
 pub fn draw(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
@@ -85,16 +81,4 @@ macro_rules! println {
 macro_rules! eprintln {
     () => { $crate::out::complain(format_args!("\n")) };
     ($($text:tt)*) => { $crate::out::complain(format_args!("{}\n", format_args!($($text)*))) };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Plain;
-
-    #[test]
-    fn what_steers_a_terminal_is_written_out() {
-        let name = "a\x1b[31mred\x07.csv";
-        let shown = Plain(format_args!("{name}\tok\n\u{9b}2J ± m²")).to_string();
-        assert_eq!(shown, "a\\u{1b}[31mred\\u{7}.csv\tok\n\\u{9b}2J ± m²");
-    }
 }

@@ -30,6 +30,11 @@ pub fn put(text: &str, page: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     results::text("write the page", page, inputs, is_ours, text)
 }
 
+/// Whether a page says that its recording is not whole.
+pub fn tells_damage(page: &Path) -> bool {
+    std::fs::read_to_string(page).is_ok_and(|text| text.contains(view::NOT_WHOLE))
+}
+
 /// Whether a file that begins like this is a page or a picture of heft.
 pub fn is_ours(head: &[u8]) -> bool {
     let head = String::from_utf8_lossy(head);

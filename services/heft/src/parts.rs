@@ -93,10 +93,11 @@ pub fn envelopes<'a>(
     channel.payload.visit(Read(reader, channel.name))
 }
 
-/// Says that a recording ends early: a run that was killed leaves one, and it is no fault to read it.
+/// Says that a recording ends early, or holds lines that are none of a log: a run that was killed leaves one, and it is no
+/// fault to read it.
 fn tell_cut(lacks: &Lacks) {
-    if let Some(cut) = &lacks.cut_off {
-        eprintln!("{cut}");
+    for remark in lacks.remarks() {
+        eprintln!("{remark}");
     }
 }
 

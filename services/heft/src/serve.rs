@@ -215,6 +215,7 @@ impl<'a, S: Sensors> Router<'a, S> {
         for number in 0..self.decoders.len() {
             self.decoders[number].0.finish();
             self.send(number);
+            self.refused += self.decoders[number].0.refused();
         }
         Ok((self.samples, self.refused))
     }
@@ -282,7 +283,6 @@ impl<'a, S: Sensors> Router<'a, S> {
             self.shards[*shard].send(number as u32, &self.bytes);
         }
         for remark in decoder.take_remarks() {
-            self.refused += 1;
             tracing::warn!("{remark}");
         }
     }

@@ -1,24 +1,48 @@
 //! The wish of the user, the terminal or the system that a command ends: SIGINT, SIGTERM, SIGHUP.
 
+use std::collections::BTreeSet;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use rustix::process::{Pid, Signal};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::failure::Failure;
 
 /// What a signal ends from now on leaves no file in the making behind. A signal that is ignored stays ignored.
 pub fn leave_nothing() -> Result<(), Failure> {
-    let wanted = [SIGINT, SIGTERM, SIGHUP]
-        .into_iter()
-        .filter(|s| !is_ignored(*s));
+    before_the_end(&[SIGINT, SIGTERM, SIGHUP], |signal| {
+        recording::output::abandon();
+        let _ = signal_hook::low_level::emulate_default_handler(signal);
+    })
+}
+
+/// Processes that end with this one.
+pub type Children = Arc<Mutex<BTreeSet<u32>>>;
+
+/// Whoever ends this process alone ends these too. A terminal interrupts all of them itself.
+pub fn end_together(children: &Children) -> Result<(), Failure> {
+    let children = Arc::clone(children);
+    before_the_end(&[SIGTERM], move |signal| {
+        // None is begun behind their back: whoever begins one waits for this.
+        let children = children.lock().unwrap_or_else(PoisonError::into_inner);
+        let pids = children.iter().filter_map(|pid| i32::try_from(*pid).ok());
+        for pid in pids.filter_map(Pid::from_raw) {
+            let _ = rustix::process::kill_process(pid, Signal::TERM);
+        }
+        let _ = signal_hook::low_level::emulate_default_handler(signal);
+    })
+}
+
+/// Has something done when one of these signals comes, unless it is ignored.
+fn before_the_end(signals: &[i32], act: impl Fn(i32) + Send + 'static) -> Result<(), Failure> {
+    let wanted = signals.iter().filter(|s| !is_ignored(**s));
     let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::internal)?;
     std::thread::spawn(move || {
         for signal in &mut signals {
-            recording::output::abandon();
-            let _ = signal_hook::low_level::emulate_default_handler(signal);
+            act(signal);
         }
     });
     Ok(())

@@ -119,8 +119,12 @@ fn check_recorded<M: Sensors>(plan: &Plan, input: &Path) -> Result<(), Failure> 
     let samples = recording::open::<M>(input, map.as_ref())?;
     samples.rows()?.for_each(drop);
     samples.check()?;
-    for lack in samples.lacks().all() {
+    let lacks = samples.lacks();
+    for lack in lacks.all() {
         tracing::warn!("{lack}; the rest is played");
+    }
+    for empty in &lacks.empty {
+        tracing::warn!("{empty}");
     }
     Ok(())
 }

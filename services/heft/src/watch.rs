@@ -23,6 +23,7 @@ pub use self::line::{LIVE, STORY, Show};
 use self::loads_teller::LoadsTeller;
 pub use self::processes::Processes;
 use self::scores::Scores;
+use crate::doubts::AnyDoubts;
 use crate::fault::Fault;
 use crate::state::Memory;
 use crate::story::{self, Story};
@@ -50,6 +51,8 @@ pub struct Watch {
     teller: Option<LoadsTeller>,
     /// The sensors are read for them: they tell the truck, and a loader's mass.
     counts_sensors: bool,
+    /// Looks at the samples of a run whose input is measured.
+    doubts: Option<Box<dyn AnyDoubts>>,
     /// That of the latest headline estimate.
     reason: Option<Value>,
     faults: Vec<Fault>,
@@ -99,6 +102,16 @@ impl Watch {
         self.teller = Some(LoadsTeller::new(teller));
     }
 
+    /// Has the samples looked at.
+    pub fn doubt(&mut self, doubts: Box<dyn AnyDoubts>) {
+        self.doubts = Some(doubts);
+    }
+
+    /// What looked at the samples.
+    pub fn doubts(&self) -> Option<&dyn AnyDoubts> {
+        self.doubts.as_deref()
+    }
+
     /// Has what is trusted remembered.
     pub fn remember(&mut self, memory: Option<Memory>) {
         self.memory = memory;
@@ -111,7 +124,8 @@ impl Watch {
             Carries::Sensors | Carries::Between => true,
             Carries::Truth | Carries::Estimate | Carries::Common => false,
         };
-        let counted = self.counts_sensors && channel.payload.carries() == Carries::Sensors;
+        let wanted = self.counts_sensors || self.doubts.is_some();
+        let counted = wanted && channel.payload.carries() == Carries::Sensors;
         self.feed.is_some() || self.window.is_some() || counted || !passed_on
     }
 
@@ -273,13 +287,21 @@ impl Sink for Watch {
             Carries::Estimate => {
                 if self.is_headline(channel) {
                     self.note_reason(message);
+                    if let Some(doubts) = &mut self.doubts {
+                        doubts.see(&envelope);
+                    }
                 }
                 self.scores.add(channel, message);
                 if let Some(memory) = &mut self.memory {
                     memory.see(channel, message);
                 }
             }
-            Carries::Sensors | Carries::Between | Carries::Common => {}
+            Carries::Sensors => {
+                if let Some(doubts) = &mut self.doubts {
+                    doubts.see(&envelope);
+                }
+            }
+            Carries::Between | Carries::Common => {}
         }
         if let Envelope::Health(health) = &envelope {
             let is_logger = self.processes.note_health(health) == Some("logger");

@@ -2,6 +2,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use crate::Plain;
+
 /// Why a file could not be read or written. Prints as three lines: what, where, what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
@@ -39,6 +41,7 @@ impl Error {
             Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
                 "make room, or choose another folder"
             }
+            Kind::ReadOnlyFilesystem => "choose another folder: this disk cannot be written",
             Kind::IsADirectory => "give a file, not a folder",
             Kind::InvalidData | Kind::InvalidInput => {
                 "its content is damaged, the disk is not: mend it, or get the file anew"
@@ -82,7 +85,9 @@ impl fmt::Display for Error {
         write!(
             f,
             "{}\n  where: {}\n  what to do: {}",
-            self.what, self.place, self.remedy
+            Plain(&self.what),
+            Plain(&self.place),
+            Plain(&self.remedy)
         )
     }
 }

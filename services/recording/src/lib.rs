@@ -27,6 +27,7 @@ pub mod output;
 mod packed;
 mod parts;
 pub mod payload;
+mod plain;
 mod reader;
 mod record;
 mod recover;
@@ -53,6 +54,7 @@ pub use output::Output;
 pub use parts::{
     files_by_age, is_being_written, is_part_of, next_part, part, part_number, recordings, reserve,
 };
+pub use plain::{Plain, steers};
 pub use reader::{Lacks, Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use scan::has_chunk_at;
@@ -60,5 +62,5 @@ pub use schema::RecordedField;
 pub use signal::{Row, Sensors, measured};
 pub use suggest::{Suggestion, suggest};
 pub use time::date_and_time;
-pub use time_unit::time_unit;
+pub use time_unit::{time_unit, usual_step};
 pub use writer::{Metadata, Writer, sha256};

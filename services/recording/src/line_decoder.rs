@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::Error;
-use crate::can::{Decoder, Line, parse};
+use crate::can::{Decoder, LeftOut, Line, parse};
 use crate::csv::{self, Cells, Columns, Dialect};
 use crate::map::Map;
 use crate::packed::GZIP;
@@ -24,8 +24,14 @@ pub struct LineDecoder<S: Sensors> {
     /// What the lines of a table are.
     lines: csv::Lines,
     count: u64,
+    /// Rows of a table, and lines that say nothing.
+    rows: u64,
     refused: u64,
+    left_out: LeftOut,
     remarks: Vec<String>,
+    /// Frames, and those whose lines tell no time.
+    frames: u64,
+    untimed: u64,
     /// Time of the last frame and when it came [ns].
     last: Option<(i64, i64)>,
 }
@@ -54,7 +60,11 @@ impl<S: Sensors> LineDecoder<S> {
             kind,
             lines: csv::Lines::default(),
             count: 0,
+            rows: 0,
             refused: 0,
+            left_out: LeftOut::default(),
+            frames: 0,
+            untimed: 0,
             remarks: Vec::new(),
             last: None,
         })
@@ -84,15 +94,23 @@ impl<S: Sensors> LineDecoder<S> {
         match &mut self.kind {
             Kind::Frames(decoder) => {
                 let text = String::from_utf8_lossy(line);
-                match parse(&text) {
-                    Some(Line::Frame { mut frame, timed }) => {
-                        if !timed {
-                            frame.time_ns = now_ns;
-                        }
-                        self.last = Some((frame.time_ns, now_ns));
-                        decoder.take(&frame);
+                let mut said = parse(&text);
+                if let Some(Line::Frame { frame, timed }) = &mut said {
+                    self.frames += 1;
+                    if !std::mem::replace(timed, true) {
+                        self.untimed += 1;
+                        frame.time_ns = now_ns;
                     }
-                    Some(Line::Nothing) => {}
+                    self.last = Some((frame.time_ns, now_ns));
+                    decoder.take(frame);
+                }
+                self.left_out.count(said.as_ref(), self.count, &text);
+                match said {
+                    Some(Line::Frame { .. } | Line::Nothing) => {}
+                    Some(Line::Dropped(frames)) => self.remark(&format!(
+                        "{frames} frames were lost before line {} (DROPCOUNT of candump)",
+                        self.count
+                    )),
                     None => self.refuse("is no frame"),
                 }
             }
@@ -130,6 +148,7 @@ impl<S: Sensors> LineDecoder<S> {
     }
 
     fn take_row(&mut self, line: &[u8]) {
+        self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
             let is_whole = record.len() == columns.width();
@@ -148,10 +167,25 @@ impl<S: Sensors> LineDecoder<S> {
 
     /// There will be no more lines.
     pub fn finish(&mut self) {
+        if self.refused > MOST_REMARKS {
+            let (refused, input) = (self.refused, &self.input);
+            self.remarks.push(format!(
+                "{refused} lines of {input} were left out, the first {MOST_REMARKS} are named above"
+            ));
+        }
         match &mut self.kind {
             Kind::Frames(decoder) => decoder.finish(),
             Kind::Table(columns, _) => columns.finish(),
             Kind::Headless => {}
+        }
+    }
+
+    /// Words on columns of a table that held no value in any row.
+    #[must_use]
+    pub fn empty(&self) -> Vec<String> {
+        match &self.kind {
+            Kind::Table(columns, _) => columns.empty().collect(),
+            Kind::Frames(_) | Kind::Headless => Vec::new(),
         }
     }
 
@@ -173,6 +207,12 @@ impl<S: Sensors> LineDecoder<S> {
         }
     }
 
+    /// Lines that said nothing and were left out.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
     /// What was strange so far, a line each; taken once.
     pub fn take_remarks(&mut self) -> Vec<String> {
         if let Kind::Frames(decoder) = &mut self.kind {
@@ -181,12 +221,52 @@ impl<S: Sensors> LineDecoder<S> {
         std::mem::take(&mut self.remarks)
     }
 
+    /// Whether what came is what it should be: most lines said something, and frames came at different times.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn judge(&self) -> Result<(), Error> {
+        if let Kind::Frames(decoder) = &self.kind {
+            self.left_out.judge(&self.input)?;
+            let checked = match self.last {
+                Some(_) => decoder.check_times(&self.input),
+                None => Ok(()),
+            };
+            return checked.map_err(|error| match 2 * self.untimed > self.frames {
+                true => Error::new(
+                    "the lines tell no times, and most came together",
+                    error.place,
+                    "record with candump -L, or with candump -ta",
+                ),
+                false => error,
+            });
+        }
+        if 2 * self.refused <= self.rows {
+            return match &self.kind {
+                Kind::Table(columns, _) if self.rows > 0 => columns.check_values(&self.input),
+                _ => Ok(()),
+            };
+        }
+        let (refused, rows) = (self.refused, self.rows);
+        Err(Error::new(
+            format!("{refused} of {rows} lines are no rows of the table"),
+            &*self.input,
+            "each row has a number or nothing in each column of the header",
+        ))
+    }
+
     fn refuse(&mut self, why: &str) {
         self.refused += 1;
         if self.refused <= MOST_REMARKS {
             let (line, input) = (self.count, &self.input);
             self.remarks
                 .push(format!("line {line} of {input} {why}; left out"));
+        }
+    }
+
+    fn remark(&mut self, text: &str) {
+        if self.remarks.len() < MOST_REMARKS as usize {
+            self.remarks.push(format!("{}: {text}", self.input));
         }
     }
 }

@@ -17,7 +17,11 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     let samples = open::<S>(path, map)?;
     let rows = samples.rows()?.collect();
     samples.check()?;
-    let damage = samples.lacks().damage;
+    let lacks = samples.lacks();
+    if samples.recording().is_none() {
+        lacks.remarks().for_each(|lack| tracing::warn!("{lack}"));
+    }
+    let damage = lacks.damage;
     if !damage.is_empty() {
         return Err(Error::new(
             "the recording is damaged",
@@ -173,7 +177,9 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
         let next = move || {
             let row = rows.row()?;
             if row.is_none() {
-                found.borrow_mut().cut_off = rows.cut_off().map(str::to_owned);
+                let mut found = found.borrow_mut();
+                found.cut_off = rows.cut_off().map(str::to_owned);
+                found.empty = rows.empty();
             }
             Ok(row.map(|row| (row, rows.read())))
         };
@@ -205,13 +211,25 @@ fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Er
 fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
     let (path, map) = (path.to_owned(), map.clone());
     let length = length(&path);
+    let lacks = Rc::<RefCell<Lacks>>::default();
+    let found = Rc::clone(&lacks);
     let open = move || {
         let mut log = can::Log::<S>::open(&path, &map)?;
-        let next = move || Ok(log.row()?.map(|row| (row, log.read)));
+        let found = Rc::clone(&found);
+        let next = move || {
+            let row = log.row()?;
+            if row.is_none() {
+                found.borrow_mut().clone_from(&log.lacks);
+            }
+            Ok(row.map(|row| (row, log.read)))
+        };
         Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
     drop(open()?);
-    Ok(Samples::of(Source::File(Box::new(open), length)))
+    Ok(Samples {
+        lacks,
+        ..Samples::of(Source::File(Box::new(open), length))
+    })
 }
 
 /// Bytes of a file; 0 if that is unknown.

@@ -338,14 +338,19 @@ impl Map {
         let scaled = conversion.scale.or(entry.conversion.scale).is_some();
         match conversion.unit {
             Some(u) if u.si != signal.unit && !scaled => Err(Error::new(
-                format!(
-                    "{} is measured in {}, not in {}",
-                    signal.name, signal.unit, u.name
-                ),
+                match signal.unit {
+                    "" => format!(
+                        "{} is a number without a unit, not in {}",
+                        signal.name, u.name
+                    ),
+                    unit => format!("{} is measured in {unit}, not in {}", signal.name, u.name),
+                },
                 self.place(entry),
                 format!(
-                    "add scale = how many {} one {} is, or correct the unit",
-                    signal.unit, u.si
+                    "name a unit of it ({}), or add scale = how many {} one {} is",
+                    unit::of(signal.unit),
+                    signal.unit,
+                    u.si
                 ),
             )),
             _ => Ok(()),

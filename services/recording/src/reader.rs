@@ -33,14 +33,28 @@ pub struct Lacks {
     pub damage: Vec<String>,
     /// The end is missing: the writer was stopped before it closed the file.
     pub cut_off: Option<String>,
+    /// Lines of a log that are no frames, and frames that were lost while it was recorded.
+    pub left_out: Option<String>,
+    /// Columns of a table that hold no value in any row.
+    pub empty: Vec<String>,
 }
 
 impl Lacks {
-    /// All of it, the cut end last; nothing where the recording is whole.
+    /// All that was there and cannot be given, the cut end last; nothing where the recording is whole.
     #[must_use]
     pub fn all(&self) -> Vec<&str> {
         let damage = self.damage.iter().map(String::as_str);
-        damage.chain(self.cut_off.as_deref()).collect()
+        damage
+            .chain(self.left_out.as_deref())
+            .chain(self.cut_off.as_deref())
+            .collect()
+    }
+
+    /// What is no damage.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        let empty = self.empty.iter().map(String::as_str);
+        let others = [&self.left_out, &self.cut_off];
+        empty.chain(others.into_iter().filter_map(Option::as_deref))
     }
 }
 
@@ -196,6 +210,7 @@ impl Reader {
                     self.lost_bytes()
                 )
             }),
+            ..Lacks::default()
         }
     }
 

@@ -13,8 +13,10 @@ use crate::{Error, Metadata};
 /// What [`recover`] did.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovered {
-    /// The new recording; none if the old one is whole.
+    /// The new recording; none if the old one is whole and nobody asked for a copy.
     pub written: Option<PathBuf>,
+    /// Whether nothing was missing, and it was one file.
+    pub was_complete: bool,
     /// Files that the recording consists of.
     pub parts: usize,
     /// Messages that are whole.
@@ -25,23 +27,19 @@ pub struct Recovered {
     pub damage: Vec<String>,
 }
 
-impl Recovered {
-    /// The recording was whole; nothing was written.
-    #[must_use]
-    pub fn was_complete(&self) -> bool {
-        self.written.is_none()
-    }
-}
-
 impl fmt::Display for Recovered {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let messages = self.messages;
         let Some(written) = &self.written else {
+            return write!(f, "complete, {messages} messages; nothing was changed");
+        };
+        if self.was_complete {
+            let copy = written.display();
             return write!(
                 f,
-                "complete, {} messages; nothing was changed",
-                self.messages
+                "complete, {messages} messages: nothing was damaged; a copy is in {copy}"
             );
-        };
+        }
         write!(f, "recovered {} messages", self.messages)?;
         if self.parts > 1 {
             write!(f, " from {} parts", self.parts)?;
@@ -58,8 +56,8 @@ impl fmt::Display for Recovered {
 }
 
 /// Mends a recording that was cut off, damaged, or left in parts: every whole message goes into a new
-/// file beside it, `RUN.recovered.mcap` unless `output` says otherwise. The recording itself is
-/// never changed.
+/// file beside it, `RUN.recovered.mcap` unless `output` says otherwise. Of one that is whole there is a copy only in an
+/// `output`. The recording itself is never changed.
 ///
 /// # Errors
 /// The recording cannot be read, or is still being written; nothing is left of it; the new file exists or cannot be
@@ -77,12 +75,14 @@ pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovere
     let messages = copy(&reader, |_, _, _| Ok(()))?;
     let mut recovered = Recovered {
         written: None,
+        was_complete: false,
         parts: reader.parts.len(),
         messages,
         lost_bytes: reader.lost_bytes(),
         damage: reader.damage(),
     };
     let is_whole = reader.is_complete() && recovered.damage.is_empty();
+    recovered.was_complete = is_whole && recovered.parts == 1;
     if messages == 0 && !is_whole {
         let remedy = if reader.metadata().is_empty() {
             "look whether it is packed or encoded in a way that heft does not know"
@@ -95,12 +95,16 @@ pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovere
             remedy,
         ));
     }
-    if !is_whole || recovered.parts > 1 {
-        let file = match output {
-            Some(file) => file.to_owned(),
-            None => free_name(&reader),
-        };
-        write(&reader, &file, &note(&recovered))?;
+    let file = match output {
+        Some(file) => Some(file.to_owned()),
+        None if recovered.was_complete => None,
+        None => Some(free_name(&reader)),
+    };
+    if let Some(file) = file {
+        match recovered.was_complete {
+            true => copy_whole(&reader, &file)?,
+            false => write(&reader, &file, &note(&recovered)).map(drop)?,
+        }
         recovered.written = Some(file);
     }
     Ok(recovered)
@@ -147,16 +151,35 @@ pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
     write(reader, output, &[(JOINED.to_owned(), names)].into()).map(drop)
 }
 
-/// Writes every whole message into a new file, with the metadata of the run and a note.
-fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
-    let file = file::take(path).map_err(|e| match e {
+/// Copies a recording that is one whole file, with all that heft does not know in it.
+fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
+    let file = claim(path)?;
+    let copied = reader.files().next().map_or(Ok(()), |from| {
+        let mut file = &file;
+        std::io::copy(&mut File::open(from)?, &mut file)?;
+        file.sync_all()
+    });
+    copied.map_err(|e| {
+        let _ = std::fs::remove_file(path); // the error that is returned matters more
+        Error::system("write beside the recording", path, &e)
+    })
+}
+
+/// Takes the name of a file that does not exist yet.
+fn claim(path: &Path) -> Result<File, Error> {
+    file::take(path).map_err(|e| match e {
         ClaimError::System(e) => Error::system("write beside the recording", path, &e),
         ClaimError::Exists => Error::new(
             "this file exists already; it is not overwritten",
             path.display().to_string(),
             "choose another name with -o",
         ),
-    })?;
+    })
+}
+
+/// Writes every whole message into a new file, with the metadata of the run and a note.
+fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
+    let file = claim(path)?;
     fill(reader, path, file, note).inspect_err(|_| {
         let _ = std::fs::remove_file(path); // the error that is returned matters more
     })

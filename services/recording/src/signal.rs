@@ -50,6 +50,13 @@ pub(crate) struct Signal {
     slot: Slot,
 }
 
+impl Signal {
+    /// Whether it is a number that a sensor gives.
+    pub(crate) fn is_measured(&self) -> bool {
+        matches!(self.slot, Slot::Sensor(..))
+    }
+}
+
 /// All signals of a machine, the time first.
 pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
     let time = Signal {

@@ -9,17 +9,17 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use messages::Machine;
 
 use crate::can::dbc::Dbc;
-use crate::can::{Line, parse};
+use crate::can::{LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, packed};
+use crate::{Error, Kind, packed, steers};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
 use suggestion::missing;
@@ -35,7 +35,15 @@ pub fn suggest(
     dbc: &[PathBuf],
     machine: Option<Machine>,
 ) -> Result<Suggestion, Error> {
-    let file = match Kind::of(path)? {
+    let kind = Kind::of(path)?;
+    if let Some(dbc) = dbc.first().filter(|_| kind != Kind::Log) {
+        return Err(Error::new(
+            "a DBC file describes a CAN log, and this is none",
+            path.display().to_string(),
+            format!("leave out --dbc {}, or give the log", dbc.display()),
+        ));
+    }
+    let file = match kind {
         Kind::Table => Foreign::Table,
         Kind::Log => Foreign::Log(dbc),
         Kind::Recording => Foreign::Topics(Box::new(list::open(path)?)),
@@ -82,7 +90,7 @@ messages::machines!(guesses);
 
 /// A text within a comment: what could end the comment, or cannot stand in one, becomes a mark.
 fn shown(text: &str) -> String {
-    text.replace(char::is_control, "\u{fffd}")
+    text.replace(steers, "\u{fffd}")
 }
 
 /// The first lines of a map: what it is and how to use it.
@@ -99,12 +107,23 @@ type Frames = BTreeMap<(u32, bool), u32>;
 fn frames(path: &Path) -> Result<Frames, Error> {
     let failed = |e| Error::system("read the CAN log", path, &e);
     let log = BufReader::new(packed::open(path).map_err(failed)?);
-    let mut counts = BTreeMap::new();
-    for line in log.split(b'\n') {
-        let line = line.map_err(failed)?;
-        if let Some(Line::Frame { frame, .. }) = parse(&String::from_utf8_lossy(&line)) {
+    let (mut counts, mut left_out) = (BTreeMap::new(), LeftOut::default());
+    for (number, line) in (1..).zip(log.split(b'\n')) {
+        let line = match line {
+            Err(e) if !counts.is_empty() && e.kind() == ErrorKind::UnexpectedEof => break,
+            line => line.map_err(failed)?,
+        };
+        let text = String::from_utf8_lossy(&line);
+        let mut said = parse(&text);
+        if let Some(Line::Frame { frame, timed }) = &mut said {
+            // A map needs no times.
+            *timed = true;
             *counts.entry((frame.id, frame.extended)).or_insert(0_u32) += 1;
         }
+        left_out.count(said.as_ref(), number, &text);
+    }
+    if !counts.is_empty() {
+        left_out.judge(&path.display().to_string())?;
     }
     if counts.is_empty() {
         return Err(Error::new(

@@ -9,10 +9,7 @@ const UNITS: [&str; 5] = ["ms", "us", "ns", "min", "day"];
 /// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
 #[must_use]
 pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
-    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
+    let step = middle(times)?;
     let apart = step * rate;
     // Sensors of a third to three times the described rate.
     let unit = UNITS
@@ -20,6 +17,19 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
         .filter_map(unit::find)
         .find(|unit| (0.3..=3.0).contains(&(apart * unit.factor)))?;
     Some((rounded(step), unit.name))
+}
+
+/// The usual step of times \[s\], with three digits.
+#[must_use]
+pub fn usual_step(times: &[f64]) -> Option<f64> {
+    middle(times).map(rounded)
+}
+
+fn middle(times: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
 }
 
 /// A step with three digits.

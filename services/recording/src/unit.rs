@@ -132,6 +132,18 @@ pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
         .or_else(|| UNITS.iter().find(|u| plain(u.name) == wanted))
 }
 
+/// The units of a dimension, each once.
+pub(crate) fn of(si: &str) -> String {
+    let mut all: Vec<&Unit> = Vec::new();
+    for unit in UNITS.iter().filter(|unit| unit.si == si) {
+        if !all.iter().any(|known| same(known, unit)) {
+            all.push(unit);
+        }
+    }
+    let names: Vec<&str> = all.iter().map(|unit| unit.name).collect();
+    names.join(", ")
+}
+
 /// Whether both are the same unit, perhaps under two names.
 pub(crate) fn same(a: &Unit, b: &Unit) -> bool {
     a.si == b.si && a.factor == b.factor

@@ -5,7 +5,7 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use messages::ExcavatorSensors;
-use recording::{Error, Map, load};
+use recording::{Error, Lacks, LineDecoder, Map, load};
 
 const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n";
 
@@ -125,4 +125,159 @@ fn a_log_without_frames_and_one_whose_times_are_no_times_are_named() {
         set + 0.01 * f64::from(k) - late
     });
     assert!(velocities("run.log", "", log.as_bytes()).is_ok());
+}
+
+/// A log of swings at 100 Hz; `other` says what stands before a line.
+fn swings(rows: u32, other: impl Fn(u32) -> &'static str) -> String {
+    let line = |k| format!("{}({:.2}) can0 064#E803\n", other(k), 0.01 * f64::from(k));
+    (0..rows).map(line).collect()
+}
+
+/// The number of rows of a log, and what it lacks.
+fn lacks(log: &str) -> Result<(usize, Lacks), Error> {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("run.log");
+    std::fs::write(&path, log).expect("writable");
+    let samples = recording::open::<ExcavatorSensors>(&path, Some(&map(&dir)))?;
+    let rows = samples.rows()?.count();
+    samples.check()?;
+    Ok((rows, samples.lacks()))
+}
+
+fn map(dir: &tempfile::TempDir) -> Map {
+    std::fs::write(dir.path().join("swing.dbc"), DBC).expect("writable");
+    let text = "[can]\ndbc = \"swing.dbc\"\nmaster = \"swing_velocity\"\n[can.signals]\n\
+                swing_velocity = { message = \"Swing\", signal = \"rate\" }\n";
+    Map::parse(text, dir.path().join("map.toml")).expect("a map")
+}
+
+#[test]
+fn lines_that_are_no_frames_are_left_out_counted_and_the_first_is_named() {
+    let torn = |k| match k {
+        40 => "(0.4) can0 06\n",
+        70 => "DROPCOUNT: dropped 12 CAN frames on 'can0' socket (total drops 40)\n",
+        80 => "064#E803\n",
+        90 => "\tprotocol-violation{{error-on-tx}{}}\n",
+        _ => "",
+    };
+    let (rows, lacks) = lacks(&swings(100, torn)).expect("rows");
+    assert_eq!(rows, 100);
+    let said = lacks.left_out.expect("words");
+    assert!(
+        said.contains("run.log:41, the first of them: 2 lines are no frames"),
+        "{said}"
+    );
+    assert!(said.contains("\"(0.4) can0 06\""), "{said}");
+    assert!(
+        said.contains("12 frames were lost while it was recorded"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_last_line_that_was_cut_off_is_named() {
+    let (rows, lacks) = lacks(&(swings(50, |_| "") + "(0.50) can0 06")).expect("rows");
+    assert_eq!((rows, lacks.left_out), (50, None));
+    let said = lacks.cut_off.expect("words");
+    assert!(
+        said.contains("run.log:51: the last line was cut off"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_is_mostly_no_log_is_refused() {
+    let prose = "once upon a time\nthere was a bus\n(0.0) can0 064#E803\n";
+    let error = lacks(prose).expect_err("no log");
+    assert!(
+        error.what.starts_with("2 of 3 lines are no frames"),
+        "{error}"
+    );
+    assert!(error.place.ends_with("run.log:1"), "{error}");
+    // What is long is judged before its end.
+    let long = "0.0,1.0\n".repeat(100_000);
+    let error = lacks(&long).expect_err("no log");
+    assert!(error.what.starts_with("100 of 100 lines"), "{error}");
+    let untimed = "can0 064 [2] E8 03\n".repeat(1000);
+    let error = lacks(&untimed).expect_err("no times");
+    assert_eq!(error.what, "the log has no times");
+}
+
+#[test]
+fn a_log_whose_frames_carry_one_time_is_refused_on_a_disk_and_as_it_comes() {
+    let one = "(1700000000.000000) can0 064#E803\n".repeat(300);
+    let error = lacks(&one).expect_err("no times");
+    assert!(
+        error.what.contains("all 300 frames carry one time"),
+        "{error}"
+    );
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(Some(map(&dir))).expect("a decoder");
+    for line in one.lines() {
+        decoder.take(line.as_bytes(), 0).expect("a line");
+    }
+    decoder.finish();
+    let error = decoder.judge().expect_err("no times");
+    assert!(
+        error.what.contains("all 300 frames carry one time"),
+        "{error}"
+    );
+}
+
+#[test]
+fn lines_without_times_that_come_together_are_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let judged = |each: i64| {
+        let mut decoder = LineDecoder::<ExcavatorSensors>::new(Some(map(&dir))).expect("a decoder");
+        for k in 0..300 {
+            decoder.take(b"can0 064#E803", each * k).expect("a line");
+        }
+        decoder.finish();
+        decoder.judge()
+    };
+    assert_eq!(judged(10_000_000), Ok(()));
+    let error = judged(0).expect_err("no times");
+    assert!(error.what.starts_with("the lines tell no times"), "{error}");
+}
+
+#[test]
+fn of_lines_that_come_each_one_that_is_left_out_is_counted() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(Some(map(&dir))).expect("a decoder");
+    let log = swings(100, |k| if k % 10 == 0 { "torn\n" } else { "" });
+    for line in log.lines() {
+        decoder.take(line.as_bytes(), 0).expect("a line");
+    }
+    decoder.finish();
+    assert_eq!((decoder.refused(), decoder.judge()), (10, Ok(())));
+    let remarks = decoder.take_remarks();
+    assert!(
+        remarks
+            .iter()
+            .any(|r| r.contains("10 lines of standard input")),
+        "{remarks:?}"
+    );
+}
+
+#[test]
+fn a_log_whose_times_are_too_coarse_for_its_values_is_refused() {
+    // Whole seconds; and the differences of a regular bus, as candump -td writes them.
+    for time in [|k| f64::from(k / 100), |k| if k == 0 { 0.0 } else { 0.01 }] {
+        let line = |k| format!("({:.6}) can0 064#E803\n", time(k));
+        let error = lacks(&(0..1000).map(line).collect::<String>()).expect_err("no times");
+        assert!(
+            error
+                .what
+                .ends_with("values carry the time of the one before them"),
+            "{error}"
+        );
+    }
+    // Two frames of one time now and then are a bus with a slow clock.
+    let line = |k: u32| {
+        format!(
+            "({:.2}) can0 064#E803\n",
+            0.01 * f64::from(k - u32::from(k % 3 == 1))
+        )
+    };
+    assert!(lacks(&(0..999).map(line).collect::<String>()).is_ok());
 }

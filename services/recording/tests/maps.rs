@@ -75,6 +75,11 @@ fn a_unit_of_another_dimension_needs_a_scale() {
     let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\" }\n";
     let error = through(text, "t,x\n0,1\n").expect_err("a length is no angle");
     assert_eq!(error.what, "swing_angle is measured in rad, not in mm");
+    assert!(error.remedy.contains("rad, mrad, deg, turn"), "{error}");
+    // What is the same in every row has a unit too.
+    let text = "[columns]\nswing_velocity = { constant = 1.0, unit = \"kg\" }\n";
+    let error = through(text, "t\n0\n").expect_err("a mass is no velocity");
+    assert!(error.remedy.contains("rad/s, deg/s, rpm"), "{error}");
     let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\", scale = 2.0 }\n";
     assert_eq!(
         through(text, "t,x\n0,500\n").expect("rows")[0].swing_angle,
@@ -216,7 +221,7 @@ fn can_names_that_do_not_fit_are_reported_with_the_nearest_ones() {
         silent.what.ends_with("has no value of swing_torque"),
         "{silent}"
     );
-    let text = log(can, SIGNALS, "(1.0) can0 064#E803\nhello\n").expect_err("no frame");
+    let text = log(can, SIGNALS, "(1.0) can0 064#E803\nhello\nworld\n").expect_err("no frame");
     assert!(text.place.ends_with("run.log:2"), "{text}");
     assert!(
         log(can, "swing_torque = { constant = 1.0 }\n", FRAMES).is_err(),

@@ -199,7 +199,7 @@ fn a_recording_cut_anywhere_keeps_every_whole_chunk() {
             Ok(read)
         );
         let again = recover(&mended, None).expect("readable");
-        assert!(again.was_complete(), "once is enough: {again}");
+        assert!(again.was_complete, "once is enough: {again}");
         std::fs::remove_file(&mended).expect("removable");
     }
     assert_eq!(most, 50, "a cut in the index loses nothing");
@@ -271,17 +271,14 @@ fn a_flipped_bit_costs_one_block_at_most_and_is_reported() {
         }
         let recovered = recover(&path, Some(&copy)).expect("recoverable");
         assert_eq!(
-            recovered.was_complete(),
-            !reported,
+            recovered.was_complete, !reported,
             "flipped at {at}: {recovered}"
         );
-        if !recovered.was_complete() {
-            let mended = Reader::open(&copy).expect("a recording");
-            let kept = mended.messages::<ExcavatorSensors>("excavator/sensors");
-            assert_eq!(kept, Ok(read), "flipped at {at}");
-            assert!(mended.is_complete() && mended.damage().is_empty());
-            std::fs::remove_file(&copy).expect("removable");
-        }
+        let mended = Reader::open(&copy).expect("a recording");
+        let kept = mended.messages::<ExcavatorSensors>("excavator/sensors");
+        assert_eq!(kept, Ok(read), "flipped at {at}");
+        assert!(mended.is_complete() && mended.damage().is_empty());
+        std::fs::remove_file(&copy).expect("removable");
     }
 }
 
@@ -481,4 +478,29 @@ fn samples_of_a_recording_say_what_it_lacks() {
     assert!(fewer < rows.len() && lacks.cut_off.is_some(), "{lacks:?}");
     let loaded = recording::load::<ExcavatorSensors>(&path, None).expect("what is there");
     assert_eq!(loaded.len(), fewer);
+}
+
+#[test]
+fn a_whole_recording_is_copied_where_a_copy_was_asked_for() {
+    let dir = folder();
+    let (path, copy) = (dir.path().join("run.mcap"), dir.path().join("x.mcap"));
+    write(&path, 50);
+    let recovered = recover(&path, None).expect("readable");
+    assert!(
+        recovered.was_complete && recovered.written.is_none(),
+        "{recovered}"
+    );
+    let recovered = recover(&path, Some(&copy)).expect("readable");
+    assert!(
+        recovered
+            .to_string()
+            .contains("nothing was damaged; a copy is in"),
+        "{recovered}"
+    );
+    let read = |path: &Path| std::fs::read(path).expect("readable");
+    assert!(read(&copy) == read(&path), "bit for bit");
+    assert!(
+        recover(&path, Some(&copy)).is_err(),
+        "nothing is overwritten"
+    );
 }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use messages::ExcavatorSensors;
-use recording::{Error, LineDecoder, csv};
+use recording::{Error, LineDecoder, Map, csv};
 
 const HEADER: &str = "t,swing_velocity,swing_torque";
 
@@ -193,4 +193,59 @@ fn serial_dates_of_a_sheet_and_times_of_day_are_times() {
     }
     let (_, clock) = timed("Time", &["11:59:59.99 AM", "12:00:00.01 PM"]);
     assert!((clock[1] - clock[0] - 0.02).abs() < 1e-9, "{clock:?}");
+}
+
+/// What a table of these lines lacks, or why it is refused.
+fn lacks(lines: &str, map: Option<&str>) -> Result<recording::Lacks, Error> {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("day.csv");
+    std::fs::write(&path, lines).expect("writable");
+    let map = map.map(|text| Map::parse(text, "map.toml").expect("a map"));
+    let samples = recording::open::<ExcavatorSensors>(&path, map.as_ref())?;
+    samples.rows()?.for_each(drop);
+    samples.check()?;
+    Ok(samples.lacks())
+}
+
+#[test]
+fn a_column_without_a_value_is_named_and_refused_where_nothing_else_measures_the_motion() {
+    let error = lacks("t,swing_velocity,swing_torque\n0,,1\n1,,2\n", None).expect_err("empty");
+    assert!(
+        error
+            .what
+            .contains("column swing_velocity holds no value in any row"),
+        "{error}"
+    );
+    let said = lacks("t,swing_velocity,swing_torque\n0,1,\n1,2,NaN\n", None).expect("rows");
+    assert_eq!(
+        said.empty,
+        ["column swing_torque holds no value in any row; it counts as absent"]
+    );
+    let map = "[columns]\nt = \"t\"\nswing_velocity = \"w\"\nswing_torque = \"trq\"\n";
+    let said = lacks("t,w,trq,swing_angle\n0,1,,\n1,2,,0\n", Some(map)).expect("rows");
+    assert_eq!(said.empty.len(), 1, "{said:?}");
+    assert!(
+        said.empty[0].starts_with("column trq (swing_torque)"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn a_column_in_a_unit_of_something_else_is_no_signal() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("day.csv");
+    std::fs::write(&path, "t,Swing speed [mph],Torque [kNm]\n0,1,2\n1,1,2\n").expect("writable");
+    let machine = Some(messages::Machine::Excavator);
+    let map = recording::suggest(&path, &[], machine).expect("a map");
+    assert!(
+        map.text.contains(
+            "# swing_velocity = \"Swing speed [mph]\"  # its unit is mph, which is none of rad/s"
+        ),
+        "{}",
+        map.text
+    );
+    assert_eq!(map.missing, [["swing_velocity", "swing_angle"]]);
+    // A DBC file says nothing of a table, and is not ignored.
+    let error = recording::suggest(&path, &["x.dbc".into()], machine).expect_err("no log");
+    assert!(error.remedy.contains("leave out --dbc x.dbc"), "{error}");
 }

@@ -472,3 +472,17 @@ fn weighings_are_read_and_refused_like_other_tables() {
     let (_dir, path) = file("pitch,rear,front_load\n0,1,2\n");
     assert!(read_weighings(&path).is_err_and(|e| e.what.contains("rear_load")));
 }
+
+#[test]
+fn weighings_are_converted_by_their_row_of_units_and_a_mass_is_no_weight() {
+    let (_dir, path) = file("pitch,front_load,rear_load\nmrad,kN,N\n500,1,2\n");
+    assert_eq!(read_weighings(&path), Ok(vec![[0.5, 1000.0, 2.0]]));
+    let (_dir, path) = file("pitch,front_load,rear_load\nrad,kg,kg\n0,1,2\n");
+    let error = read_weighings(&path).expect_err("a mass");
+    assert_eq!(error.what, "column front_load is in kg, and N is expected");
+    assert!(error.place.ends_with("data.csv:2"), "{error}");
+    assert!(
+        error.remedy.contains("N, kN, lbf; kg times 9.81 is N"),
+        "{error}"
+    );
+}

@@ -165,3 +165,47 @@ fn no_byte_of_a_foreign_file_makes_a_panic() {
         }
     }
 }
+
+#[test]
+fn messages_of_one_time_are_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("bag.mcap");
+    let write = |time: fn(u64) -> u64| {
+        let file = std::fs::File::create(&path).expect("writable");
+        let mut writer = mcap::Writer::new(std::io::BufWriter::new(file)).expect("a writer");
+        let none = std::collections::BTreeMap::new();
+        let schema = writer
+            .add_schema("D", "jsonschema", b"{}")
+            .expect("a schema");
+        let id = writer
+            .add_channel(schema, "/d", "json", &none)
+            .expect("a channel");
+        for k in 0..300 {
+            let header = mcap::records::MessageHeader {
+                channel_id: id,
+                sequence: 0,
+                log_time: time(k),
+                publish_time: time(k),
+            };
+            writer
+                .write_to_known_channel(&header, b"{\"w\": 1.0}")
+                .expect("written");
+        }
+        writer.finish().expect("whole");
+    };
+    let text = "[topics]\nrate = 100\n[topics.signals]\nswing_velocity = { topic = \"/d\", field = \"w\" }\n";
+    let map = Map::parse(text, "map.toml").expect("a map");
+    let read = || load::<ExcavatorSensors>(&path, Some(&map));
+    for time in [|_| 0, |k| k / 100 * 1_000_000_000] {
+        write(time);
+        let error = read().expect_err("no times");
+        assert!(
+            error
+                .what
+                .ends_with("values carry the time of the one before them"),
+            "{error}"
+        );
+    }
+    write(|k| k * 10_000_000);
+    assert_eq!(read().expect("rows").len(), 299);
+}

@@ -89,7 +89,7 @@ fn a_message_that_is_not_whole_is_left_out_and_reported() {
     assert!(reader.damage()[0].contains("a damaged message"));
     let recovered = recording::recover(&path, None).expect("recoverable");
     assert!(
-        !recovered.was_complete() && recovered.messages == 1,
+        !recovered.was_complete && recovered.messages == 1,
         "recover agrees with the readers: {recovered}"
     );
 

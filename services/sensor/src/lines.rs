@@ -26,6 +26,8 @@ pub struct Lines<S: Sensors> {
     has_ended: bool,
     /// Whether a sample came.
     has_row: bool,
+    /// Whether the end was reported.
+    is_over: bool,
     /// Why nothing of this input can be used.
     refusal: Option<runtime::Error>,
     /// Whether time passes while nothing comes; not where samples are only as fast as they are taken.
@@ -45,6 +47,7 @@ impl<S: Sensors> Lines<S> {
             is_skipping: false,
             has_ended: false,
             has_row: false,
+            is_over: false,
             refusal: None,
             is_paced,
         })
@@ -75,6 +78,9 @@ impl<S: Sensors> Lines<S> {
                 let rest = std::mem::take(&mut self.rest);
                 self.take(&rest, now);
                 self.stream.finish();
+                for empty in self.stream.empty() {
+                    tracing::warn!("standard input: {empty}");
+                }
                 self.has_ended = true;
             }
             Ok(count) => self.split(&bytes[..count], now),
@@ -109,9 +115,15 @@ impl<S: Sensors> Lines<S> {
         }
     }
 
-    /// The end: one without a sample before it is an error.
+    /// The end: one without a sample before it is an error, and so is one behind lines that were mostly none of ours.
     fn end(&mut self) -> Polled<S, S::Truth> {
-        if std::mem::replace(&mut self.has_row, true) {
+        if std::mem::replace(&mut self.is_over, true) {
+            return Polled::End;
+        }
+        if let Err(error) = self.stream.judge() {
+            return Polled::Refused(refusal(error));
+        }
+        if self.has_row {
             return Polled::End;
         }
         Polled::Refused(runtime::Error::new(
@@ -126,15 +138,20 @@ impl<S: Sensors> Lines<S> {
             return;
         }
         if let Err(error) = self.stream.take(line, now) {
-            let Error {
-                what,
-                place,
-                remedy,
-                ..
-            } = error;
-            self.refusal = Some(runtime::Error::new(what, place, remedy));
+            self.refusal = Some(refusal(error));
         }
     }
+}
+
+/// The same error as one of a source.
+fn refusal(error: Error) -> runtime::Error {
+    let Error {
+        what,
+        place,
+        remedy,
+        ..
+    } = error;
+    runtime::Error::new(what, place, remedy)
 }
 
 impl<S: Sensors> Live for Lines<S> {
@@ -143,10 +160,11 @@ impl<S: Sensors> Live for Lines<S> {
 
     fn poll(&mut self) -> Polled<S, S::Truth> {
         if let Some((sensors, truth)) = self.stream.row() {
+            self.has_row = true;
             return Polled::Sample(sensors, truth);
         }
         if let Some(refusal) = self.refusal.take() {
-            self.has_ended = true;
+            (self.has_ended, self.is_over) = (true, true);
             return Polled::Refused(refusal);
         }
         if self.has_ended {

@@ -33,7 +33,7 @@ pub mod top;
 pub mod words;
 
 pub use judgement::Judgement;
-pub use report::{compared, loads_page, page, picture, report};
+pub use report::{NOT_WHOLE, compared, loads_page, page, picture, report};
 pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};
 
 /// A layout of Foxglove for recordings of both machines.

@@ -21,6 +21,7 @@ use crate::plot::Plot;
 use crate::run::{MachineRun, Run};
 
 pub use compared::compared;
+pub use header::NOT_WHOLE;
 pub use loads::loads_page;
 pub(crate) use tables::state_name;
 

@@ -238,7 +238,8 @@ impl Series {
     /// Cuts a long swing into blocks; leaves out what is short or has no torque.
     fn add_pieces(&self, swings: &mut Vec<Swing>, rows: Range<usize>, longest_step: f64) {
         let length = self.time[rows.end - 1] - self.time[rows.start];
-        let pieces = (length / LONGEST).ceil().max(1.0) as usize;
+        // Rows that are far apart are no more pieces than there are rows.
+        let pieces = ((length / LONGEST).ceil().max(1.0) as usize).min(rows.len());
         let share = rows.len() / pieces;
         for piece in 0..pieces {
             let first = rows.start + piece * share;

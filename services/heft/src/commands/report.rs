@@ -9,7 +9,7 @@ use view::Run;
 use crate::args::ManyArgs;
 use crate::failure::Failure;
 use crate::many::{self, Job};
-use crate::page::{put, write};
+use crate::page::{put, tells_damage, write};
 use crate::parts;
 use crate::results;
 
@@ -73,7 +73,11 @@ fn each(args: &ReportArgs) -> Result<(), Failure> {
         Job {
             input: input.clone(),
             arguments: arguments.into(),
-            is_done: !args.many.again && !sources.is_empty() && many::is_newer(page, &sources),
+            // What is damaged is said again, as often as somebody asks.
+            is_done: !args.many.again
+                && !sources.is_empty()
+                && many::is_newer(page, &sources)
+                && !tells_damage(page),
         }
     };
     let jobs: Vec<Job> = inputs.iter().zip(&pages).map(job).collect();

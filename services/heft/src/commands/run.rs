@@ -16,6 +16,7 @@ use self::args::Pace;
 pub use self::args::RunArgs;
 pub use self::plan::folder;
 use self::plan::{absolute, pipeline_plan};
+use crate::doubts::AnyDoubts;
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::group;
@@ -139,6 +140,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     ));
     let (mut watch, _server) = watch(args, machine, &loads)?;
     watch.remember(memory);
+    if plan.input.is_some() {
+        let doubts = (machines::entry(machine).doubts)(&plan.description()?);
+        watch.doubt(doubts);
+    }
     let (recording, group) = (plan.recording.clone(), plan.group);
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
@@ -169,6 +174,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     );
     if !args.live_lines {
         tell_loads(&loads);
+    }
+    if let Some(doubts) = watch.doubts() {
+        doubts.tell();
     }
     verdict(&end, &watch, args)
 }
@@ -217,5 +225,5 @@ fn verdict(end: &End, watch: &Watch, args: &RunArgs) -> Result<(), Failure> {
     if args.require_trust {
         summary::require_trust(summary::trust_age(watch))?;
     }
-    Ok(())
+    watch.doubts().map_or(Ok(()), AnyDoubts::judge)
 }

@@ -1,5 +1,6 @@
 //! `heft weigh`: the static reference, from axle weights on level and tilted ground.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -34,7 +35,7 @@ pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
     let Description::Loader(loader) = description(Machine::Loader, &args.description)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
-    let reference = reference(&args.file, loader.machine.wheelbase)?;
+    let reference = reference(&args.file, &loader)?;
     print!("{}", text(&reference));
     if let Some(path) = &args.json {
         results::json(path, &[&args.file], "weigh", IDENTITY, &to_json(&reference))?;
@@ -42,8 +43,13 @@ pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Standard gravity [m/s^2].
+const GRAVITY: f64 = 9.806_65;
+/// Axle loads that are such a share of the described mass as kilograms, and so a tenth of it as newtons, are in kilograms.
+const AS_KILOGRAMS: RangeInclusive<f64> = 0.6..=1.7;
+
 /// What the scales of a file say.
-pub fn reference(file: &Path, wheelbase: f64) -> Result<Reference, Failure> {
+pub fn reference(file: &Path, described: &config::Loader) -> Result<Reference, Failure> {
     let refused = |e: estimation::loader::weigh::WeighError| {
         Failure::input(
             e,
@@ -51,7 +57,7 @@ pub fn reference(file: &Path, wheelbase: f64) -> Result<Reference, Failure> {
             "weigh both axles on level ground, and again on ground tilted by several degrees",
         )
     };
-    let mut weighing = Weighing::new(wheelbase, SCALE_STD).map_err(refused)?;
+    let mut weighing = Weighing::new(described.machine.wheelbase, SCALE_STD).map_err(refused)?;
     for [pitch, front_load, rear_load] in recording::csv::read_weighings(file)? {
         weighing
             .add(&Reading {
@@ -61,7 +67,19 @@ pub fn reference(file: &Path, wheelbase: f64) -> Result<Reference, Failure> {
             })
             .map_err(refused)?;
     }
-    weighing.reference().map_err(refused)
+    let reference = weighing.reference().map_err(refused)?;
+    let (load, mass) = (reference.load, described.machine.mass);
+    if AS_KILOGRAMS.contains(&(load / mass)) {
+        let weight = mass * GRAVITY;
+        return Err(Failure::input(
+            format!(
+                "front_load and rear_load seem to be in kg: together they are {load:.0}, and a machine of {mass:.0} kg weighs {weight:.0} N"
+            ),
+            file.display(),
+            "give newtons (kg times 9.81); or state the mass of your machine: --set machine.mass=KG",
+        ));
+    }
+    Ok(reference)
 }
 
 fn line(name: &str, quantity: Quantity, unit: &str) -> String {

@@ -48,7 +48,9 @@ pub enum Form {
 fn not_written(error: std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::BrokenPipe => "nobody reads the estimates".into(),
-        _ => format!("cannot write the estimates: {error}"),
+        _ => format!(
+            "cannot write the estimates: {error}\n  where: standard output\n  what to do: make room, or write them elsewhere"
+        ),
     }
 }
 
@@ -146,7 +148,9 @@ impl Rows {
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner)
         {
-            Out::Standard(mut out) => out.flush().map_err(Failure::internal)?,
+            Out::Standard(mut out) => out
+                .flush()
+                .map_err(|error| Failure::reported(not_written(error)))?,
             Out::File(out) => out.finish()?,
         }
         Ok(self

@@ -54,11 +54,11 @@ pub fn serve<S: Message, E: Estimate>(
     let mut out = BufWriter::with_capacity(1 << 16, stdout().lock());
     let (mut bytes, mut row) = (Vec::new(), Vec::new());
     loop {
-        if input.buffer().is_empty() {
-            out.flush().map_err(Failure::internal)?;
+        if input.buffer().is_empty() && !arrives(out.flush())? {
+            return Ok(());
         }
         let Some(kind) = frames::read(&mut input, &mut bytes).map_err(Failure::internal)? else {
-            return out.flush().map_err(Failure::internal);
+            return arrives(out.flush()).map(drop);
         };
         let done = match (kind, bytes.split_first_chunk()) {
             (SAMPLE, Some((number, sample))) => {
@@ -73,7 +73,11 @@ pub fn serve<S: Message, E: Estimate>(
             _ => Err(Failure::internal("a shard was sent what it does not know")),
         };
         match done {
-            Ok(written) => written.map_err(Failure::internal)?,
+            Ok(written) => {
+                if !arrives(written)? {
+                    return Ok(());
+                }
+            }
             Err(failure) => {
                 let reported = frames::write(&mut out, FAULT, &[failure.to_string().as_bytes()]);
                 reported
@@ -82,6 +86,14 @@ pub fn serve<S: Message, E: Estimate>(
                 return Err(failure);
             }
         }
+    }
+}
+
+/// Whether the router still reads: what it ended for, it says itself.
+fn arrives(sent: std::io::Result<()>) -> Result<bool, Failure> {
+    match sent {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(false),
+        sent => sent.map(|()| true).map_err(Failure::internal),
     }
 }
 

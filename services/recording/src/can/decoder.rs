@@ -28,6 +28,9 @@ pub struct Decoder<S: Sensors> {
     /// The terms that come from the bus, as their series are numbered.
     terms: Vec<Bus>,
     clock: Clock,
+    /// Values, and those of them that carry the time of the one before.
+    values: u64,
+    repeated: u64,
     remarks: Vec<String>,
     map: Map,
 }
@@ -43,6 +46,8 @@ struct Bus {
     /// Who sends it.
     sender: Option<Sender>,
     has_value: bool,
+    /// When the last one came.
+    last: Option<i64>,
 }
 
 /// A place on a bus.
@@ -104,6 +109,8 @@ impl<S: Sensors> Decoder<S> {
             rows,
             terms,
             clock: Clock::default(),
+            values: 0,
+            repeated: 0,
             remarks: Vec::new(),
             map: map.clone(),
         })
@@ -120,6 +127,8 @@ impl<S: Sensors> Decoder<S> {
         for (series, bus) in self.terms.iter_mut().enumerate() {
             if let Some(value) = bus.read(frame, clock, &mut self.remarks) {
                 accepted = true;
+                self.values += 1;
+                self.repeated += u64::from(bus.last.replace(clock) == Some(clock));
                 self.rows.push(series, clock, value);
             }
         }
@@ -159,14 +168,34 @@ impl<S: Sensors> Decoder<S> {
     /// Whether there were frames, in the order of their times.
     ///
     /// # Errors
-    /// There was none, or most are earlier than one before them.
+    /// There was none, or most are earlier than one before them, or as late.
     pub fn check_times(&self, log: &str) -> Result<(), Error> {
-        let Clock { frames, early, .. } = self.clock;
+        let Clock {
+            frames,
+            early,
+            later,
+            ..
+        } = self.clock;
         if frames == 0 {
             return Err(Error::new(
                 "there is no frame in the file",
                 log,
                 "give a log of candump -L, or of candump -ta with its times",
+            ));
+        }
+        if frames > 1 && early == 0 && later == 0 {
+            return Err(Error::new(
+                format!("all {frames} frames carry one time: when they came is not known"),
+                log,
+                "record anew with candump -L or -ta, or have the converter write the time of each frame",
+            ));
+        }
+        let (values, repeated) = (self.values, self.repeated);
+        if early == 0 && 2 * repeated > values {
+            return Err(Error::new(
+                format!("{repeated} of {values} values carry the time of the one before them"),
+                log,
+                "record with candump -L or -ta, which tell microseconds: the times of -td are differences, and whole seconds are too coarse",
             ));
         }
         if 2 * early > frames {
@@ -334,6 +363,7 @@ impl Resolver<'_> {
             place,
             sender: None,
             has_value: false,
+            last: None,
         };
         Ok((bus, signal.unit.clone()))
     }
@@ -348,9 +378,10 @@ struct Clock {
     shift: i64,
     strange: Option<i64>,
     strangers: u32,
-    /// Frames, and those that are earlier than one before them.
+    /// Frames, and those that are earlier than one before them, or later than all.
     frames: u64,
     early: u64,
+    later: u64,
 }
 
 impl Clock {
@@ -364,6 +395,7 @@ impl Clock {
         let ahead = time.saturating_sub(self.last);
         self.frames += 1;
         self.early += u64::from(ahead < 0);
+        self.later += u64::from(ahead > 0);
         if (-DISORDER..=JUMP).contains(&ahead) {
             if self.strangers > 0 {
                 let text = "frames with a wrong time were left out";

@@ -75,18 +75,28 @@ pub(crate) enum Line<'a> {
         /// Whether the line tells the time.
         timed: bool,
     },
-    /// Nothing of use: empty, a remote frame, an error frame.
+    /// Nothing of use: empty, a remote frame, an error frame and what `-e` says below it.
     Nothing,
+    /// So many frames were lost while the log was recorded (`-d`).
+    Dropped(u64),
 }
 
-/// Reads a line of `candump`: the log form (`-L`), and the form for people with its times (`-t a`,
-/// `-t A`, `-t z`) or without, with or without direction (`-x`) and text (`-a`). `None` for text
-/// that is no frame.
+/// Reads a line of `candump`: the log form (`-L`, `-l`), and the form for people with its times (`-t a`,
+/// `-t A`, `-t z`) or without, with or without direction (`-x`), text (`-a`), raw lengths (`-8`), in bits (`-i`) or
+/// swapped (`-S`). `None` for text that is no frame.
 pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
+    // What `-e` says of an error frame stands below it.
+    if line.starts_with('\t') && line.split_whitespace().count() == 1 {
+        return Some(Line::Nothing);
+    }
     // Some editors begin a file with a mark of its encoding.
     let line = line.trim_start_matches('\u{feff}').trim();
     if line.is_empty() {
         return Some(Line::Nothing);
+    }
+    if let Some(words) = line.strip_prefix("DROPCOUNT: dropped ") {
+        let count = words.split_whitespace().next()?;
+        return Some(Line::Dropped(count.parse().ok()?));
     }
     let (time, rest) = match line.strip_prefix('(') {
         Some(line) => {
@@ -152,11 +162,18 @@ impl Bytes {
         Some(())
     }
 
-    /// `AABB..`, or `#` with a flag before it (CAN FD), or `R` (remote: false).
+    /// `AABB..`, or `#` with a flag before it (CAN FD), or `R` (remote: false); a raw length may stand behind (`_F`).
     fn compact(&mut self, data: &str) -> Option<bool> {
         if data.starts_with('R') {
             return Some(false);
         }
+        let data = match data.split_once('_') {
+            Some((data, raw)) if data.len() == 16 && raw.len() == 1 => {
+                hex(raw.as_bytes())?;
+                data
+            }
+            _ => data,
+        };
         let digits = match data.as_bytes() {
             [b'#', flag, digits @ ..] if flag.is_ascii_hexdigit() => digits,
             digits => digits,
@@ -168,20 +185,46 @@ impl Bytes {
         Some(true)
     }
 
-    /// `[8] AA BB ...`, or `[8] remote request` (false).
+    /// `[8] AA BB ...`, `{F} AA BB ...` with a raw length, or `[8] remote request` (false). A byte may be eight bits.
     fn spaced<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Option<bool> {
-        let length = words.next()?.strip_prefix('[')?.strip_suffix(']')?;
-        let length: usize = length.parse().ok()?;
-        for n in 0..length {
+        let length = length(words.next()?)?;
+        while self.length < length {
             let word = words.next()?;
-            if n == 0 && word == "remote" {
+            if self.length == 0 && word == "remote" {
                 return Some(false);
             }
-            (word.len() == 2).then_some(())?;
-            self.push(word.as_bytes())?;
+            // Swapped bytes are one word, the last byte first.
+            for byte in word.rsplit('`') {
+                self.push_word(byte)?;
+            }
         }
-        Some(true)
+        (self.length == length).then_some(true)
     }
+
+    /// `AA`, or `10101010`.
+    fn push_word(&mut self, word: &str) -> Option<()> {
+        match word.as_bytes() {
+            pair @ [_, _] => self.push(pair),
+            bits @ [_, _, _, _, _, _, _, _] => {
+                let is_bit = |b: &u8| matches!(b, b'0' | b'1');
+                bits.iter().all(is_bit).then_some(())?;
+                let byte = bits.iter().fold(0, |byte, bit| byte << 1 | (bit - b'0'));
+                *self.data.get_mut(self.length)? = byte;
+                self.length += 1;
+                Some(())
+            }
+            _ => None,
+        }
+    }
+}
+
+/// `[8]`, `[08]`, or `{F}`: bytes of the data field; of the raw lengths behind 8 each says 8.
+fn length(word: &str) -> Option<usize> {
+    if let Some(raw) = word.strip_prefix('{') {
+        let raw = hex(raw.strip_suffix('}')?.as_bytes())?;
+        return (raw <= 15).then(|| raw.min(8) as usize);
+    }
+    word.strip_prefix('[')?.strip_suffix(']')?.parse().ok()
 }
 
 /// Up to eight hexadecimal digits; nothing else.
@@ -217,6 +260,10 @@ mod tests {
             " (1397165409.500000)  can0  RX - -  18FEF100   [2]  01 FF   '..'",
             " (1397165409.500000)  can0  TX B E  18FEF100  [02]  01 FF",
             " (2014-04-10 21:30:09.500000)  can0  18FEF100   [2]  01 FF",
+            " (1397165409.500000)  can0  18FEF100   {2}  01 FF",
+            " (1397165409.500000)  can0  18FEF100   [2]  FF`01",
+            " (1397165409.500000)  can0  18FEF100   [2]  00000001 11111111",
+            " (1397165409.500000)  can0  18FEF100   [2]  11111111`00000001",
         ] {
             assert_eq!(frame(same), log, "{same}");
         }
@@ -227,6 +274,12 @@ mod tests {
         let standard = frame("(0.1) vcan0 123#");
         assert!(!standard.extended && standard.data().is_empty());
         assert_eq!(frame("(0.1) can0 123##1AABB").data(), [0xaa, 0xbb]);
+        let raw = frame("(0.1) can0 123#0011223344556677_E");
+        assert_eq!(
+            frame(" (0.1)  can0  123   {E}  00 11 22 33 44 55 66 77"),
+            raw
+        );
+        assert_eq!(raw.data(), [0, 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77]);
     }
 
     #[test]
@@ -238,11 +291,21 @@ mod tests {
             "(0.1) can0 123 [8] remote request",
             "(0.1) can0 20000080#0000000000000000",
             " (0.1)  can0  20000080   [8]  00 00 00 00 00 00 00 00   ERRORFRAME",
+            "\tbus-off",
+            "\tprotocol-violation{{error-on-tx}{acknowledge-slot}}",
+            "(0.1) can0 123#R8_E",
         ] {
             assert_eq!(parse(nothing), Some(Line::Nothing), "{nothing}");
         }
+        let dropped = "DROPCOUNT: dropped 12 CAN frames on 'can0' socket (total drops 40)";
+        assert_eq!(parse(dropped), Some(Line::Dropped(12)));
         for wrong in [
             "hello",
+            "DROPCOUNT: dropped",
+            "(0.1) can0 123#00112233_E",
+            "(0.1) can0 123 {G} 00",
+            "(0.1) can0 123 [2] 00`11`22",
+            "(0.1) can0 123 [1] 00000002",
             "(0.1) can0",
             "(x) can0 123#00",
             "(0.1) can0 123#0",

@@ -3,10 +3,10 @@
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use super::{Decoder, Line, parse};
+use super::{Decoder, LeftOut, Line, parse};
 use crate::map::Map;
 use crate::signal::{Row, Sensors};
-use crate::{Error, MAX_LINE, packed};
+use crate::{Error, Lacks, MAX_LINE, packed};
 
 /// The rows of a log, one after the other.
 pub(crate) struct Log<S: Sensors> {
@@ -14,10 +14,13 @@ pub(crate) struct Log<S: Sensors> {
     file: BufReader<Box<dyn Read>>,
     decoder: Decoder<S>,
     line: Vec<u8>,
-    number: usize,
+    number: u64,
     /// Bytes read.
     pub read: u64,
     has_ended: bool,
+    left_out: LeftOut,
+    /// What of the log cannot be given, once it was read.
+    pub lacks: Lacks,
 }
 
 impl<S: Sensors> Log<S> {
@@ -32,6 +35,8 @@ impl<S: Sensors> Log<S> {
             number: 0,
             read: 0,
             has_ended: false,
+            left_out: LeftOut::default(),
+            lacks: Lacks::default(),
         })
     }
 
@@ -50,9 +55,9 @@ impl<S: Sensors> Log<S> {
             let read = match read {
                 Err(e) if self.number > 0 && e.kind() == ErrorKind::UnexpectedEof => {
                     let log = self.path.display();
-                    tracing::warn!(
+                    self.lacks.cut_off = Some(format!(
                         "{log}: the packed file was cut off; the frames before the cut were read"
-                    );
+                    ));
                     0
                 }
                 read => read.map_err(|e| Error::system("read the CAN log", &self.path, &e))?,
@@ -69,26 +74,22 @@ impl<S: Sensors> Log<S> {
 
     fn take(&mut self) -> Result<(), Error> {
         let text = String::from_utf8_lossy(&self.line);
-        let error = |what: String, remedy| {
-            Err(Error::new(
-                what,
-                format!("{}:{}", self.path.display(), self.number),
-                remedy,
-            ))
-        };
-        match parse(&text) {
+        let line = parse(&text);
+        let log = self.path.display();
+        if line.is_none() && !text.ends_with('\n') && self.line.len() < MAX_LINE {
+            // Its writer was switched off.
+            let number = self.number;
+            self.lacks.cut_off = Some(format!(
+                "{log}:{number}: the last line was cut off; it is left out"
+            ));
+            return Ok(());
+        }
+        self.left_out.count(line.as_ref(), self.number, &text);
+        match line {
             Some(Line::Frame { frame, timed: true }) => self.decoder.take(&frame),
-            Some(Line::Frame { .. }) => {
-                let remedy = "record it with candump -L, or with candump -ta";
-                return error("the log has no times".into(), remedy);
-            }
             Some(Line::Nothing) => {}
-            // The last line of a log whose writer was switched off.
-            None if !text.ends_with('\n') && self.line.len() < MAX_LINE => {}
-            None => {
-                let shown: String = text.trim().chars().take(80).collect();
-                let remedy = "give a log of candump -L, or of candump -ta with its times";
-                return error(format!("\"{shown}\" is no frame"), remedy);
+            Some(Line::Frame { .. } | Line::Dropped(_)) | None => {
+                self.left_out.judge_early(&log.to_string())?;
             }
         }
         Ok(())
@@ -98,6 +99,8 @@ impl<S: Sensors> Log<S> {
         self.has_ended = true;
         self.decoder.finish();
         let log = self.path.display();
+        self.left_out.judge(&log.to_string())?;
+        self.lacks.left_out = self.left_out.words(&log.to_string());
         self.decoder.check_times(&log.to_string())?;
         for remark in self.decoder.take_remarks() {
             tracing::warn!("{log}: {remark}");

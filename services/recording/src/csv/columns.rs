@@ -29,10 +29,14 @@ pub(crate) struct Columns<S: Sensors> {
 /// A signal and its parts.
 #[derive(Debug)]
 struct Line {
+    /// Name of the signal.
+    signal: String,
     /// The map's entry; none for a column of heft's own name.
     entry: Option<Entry>,
     is_time: bool,
     parts: Vec<Part>,
+    /// It is a sensor's, and no row had a value so far.
+    is_silent: bool,
 }
 
 /// A part of a signal.
@@ -107,6 +111,13 @@ impl<S: Sensors> Columns<S> {
                 (Some(entry), Some(map)) if !entry.is_nowhere() => {
                     parts(entry, map, &header, file)?
                 }
+                (Some(entry), Some(map)) if is_time => {
+                    return Err(Error::new(
+                        "the map says that there is no time: t is \"none\"",
+                        map.place(entry),
+                        "name the column of the time: t = \"...\"",
+                    ));
+                }
                 (Some(_), _) => continue,
                 (None, _) => {
                     let Some(at) = header.iter().position(|h| *h == signal.name) else {
@@ -120,9 +131,11 @@ impl<S: Sensors> Columns<S> {
             timings.extend(own.chain([Timing::default()]).take(parts.len()));
             used.push(signal);
             lines.push(Line {
+                signal: signal.name.clone(),
                 entry: entry.cloned(),
                 is_time,
                 parts,
+                is_silent: signal.is_measured(),
             });
         }
         require::<S>(entries, &used, &header, file)?;
@@ -138,6 +151,48 @@ impl<S: Sensors> Columns<S> {
         })
     }
 
+    /// Words on sensors whose columns held no value in any row.
+    pub(crate) fn empty(&self) -> impl Iterator<Item = String> + '_ {
+        let silent = self.lines.iter().filter(|line| line.is_silent);
+        silent.map(|line| format!("{} in any row; it counts as absent", self.no_value(line)))
+    }
+
+    /// Whether each group of signals that a machine needs had a value.
+    ///
+    /// # Errors
+    /// One had none in any row.
+    pub(crate) fn check_values(&self, file: &str) -> Result<(), Error> {
+        for group in S::REQUIRED {
+            let of_group = |line: &&Line| group.contains(&line.signal.as_str());
+            let mut its = self.lines.iter().filter(of_group);
+            let Some(first) = its.clone().next() else {
+                continue;
+            };
+            if its.all(|line| line.is_silent) {
+                return Err(Error::new(
+                    format!("{} in any row ({})", self.no_value(first), S::MACHINE),
+                    file,
+                    "check the sensor and its recording, or name another column in a signal map (--map)",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn no_value(&self, line: &Line) -> String {
+        let cells = line.parts.iter().filter_map(|part| match part {
+            Part::Cell { at, .. } => self.header.get(*at),
+            Part::Constant(_) => None,
+        });
+        let columns: Vec<&str> = cells.map(String::as_str).collect();
+        let signal = &line.signal;
+        match columns[..] {
+            [one] if one == signal => format!("column {one} holds no value"),
+            [one] => format!("column {one} ({signal}) holds no value"),
+            _ => format!("columns {} ({signal}) hold no value", columns.join(", ")),
+        }
+    }
+
     /// Names of the columns.
     pub(crate) fn header(&self) -> &[String] {
         &self.header
@@ -151,7 +206,7 @@ impl<S: Sensors> Columns<S> {
     /// Takes the cells of a row.
     pub(crate) fn take(&mut self, record: &ByteRecord) -> Result<(), NoNumber> {
         let mut sampled = 0;
-        for (line, value) in self.lines.iter().zip(&mut self.values) {
+        for (line, value) in self.lines.iter_mut().zip(&mut self.values) {
             let mut sum = None;
             for part in &line.parts {
                 let x = match part {
@@ -179,6 +234,7 @@ impl<S: Sensors> Columns<S> {
             }
             let sum = sum.unwrap_or(f64::NAN);
             *value = line.entry.as_ref().map_or(sum, |e| e.conversion.apply(sum));
+            line.is_silent &= !value.is_finite();
         }
         match &mut self.sampler {
             None => self.builder.push(&self.values, 0),

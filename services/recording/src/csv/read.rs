@@ -13,30 +13,33 @@ use crate::Error;
 use crate::map::Map;
 use crate::packed::{self, GZIP};
 use crate::signal::{Row, Sensors};
+use crate::unit;
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
-/// and `rear_load` \[N\].
+/// and `rear_load` \[N\]; a row of units below the header may name others.
 ///
 /// # Errors
-/// The file cannot be read, lacks a column, or a cell holds no finite number.
+/// The file cannot be read, lacks a column, has one in a unit of something else, or a cell holds no finite number.
 pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
-    const NAMES: [&str; 3] = ["pitch", "front_load", "rear_load"];
+    const NAMES: [(&str, &str); 3] = [("pitch", "rad"), ("front_load", "N"), ("rear_load", "N")];
     let table = Table::open(path.as_ref())?;
     let (mut records, header) = table.records()?;
-    let mut at = [0; 3];
-    for (at, name) in at.iter_mut().zip(NAMES) {
+    let (mut at, mut factors) = ([0; 3], [1.0; 3]);
+    for ((at, factor), (name, si)) in at.iter_mut().zip(&mut factors).zip(NAMES) {
         let found = header.iter().position(|h| h == name);
         *at = found.ok_or_else(|| absent(&[name], "weighing", &header, &table.file))?;
+        *factor = table.factor(*at, name, si)?;
     }
     let mut rows = Vec::new();
     while table.advance(&mut records)? {
         let record = records.record();
         let mut row = [0.0; 3];
-        for (value, at) in row.iter_mut().zip(at) {
+        for ((value, at), factor) in row.iter_mut().zip(at).zip(factors) {
             let cell = record.get(at).unwrap_or_default();
             *value = table
                 .dialect
                 .number(cell)
+                .map(|x| x * factor)
                 .filter(|x| x.is_finite())
                 .ok_or_else(|| {
                     let line = table.line(records.start());
@@ -120,6 +123,27 @@ impl Table {
             preface: front.start,
             units: front.units,
             storage,
+        })
+    }
+
+    /// What one of a column's unit is in SI; that of a column without a unit is the SI unit.
+    fn factor(&self, at: usize, name: &str, si: &str) -> Result<f64, Error> {
+        let text = self.units.as_ref().and_then(|units| units.get(at));
+        let Some(text) = text.filter(|text| !text.is_empty()) else {
+            return Ok(1.0);
+        };
+        let found = unit::guess(text).filter(|unit| unit.si == si);
+        found.map(|unit| unit.factor).ok_or_else(|| {
+            let scales = if si == "N" {
+                "; kg times 9.81 is N"
+            } else {
+                ""
+            };
+            Error::new(
+                format!("column {name} is in {text}, and {si} is expected"),
+                format!("{}:{}", self.file, self.line(0) + 1),
+                format!("give it in one of {}{scales}", unit::of(si)),
+            )
         })
     }
 
@@ -238,6 +262,11 @@ impl<S: Sensors> TableRows<S> {
         self.cut_off.as_deref()
     }
 
+    /// Words on columns without a value, once the rows were read.
+    pub(crate) fn empty(&self) -> Vec<String> {
+        self.columns.empty().collect()
+    }
+
     /// The next row; nothing at the end.
     pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
@@ -261,8 +290,7 @@ impl<S: Sensors> TableRows<S> {
                     "{}: the packed file was cut off; the rows before the cut were read",
                     table.file
                 ));
-                self.end();
-                return Ok(());
+                return self.end();
             }
             Err(e) => return Err(Error::system("read the data", &table.path, &e)),
         };
@@ -293,13 +321,13 @@ impl<S: Sensors> TableRows<S> {
                 remedy,
             ));
         }
-        self.end();
-        Ok(())
+        self.end()
     }
 
-    fn end(&mut self) {
+    fn end(&mut self) -> Result<(), Error> {
         self.has_ended = true;
         self.columns.finish();
+        self.columns.check_values(&self.table.file)
     }
 
     /// A last row that no line end closes was cut off while it was written: it is left out.
@@ -313,8 +341,7 @@ impl<S: Sensors> TableRows<S> {
             "{}:{line}: the last row was cut off; it is left out",
             table.file
         ));
-        self.end();
-        Ok(())
+        self.end()
     }
 }
 

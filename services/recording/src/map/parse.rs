@@ -54,7 +54,7 @@ impl Parser<'_> {
         let document = Document::parse(self.text.to_owned()).map_err(|e| {
             let line = e.span().map_or(1, |s| self.line_at(s.start));
             let what = e.message().trim().replace('\n', "; ");
-            self.error(line, what, "correct the TOML there")
+            self.error(line, what, "correct the TOML there (table in [brackets], key = value, words in quotes, numbers like 0.5)")
         })?;
         let mut map = Map {
             file: self.path.to_owned(),

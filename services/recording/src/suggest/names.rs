@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::signal::{self, Sensors};
-use crate::unit;
+use crate::{steers, unit};
 
 use super::languages::english;
 
@@ -13,7 +13,7 @@ pub(crate) fn quoted(text: &str) -> String {
     for c in text.chars() {
         let _ = match c {
             '"' | '\\' => write!(out, "\\{c}"),
-            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
+            c if steers(c) => write!(out, "\\U{:08X}", u32::from(c)),
             c => write!(out, "{c}"),
         };
     }

@@ -37,8 +37,16 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             "" => header[at].clone(),
             unit => format!("{} [{unit}]", header[at]),
         };
-        let guess = unit(&signal, unit_of::<S>(&signal), &named, &columns[at]);
+        let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
+        if let Some(unit) = foreign(&named, si) {
+            let _ = writeln!(
+                out,
+                "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
+            );
+            continue;
+        }
+        let guess = unit(&signal, si, &named, &columns[at]);
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
         let column = Column {
@@ -82,20 +90,27 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing.insert(0, &["t"]);
     }
     out += &lacking::<S>(&found, &missing, "\"...\"");
-    let rest: Vec<&str> = (0..names.len())
-        .filter(|at| !taken.contains(at))
-        .map(|at| names[at])
-        .collect();
-    let _ = writeln!(
-        out,
-        "\n# Columns that fit nothing: {}",
-        shown(&rest.join(", "))
-    );
+    out += &rest(&names, &taken);
     Ok(Suggestion {
         text: out,
         missing,
         found: found.len(),
     })
+}
+
+/// The columns that are none of the signals, as a comment.
+fn rest(names: &[&str], taken: &[usize]) -> String {
+    let rest: Vec<&str> = (0..names.len())
+        .filter(|at| !taken.contains(at))
+        .map(|at| names[at])
+        .collect();
+    match rest.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\n# Columns that fit nothing: {}\n",
+            shown(&rest.join(", "))
+        ),
+    }
 }
 
 /// Angles of links, each from the one before it.
@@ -227,9 +242,18 @@ fn mass(values: &[f64]) -> Guess {
 
 /// The unit that a column's name tells: in brackets, or behind the last underscore.
 fn named(name: &str) -> Option<&'static Unit> {
-    let bracketed = name
-        .rsplit_once(['[', '('])
-        .map(|(_, u)| u.trim_end_matches([']', ')']));
     let suffix = name.rsplit_once('_').map(|(_, u)| u);
-    bracketed.or(suffix).and_then(unit::guess)
+    bracketed(name).or(suffix).and_then(unit::guess)
+}
+
+/// The unit in the brackets of a name, where it is of something else.
+fn foreign(name: &str, si: &str) -> Option<&'static str> {
+    let unit = bracketed(name).and_then(unit::guess)?;
+    (unit.si != si).then_some(unit.name)
+}
+
+/// What stands in the last brackets of a name.
+fn bracketed(name: &str) -> Option<&str> {
+    let (_, text) = name.rsplit_once(['[', '('])?;
+    Some(text.trim_end_matches([']', ')']))
 }

@@ -10,6 +10,7 @@ use super::node::Node;
 use crate::Error;
 use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
+use crate::steers;
 use crate::suggest::names::{fitting, quoted};
 use crate::suggest::suggestion::{Suggestion, missing};
 
@@ -91,10 +92,7 @@ pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
 /// number's name fits.
 pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     let machine = S::MACHINE;
-    let file = path
-        .display()
-        .to_string()
-        .replace(char::is_control, "\u{fffd}");
+    let file = path.display().to_string().replace(steers, "\u{fffd}");
     let mut text = format!(
         "# Topics and numbers of {file}: fill in topic and field of each signal of the {machine}.\n\
          # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
@@ -102,7 +100,7 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     let topics = topics(reader);
     let places = places(&topics);
     for (name, topic) in topics {
-        let name = name.replace(char::is_control, "\u{fffd}");
+        let name = name.replace(steers, "\u{fffd}");
         let _ = writeln!(
             text,
             "# {name}  {}  {} messages",
@@ -214,7 +212,7 @@ fn names(node: &Node) -> Vec<String> {
         _ => None,
     });
     let texts = lists.flatten().filter_map(|node| match node {
-        Node::Text(text) => Some(text.replace(char::is_control, "\u{fffd}")),
+        Node::Text(text) => Some(text.replace(steers, "\u{fffd}")),
         _ => None,
     });
     texts.take(MOST).collect()

@@ -69,6 +69,7 @@ impl<S: Sensors> TopicRows<S> {
         })?;
         let (mut waiting, lacks) = values(file, map, topics, &mut wanted)?;
         waiting.sort_by_key(|(time, ..)| *time); // stable
+        check_times(&waiting, file, topics)?;
         let start = waiting.first().map_or(0, |(time, ..)| *time);
         for (time, ..) in &mut waiting {
             *time -= start;
@@ -176,6 +177,28 @@ fn values(
     }
     check_found(&reader, map, topics, wanted)?;
     Ok((values, reader.lacks()))
+}
+
+/// Whether values of one number came at different times; `values` in their order.
+fn check_times(values: &Values, file: &Path, topics: &Topics) -> Result<(), Error> {
+    let mut last = BTreeMap::new();
+    let is_repeated =
+        |(time, series, _): &&(i64, usize, f64)| last.insert(*series, *time) == Some(*time);
+    let (all, repeated) = (values.len(), values.iter().filter(is_repeated).count());
+    if 2 * repeated <= all {
+        return Ok(());
+    }
+    let other = match topics.time {
+        TopicTime::Header => "leave out time = \"header\", which takes the times of the arrival",
+        TopicTime::Log | TopicTime::Publish => {
+            "write time = \"header\" under [topics] if the messages tell their own time"
+        }
+    };
+    Err(Error::new(
+        format!("{repeated} of {all} values carry the time of the one before them"),
+        file.display().to_string(),
+        other,
+    ))
 }
 
 fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(), Error> {

@@ -9,6 +9,9 @@ use crate::number::grouped;
 use crate::posture;
 use crate::run::Run;
 
+/// What a page says of a recording that is damaged or was cut off.
+pub const NOT_WHOLE: &str = "The recording is not whole";
+
 /// Title of the page.
 pub(super) fn title(run: &Run) -> String {
     let parts = part::all(run).into_iter().filter(|part| !part.is_empty());
@@ -36,7 +39,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
     for damage in &run.damage {
         let _ = write!(
             body,
-            "<p class=\"other\"><b>The recording is not whole</b>: {}; the rest was read.</p>",
+            "<p class=\"other\"><b>{NOT_WHOLE}</b>: {}; the rest was read.</p>",
             text(damage)
         );
     }

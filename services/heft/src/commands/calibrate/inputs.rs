@@ -3,19 +3,77 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use recording::Reader;
+use messages::Value;
+use recording::{Reader, Sensors};
 
 use super::args::CalibrateArgs;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
+use crate::measurable;
 
 fn is_recording(file: &Path) -> bool {
     recording::Kind::by_name(file) == Some(recording::Kind::Recording)
 }
 
 /// A recording of heft takes no signal map.
-pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
+fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
     map.filter(|_| !is_recording(file))
+}
+
+/// Beyond this nothing is a time \[s\], since 1970 or since a start: 30 000 years.
+const DATABLE: f64 = 1e12;
+/// Rows that are further apart show no motion \[s\].
+const FARTHEST: f64 = 2.0;
+
+/// The samples of a recording, without what no sensor of a machine says.
+///
+/// # Errors
+/// It cannot be read, or its rows are too far apart.
+pub fn samples<S: Sensors>(
+    file: &Path,
+    map: Option<&recording::Map>,
+    rate: f64,
+) -> Result<Vec<S>, Failure> {
+    let rows = recording::load::<S>(file, map_for(file, map))?;
+    let mut samples: Vec<S> = rows.into_iter().map(|(sample, _)| sample).collect();
+    let left_out: usize = samples.iter_mut().map(leave_out).sum();
+    if left_out > 0 {
+        let file = file.display();
+        eprintln!("{file}: {left_out} numbers are larger than any measurement and were left out");
+    }
+    check_steps(file, &samples, rate)?;
+    Ok(samples)
+}
+
+/// Takes out what no sensor says; how many numbers that were.
+fn leave_out<S: Sensors>(sample: &mut S) -> usize {
+    let beyond = measurable::beyond(sample);
+    if let Some(index) = S::index("valid") {
+        let valid = sample.bits_of("valid") & !beyond;
+        sample.set(index, Value::U32(valid));
+    }
+    let time = &mut sample.stamp_mut().time;
+    let is_timed = !time.is_finite() || time.abs() <= DATABLE;
+    if !is_timed {
+        *time = f64::NAN;
+    }
+    beyond.count_ones() as usize + usize::from(!is_timed)
+}
+
+/// Refuses rows between which a machine does whatever it likes.
+fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), Failure> {
+    let times: Vec<f64> = samples.iter().map(|s| s.stamp().time).collect();
+    let Some(step) = recording::usual_step(&times).filter(|step| *step > FARTHEST) else {
+        return Ok(());
+    };
+    let unit = recording::time_unit(&times, rate).map_or("ms", |(_, unit)| unit);
+    Err(Failure::input(
+        format!("the rows are {step} s apart: too far to see a machine move"),
+        file.display(),
+        format!(
+            "record faster; or is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+        ),
+    ))
 }
 
 /// Refuses a recording that is named twice: it would count as two that agree, and narrow the intervals.

@@ -1,5 +1,7 @@
 //! What a calibration found: printed, and written where it may be believed.
 
+use std::io::Read;
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -24,11 +26,21 @@ pub fn unknown_key(e: String) -> Failure {
 /// Set by the first interruption; a second one ends the command where it is: one step of a long recording lasts minutes.
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
+    let (mut hears, rings) = UnixStream::pair().map_err(Failure::internal)?;
+    std::thread::spawn(move || {
+        if hears.read_exact(&mut [0]).is_ok() {
+            eprintln!(
+                "stopping after this step, with the best so far; a second interruption ends it at once"
+            );
+        }
+    });
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         let again = Arc::clone(&stop);
         signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again)
             .map_err(Failure::internal)?;
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(Failure::internal)?;
+        let ring = rings.try_clone().map_err(Failure::internal)?;
+        signal_hook::low_level::pipe::register(signal, ring).map_err(Failure::internal)?;
     }
     Ok(stop)
 }

@@ -57,12 +57,21 @@ impl<E: Estimate> InputSummary<E> {
         }
     }
 
-    /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same.
-    pub fn write(&self, path: &Path, refused: usize, made_by: &str) -> Result<(), Failure> {
-        results::json(path, &[], "estimate", made_by, &self.json(refused))
+    /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same,
+    /// and `doubt` why the result is no good one.
+    pub fn write(
+        &self,
+        path: &Path,
+        refused: usize,
+        made_by: &str,
+        doubt: Option<&Failure>,
+    ) -> Result<(), Failure> {
+        let doubt = doubt.map(ToString::to_string);
+        let summary = self.json(refused, doubt.as_deref());
+        results::json(path, &[], "estimate", made_by, &summary)
     }
 
-    fn json(&self, refused: usize) -> Value {
+    fn json(&self, refused: usize, doubt: Option<&str>) -> Value {
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
         let quantities = self.tally.iter().zip(headlines).map(|(tally, p)| {
@@ -80,6 +89,7 @@ impl<E: Estimate> InputSummary<E> {
             "machine": E::MACHINE.name(),
             "rows": self.rows,
             "refused": refused,
+            "doubt": doubt,
             "seconds": self.last.stamp().time - self.first_time,
             "quantities": quantities.collect::<Vec<_>>(),
             "verdict": view::words::verdict(&self.last),

@@ -1,12 +1,12 @@
 //! What a machine sees in the samples that estimates are made of.
 
 use config::Description;
-use messages::Message;
+use recording::Sensors;
 
 /// Looks at samples, and says at the end what is strange about them.
 pub trait Look {
     /// What the sensors of the machine measure.
-    type Sensors: Message;
+    type Sensors: Sensors;
     /// For a description.
     fn of(description: &Description) -> Self;
     /// Takes a sample.

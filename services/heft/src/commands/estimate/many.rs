@@ -18,8 +18,13 @@ use crate::way::{method, way};
 /// What the result depends on beside the input: program, method, description.
 pub fn identity(args: &EstimateArgs, description: &Description) -> String {
     let smooth = if args.smooth { " --smooth" } else { "" };
+    let trust = if args.require_trust {
+        " --require-trust"
+    } else {
+        ""
+    };
     format!(
-        "{} --method {}{smooth}, description {}",
+        "{} --method {}{smooth}{trust}, description {}",
         crate::build::IDENTITY,
         method(description.machine(), args.with.method.as_deref()),
         recording::sha256(description.to_toml())
@@ -75,8 +80,13 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
     sources.extend(args.with.map.as_deref());
-    let made_by = read(summary).and_then(|s| Some(s.get("heft")?.as_str()?.ends_with(&same)));
-    many::is_newer(table, &sources) && many::is_newer(summary, &sources) && made_by == Some(true)
+    // A result that is in doubt is made again, so that it is said again.
+    let is_same = read(summary).is_some_and(|s| {
+        let made_by = s.get("heft").and_then(Value::as_str);
+        let is_doubtful = s.get("doubt").is_some_and(|doubt| !doubt.is_null());
+        made_by.is_some_and(|by| by.ends_with(&same)) && !is_doubtful
+    });
+    many::is_newer(table, &sources) && many::is_newer(summary, &sources) && is_same
 }
 
 fn is_recording(input: &Path) -> bool {

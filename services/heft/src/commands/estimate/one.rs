@@ -63,13 +63,6 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
     }
-    if let Some(json) = &args.json {
-        found.write(
-            json,
-            rows.saturating_sub(written),
-            &many::identity(args, description),
-        )?;
-    }
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     tell(
         args,
@@ -79,10 +72,17 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         &in_words(&last, trusted.zip(age)),
     );
     doubts.tell();
-    if args.require_trust {
-        summary::require_trust(age)?;
+    let is_trusted = match args.require_trust {
+        true => summary::require_trust(age),
+        false => Ok(()),
+    };
+    let judged = is_trusted.and_then(|()| doubts.judge(&samples.lacks()));
+    if let Some(json) = &args.json {
+        let made_by = many::identity(args, description);
+        let refused = rows.saturating_sub(written);
+        found.write(json, refused, &made_by, judged.as_ref().err())?;
     }
-    doubts.judge(&samples.lacks())
+    judged
 }
 
 /// Takes a sample through the stages, and notes what each answers.
@@ -183,7 +183,7 @@ struct Notes {
 
 impl Notes {
     fn create(report: &Path, metadata: &Metadata) -> Result<Self, Failure> {
-        let failed = |e| Failure::file("write the page", report, &e);
+        let failed = |e| Failure::file("write", report, &e);
         let (file, _) = Beside::create(report).map_err(failed)?;
         let writer = Writer::create(file.path(), metadata)?;
         Ok(Self { writer, file })

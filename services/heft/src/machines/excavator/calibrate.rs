@@ -3,7 +3,7 @@
 use calibrate::excavator::{self as machine, Input};
 
 use crate::commands::calibrate::args::CalibrateArgs;
-use crate::commands::calibrate::inputs::{map_for, names, origin};
+use crate::commands::calibrate::inputs::{names, origin, samples};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
 use crate::commands::calibrate::stated::stated;
 use crate::failure::Failure;
@@ -15,14 +15,10 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
     let loads = stated(args, &args.payload, "--payload")?;
     let mut inputs = Vec::new();
     for ((file, name), payload) in args.files.iter().zip(names(&args.files)).zip(loads) {
-        let rows =
-            recording::load::<messages::ExcavatorSensors>(file, map_for(file, map.as_ref()))?;
+        let rows = samples::<messages::ExcavatorSensors>(file, map.as_ref(), d.sensors.rate)?;
         inputs.push(Input {
             name,
-            samples: rows
-                .iter()
-                .map(|(s, _)| steps::excavator::sample(s))
-                .collect(),
+            samples: rows.iter().map(steps::excavator::sample).collect(),
             payload,
         });
     }

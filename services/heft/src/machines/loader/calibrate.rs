@@ -3,7 +3,7 @@
 use calibrate::loader::{self as machine, StatedLoad};
 
 use crate::commands::calibrate::args::CalibrateArgs;
-use crate::commands::calibrate::inputs::{map_for, names, origin};
+use crate::commands::calibrate::inputs::{names, origin, samples};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
 use crate::commands::calibrate::stated::{position, scales, stated, ways};
 use crate::commands::weigh::{SCALE_STD, reference};
@@ -25,14 +25,14 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         ));
     }
     let payloads = stated(args, &args.payload, "--payload")?;
-    let scales = weighed(args, d.machine.wheelbase)?;
+    let scales = weighed(args, d)?;
     let mut inputs = Vec::new();
     let files = args.files.iter().zip(names(&args.files)).zip(masses);
     for (i, ((file, name), mass)) in files.enumerate() {
-        let rows = recording::load::<messages::LoaderSensors>(file, map_for(file, map.as_ref()))?;
+        let rows = samples::<messages::LoaderSensors>(file, map.as_ref(), d.sensors.rate)?;
         inputs.push(machine::Input {
             name,
-            samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
+            samples: rows.iter().map(steps::loader::sample).collect(),
             stated: StatedLoad {
                 mass,
                 ..scales[i + 1]
@@ -59,7 +59,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
 }
 
 /// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
-fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<StatedLoad>, Failure> {
+fn weighed(args: &CalibrateArgs, d: &config::Loader) -> Result<Vec<StatedLoad>, Failure> {
     let mut all = vec![StatedLoad::default(); args.files.len() + 1];
     for text in &args.weigh {
         let (file, scales) = scales(text);
@@ -67,7 +67,7 @@ fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<StatedLoad>, Fail
             None => 0,
             Some(file) => 1 + position(args, file, "--weigh", text)?,
         };
-        let reference = reference(scales, wheelbase)?;
+        let reference = reference(scales, d)?;
         all[at] = StatedLoad::weighed(&reference, SCALE_STD);
     }
     Ok(all)

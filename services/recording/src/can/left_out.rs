@@ -1,0 +1,104 @@
+//! Lines of a log that are no frames: counted, and the first of them named.
+
+use super::Line;
+use crate::Error;
+
+/// So many lines that are no frames are enough to judge a log before its end.
+const ENOUGH: u64 = 100;
+/// So much of a line is shown [characters].
+const SHOWN: usize = 80;
+
+/// What a log holds beside frames.
+#[derive(Debug, Default)]
+pub(crate) struct LeftOut {
+    /// Lines that are not blank.
+    lines: u64,
+    /// Those that are no frames, and of these such as are frames without a time.
+    strange: u64,
+    untimed: u64,
+    /// Number and text of the first.
+    first: Option<(u64, String)>,
+    /// Frames that were lost while the log was recorded.
+    dropped: u64,
+}
+
+impl LeftOut {
+    /// Counts what line `number` says, of which `text` is shown where it is no frame.
+    pub(crate) fn count(&mut self, line: Option<&Line<'_>>, number: u64, text: &str) {
+        self.lines += u64::from(!text.trim().is_empty());
+        let is_untimed = match line {
+            Some(Line::Nothing | Line::Frame { timed: true, .. }) => return,
+            Some(Line::Dropped(frames)) => {
+                self.dropped = self.dropped.saturating_add(*frames);
+                return;
+            }
+            Some(Line::Frame { timed: false, .. }) => true,
+            None => false,
+        };
+        self.strange += 1;
+        self.untimed += u64::from(is_untimed);
+        self.first
+            .get_or_insert_with(|| (number, text.trim().chars().take(SHOWN).collect()));
+    }
+
+    /// Whether the lines so far are enough to judge them, and are of no log.
+    ///
+    /// # Errors
+    /// As [`Self::judge`].
+    pub(crate) fn judge_early(&self, log: &str) -> Result<(), Error> {
+        match self.strange.is_multiple_of(ENOUGH) {
+            true => self.judge(log),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether most lines are frames.
+    ///
+    /// # Errors
+    /// They are not, or have no times.
+    pub(crate) fn judge(&self, log: &str) -> Result<(), Error> {
+        let Some((number, text)) = self
+            .first
+            .as_ref()
+            .filter(|_| 2 * self.strange > self.lines)
+        else {
+            return Ok(());
+        };
+        let place = format!("{log}:{number}");
+        if 2 * self.untimed > self.strange {
+            let remedy = "record it with candump -L, or with candump -ta";
+            return Err(Error::new("the log has no times", place, remedy));
+        }
+        let what = match self.lines {
+            1 => format!("\"{text}\" is no frame"),
+            lines => format!(
+                "{} of {lines} lines are no frames; the first is \"{text}\"",
+                self.strange
+            ),
+        };
+        let remedy = "give a log of candump -L, or of candump -ta with its times";
+        Err(Error::new(what, place, remedy))
+    }
+
+    /// Words on what was left out, if anything was.
+    pub(crate) fn words(&self, log: &str) -> Option<String> {
+        let strange = self.first.as_ref().map(|(number, text)| {
+            let lines = match self.strange {
+                1 => "one line is no frame and was left out".to_owned(),
+                n => format!("{n} lines are no frames and were left out"),
+            };
+            let first = if self.strange == 1 {
+                ""
+            } else {
+                ", the first of them"
+            };
+            format!("{log}:{number}{first}: {lines}: \"{text}\"")
+        });
+        let dropped = (self.dropped > 0).then(|| {
+            let frames = self.dropped;
+            format!("{log}: {frames} frames were lost while it was recorded (DROPCOUNT of candump)")
+        });
+        let all: Vec<String> = strange.into_iter().chain(dropped).collect();
+        (!all.is_empty()).then(|| all.join("\n"))
+    }
+}

@@ -1,0 +1,64 @@
+//! Words of others as they may be shown: names of columns, files and machines.
+
+use std::fmt::{self, Display, Formatter, Write};
+
+/// Whether a character is not seen where it stands but changes what is seen around it: control characters, marks of
+/// direction, and what has no width.
+#[must_use]
+pub fn steers(c: char) -> bool {
+    c.is_control()
+        || matches!(
+            c,
+            '\u{ad}'
+                | '\u{61c}'
+                | '\u{180e}'
+                | '\u{200b}'..='\u{200f}'
+                | '\u{2028}'..='\u{202e}'
+                | '\u{2060}'..='\u{206f}'
+                | '\u{feff}'
+                | '\u{fff9}'..='\u{fffb}'
+                | '\u{e0000}'..='\u{e007f}'
+        )
+}
+
+/// A text whose characters that steer are written out (`\u{1b}`), but for line breaks and tabs.
+pub struct Plain<T>(pub T);
+
+impl<T: Display> Display for Plain<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Writing(f).write_fmt(format_args!("{}", self.0))
+    }
+}
+
+/// Writes on with these characters written out.
+struct Writing<'a, 'b>(&'a mut Formatter<'b>);
+
+impl Write for Writing<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut rest = text;
+        while let Some(at) = rest.find(|c| steers(c) && !matches!(c, '\n' | '\t')) {
+            let (before, from) = rest.split_at(at);
+            self.0.write_str(before)?;
+            let mut characters = from.chars();
+            if let Some(c) = characters.next() {
+                write!(self.0, "{}", c.escape_unicode())?;
+            }
+            rest = characters.as_str();
+        }
+        self.0.write_str(rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Plain;
+
+    #[test]
+    fn what_steers_a_terminal_or_turns_its_text_is_written_out() {
+        let name = "a\x1b[31mred\x07.csv";
+        let shown = Plain(format_args!("{name}\tok\n\u{9b}2J ± m²")).to_string();
+        assert_eq!(shown, "a\\u{1b}[31mred\\u{7}.csv\tok\n\\u{9b}2J ± m²");
+        let turned = Plain("swing\u{202e}vsc.\u{200b}x\u{feff}é").to_string();
+        assert_eq!(turned, "swing\\u{202e}vsc.\\u{200b}x\\u{feff}é");
+    }
+}

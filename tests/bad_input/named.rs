@@ -1,0 +1,334 @@
+//! What is wrong with the data is named, and nothing of it is lost in silence.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Output, Stdio};
+use std::time::Instant;
+
+use crate::common::{both, golden, heft, path_in, run, run_ok};
+
+/// The golden excavator of 13 t with one column treated.
+fn treated(folder: &Path, column: &str, treat: impl Fn(usize, f64) -> String) -> String {
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let mut lines = text.lines();
+    let header = lines.next().expect("a header");
+    let at = header.split(',').position(|name| name == column);
+    let at = at.expect("the column");
+    let rows = lines.enumerate().map(|(n, row)| {
+        let cells = row.split(',').enumerate().map(|(i, cell)| match i == at {
+            true => treat(n, cell.parse().expect("a number")),
+            false => cell.to_owned(),
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    });
+    let file = path_in(folder, "day.csv");
+    fs::write(&file, format!("{header}\n{}", rows.collect::<String>())).expect("writable");
+    file
+}
+
+fn estimate(input: &str, folder: &Path) -> Output {
+    let out = path_in(folder, "out.csv");
+    run(&[
+        "estimate",
+        input,
+        "--machine",
+        "excavator",
+        "--class",
+        "13t",
+        "-o",
+        &out,
+    ])
+}
+
+/// `heft run` of the same on standard input.
+fn piped(input: &str, folder: &Path) -> Output {
+    let out = path_in(folder, "run");
+    heft()
+        .args([
+            "run",
+            "excavator",
+            "--class",
+            "13t",
+            "--input",
+            "-",
+            "--pace",
+            "max",
+            "--quiet",
+        ])
+        .args(["--out", &out])
+        .stdin(Stdio::from(fs::File::open(input).expect("the input")))
+        .output()
+        .expect("heft starts")
+}
+
+#[test]
+fn what_comes_on_standard_input_is_doubted_like_a_file() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert!(
+            both(&output).contains("is the time in ms?"),
+            "{}",
+            both(&output)
+        );
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_torque", |_, torque| {
+        (torque / 1000.0).to_string()
+    });
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        assert!(
+            both(&output).contains("unit = \"kNm\""),
+            "{}",
+            both(&output)
+        );
+    }
+}
+
+#[test]
+fn times_that_run_backwards_are_refused_as_they_come() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| (100.0 - t).to_string());
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(
+            both(&output).contains("rows were refused"),
+            "{}",
+            both(&output)
+        );
+    }
+}
+
+#[test]
+fn a_column_without_a_value_is_named() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_torque", |_, _| String::new());
+    let words = "column swing_torque holds no value in any row";
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_velocity", |_, _| String::new());
+    let words = "column swing_velocity holds no value in any row";
+    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+}
+
+#[test]
+fn numbers_of_any_size_end_a_calibration_soon() {
+    for (column, huge, words) in [
+        ("t", 1e300, "larger than any measurement"),
+        ("t", 1e6, "s apart"),
+        ("swing_torque", 1e300, "larger than any measurement"),
+        ("swing_velocity", 1e300, "larger than any measurement"),
+    ] {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = treated(dir.path(), column, |n, x| match (column, n % 3) {
+            ("t", _) => (huge / 4000.0 * (n + 1) as f64).to_string(),
+            (_, 0) => huge.to_string(),
+            _ => x.to_string(),
+        });
+        let begun = Instant::now();
+        let out = path_in(dir.path(), "found.toml");
+        let output = run(&[
+            "calibrate",
+            "excavator",
+            &file,
+            "--class",
+            "13t",
+            "-o",
+            &out,
+        ]);
+        assert!(begun.elapsed().as_secs() < 60, "{column}");
+        assert!(
+            output.status.code().is_some_and(|code| code > 0),
+            "{}",
+            both(&output)
+        );
+        assert!(both(&output).contains(words), "{column}: {}", both(&output));
+    }
+}
+
+#[test]
+fn a_whole_recording_is_copied_where_a_copy_was_asked_for() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let whole = golden("recordings/loader-cfdbb98.mcap");
+    let copy = path_in(dir.path(), "x.mcap");
+    let said = run_ok(&["recover", whole.to_str().expect("a path"), "-o", &copy]);
+    assert!(said.contains("nothing was damaged; a copy is in"), "{said}");
+    run_ok(&["export", &copy, "-o", &path_in(dir.path(), "tables")]);
+}
+
+#[test]
+fn a_mass_is_no_weight() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "scales.csv");
+    fs::write(
+        &file,
+        "pitch,front_load,rear_load\nrad,kg,kg\n0,2500,2200\n",
+    )
+    .expect("writable");
+    let output = run(&["weigh", &file]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(both(&output).contains("N, kN, lbf"), "{}", both(&output));
+    // Without a row of units the mass of the machine tells.
+    fs::write(&file, "pitch,front_load,rear_load\n0,2500,2200\n").expect("writable");
+    let output = run(&["weigh", &file]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("seem to be in kg"),
+        "{}",
+        both(&output)
+    );
+    run_ok(&["weigh", &file, "--set", "machine.mass=480"]);
+}
+
+#[test]
+fn a_name_cannot_turn_the_words_around_it() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "day\u{202e}vsc.csv");
+    fs::write(&file, "t,sw\u{202e}ing_velocity\n0,1\n").expect("writable");
+    for output in [
+        estimate(&file, dir.path()),
+        run(&["map", &file, "--machine", "excavator"]),
+        run(&["loads", &file, "--machine", "excavator"]),
+        run(&["report", &file, "-o", &path_in(dir.path(), "r.html")]),
+        run(&["serve", "excavator", &file]),
+    ] {
+        let said = both(&output);
+        assert!(!said.contains('\u{202e}'), "{said:?}");
+        assert!(
+            said.contains("u{202e}") || said.contains("U0000202E") || said.contains('\u{fffd}'),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn a_number_may_begin_with_its_point() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (input, out) = (
+        golden("excavator_input_base_case1.csv"),
+        path_in(dir.path(), "o.csv"),
+    );
+    let input = input.to_str().expect("a path");
+    let set = "sensors.swing_torque_delay=.05";
+    run_ok(&[
+        "estimate",
+        input,
+        "--machine",
+        "excavator",
+        "-o",
+        &out,
+        "--set",
+        set,
+    ]);
+}
+
+#[test]
+fn what_is_said_of_an_input_is_said_of_many_too() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());
+    fs::rename(&file, dir.path().join("-day.csv")).expect("another name");
+    let output = heft()
+        .args([
+            "estimate",
+            "--machine",
+            "excavator",
+            "--class",
+            "13t",
+            "--",
+            "-day.csv",
+        ])
+        .current_dir(dir.path())
+        .output()
+        .expect("heft starts");
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(
+        both(&output).contains("-day.csv: the rows are 10 s apart"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn a_result_in_doubt_stays_in_doubt() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_torque", |_, torque| {
+        (torque / 1000.0).to_string()
+    });
+    let estimate = |more: &[&str]| {
+        let args = [
+            "estimate",
+            &file,
+            "--machine",
+            "excavator",
+            "--class",
+            "13t",
+        ];
+        run(&[&args, more].concat())
+    };
+    for _ in 0..2 {
+        let output = estimate(&[]);
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    }
+    treated(dir.path(), "swing_torque", |_, _| String::new());
+    for more in [&[][..], &["--require-trust"], &["--require-trust"]] {
+        let output = estimate(more);
+        let expected = i32::from(!more.is_empty());
+        assert_eq!(output.status.code(), Some(expected), "{}", both(&output));
+    }
+}
+
+#[test]
+fn a_damaged_recording_is_in_doubt_as_often_as_its_page_is_asked_for() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut bytes = fs::read(golden("recordings/excavator-cfdbb98.mcap")).expect("golden");
+    let middle = bytes.len() / 2;
+    bytes[middle..middle + 50]
+        .iter_mut()
+        .for_each(|b| *b ^= 0x55);
+    let file = path_in(dir.path(), "run.mcap");
+    fs::write(&file, bytes).expect("writable");
+    for _ in 0..2 {
+        let output = run(&["report", "--each", &file]);
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    }
+}
+
+#[test]
+fn whoever_ends_a_command_of_many_inputs_ends_their_processes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let (header, rows) = text.split_once('\n').expect("rows");
+    // Long enough to be read for seconds: only the first round counts, the rest is refused.
+    let file = path_in(dir.path(), "day.csv");
+    fs::write(&file, format!("{header}\n{}", rows.repeat(200))).expect("writable");
+    let mut command = heft();
+    command.args(["estimate", &file, "--machine", "excavator"]);
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("heft");
+    let own = || {
+        let all = fs::read_dir("/proc").expect("/proc").flatten();
+        let lines = all.filter_map(|p| fs::read_to_string(p.path().join("cmdline")).ok());
+        lines.filter(|line| line.contains(&file)).count()
+    };
+    crate::common::wait_until(
+        "its process runs",
+        std::time::Duration::from_secs(10),
+        || own() == 2,
+    );
+    let pid = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("a process");
+    let status = child.wait().expect("its end");
+    assert!(!status.success());
+    crate::common::wait_until("none is left", std::time::Duration::from_secs(5), || {
+        own() == 0
+    });
+}
