@@ -10,7 +10,7 @@
 //! | [`bounds`] | what the machine could do at best |
 //! | [`real`] | the steps of the product on the simulators' rows |
 //! | [`scale`], [`plot`] | machines per core |
-//! | [`wide`] | eight machines at once |
+//! | [`batch`], [`wide`] | eight machines at once: the step in lanes, and the registers |
 //! | [`counts`] | instructions a step |
 //! | [`report`] | table and JSON |
 //!
@@ -18,6 +18,7 @@
 //! can be worked out at compile time: every parameter is a run-time value, and each block of steps is a function of its own that is
 //! never inlined.
 
+pub mod batch;
 pub mod bounds;
 pub mod counts;
 pub mod groups;

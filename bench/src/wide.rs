@@ -1,12 +1,12 @@
 //! Eight machines in the lanes of vector registers, and the choice of the registers at run time.
 //!
-//! The step is [`estimation::batch`], compiled three times: for what every x86-64 has (or whatever the target has), for AVX2, and for
+//! The step is [`crate::batch`], compiled three times: for what every x86-64 has (or whatever the target has), for AVX2, and for
 //! AVX-512. Which is quickest is a matter of the processor and is measured by the comparison: on a Cascade Lake AVX2 is (0.2 of a single
 //! step a machine), and AVX-512 loses (0.57); the wider one is not taken for granted. None of them fuses a multiplication with an addition, so all give the same bits; a test holds them to it.
 
+use crate::batch::{BatchUkf, LaneModel};
 use crate::problem::{ROVER, Rover, RoverProblem, RoverSample};
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use estimation::batch::{BatchUkf, LaneModel};
 use estimation::scalar::Scalar;
 use estimation::sigma_points::Spread;
 

@@ -2,34 +2,35 @@
 
 mod journal;
 
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::MakeWriter;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// Logs to standard error by `writer`. `HEFT_LOG`, or else `RUST_LOG`, chooses what, in the syntax of `env_logger`; else it is `usual`.
+/// Logs to standard error by `writer`. `HEFT_LOG`, or else `RUST_LOG`, chooses what: levels, of all (`info`) or by target
+/// (`heft=debug`), with commas between; else it is `usual`.
 /// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. In the journal of systemd each line has its priority.
 /// The processes of a run inherit all of it.
 pub fn start<W>(usual: &str, writer: W)
 where
     W: for<'a> MakeWriter<'a> + Send + Sync + 'static,
 {
-    let filter = EnvFilter::try_from_env("HEFT_LOG")
-        .or_else(|_| EnvFilter::try_from_env("RUST_LOG"))
-        .unwrap_or_else(|_| EnvFilter::new(usual));
+    let chosen = |name| std::env::var(name).ok()?.parse::<Targets>().ok();
+    let filter = chosen("HEFT_LOG").or_else(|| chosen("RUST_LOG"));
+    let filter = filter.unwrap_or_else(|| usual.parse().unwrap_or_default());
     let lines = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+        .with_max_level(LevelFilter::TRACE)
         .with_writer(writer);
     if std::env::var_os("HEFT_LOG_FORMAT").is_some_and(|format| format == "json") {
-        lines
-            .json()
-            .flatten_event(true)
-            .with_span_list(false)
-            .init();
+        let lines = lines.json().flatten_event(true).with_span_list(false);
+        lines.finish().with(filter).init();
     } else if journal::is_journal(std::io::stderr()) {
         let format = tracing_subscriber::fmt::format()
             .with_ansi(false)
             .without_time();
-        lines.event_format(journal::Prioritized(format)).init();
+        let lines = lines.event_format(journal::Prioritized(format));
+        lines.finish().with(filter).init();
     } else {
-        lines.without_time().init();
+        lines.without_time().finish().with(filter).init();
     }
 }

@@ -201,11 +201,6 @@ impl Gain {
     }
 }
 
-/// Natural frequency of the steady filter, `(q / (R T^2))^(1/4)` [rad/s].
-pub fn natural_frequency(period: f64, process_variance: f64, measurement_variance: f64) -> f64 {
-    sqrt(sqrt(process_variance / measurement_variance) / period)
-}
-
 /// Kalman filter of angle, velocity and acceleration from an encoder's angle; the acceleration is a
 /// random walk as in [`VelocityFilter`].
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`excavator`], [`loader`] | the machines: samples in, estimates with a verdict out; their settings and keys |
 //! | [`kalman`], [`ekf`], [`srukf`], [`rls`] | the filters, of any size |
-//! | [`model`], [`images`], [`prediction`], [`sigma_points`], [`root`], [`scalar`], [`batch`] | what they are made of |
+//! | [`model`], [`images`], [`prediction`], [`sigma_points`], [`root`], [`scalar`] | what they are made of |
 //! | [`consistency`] | whether innovations have their predicted size |
 //! | [`dual`] | derivatives beside values |
 //! | [`loads`] | estimates in; loads, trucks and days out |
@@ -60,7 +60,6 @@
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-pub mod batch;
 mod cadence;
 pub mod consistency;
 pub mod dual;

@@ -172,8 +172,3 @@ pub fn solve_lower_transposed<const R: usize>(root: &[[f64; R]; R], b: &mut [f64
         b[i] = (b[i] - known) / root[i][i];
     }
 }
-
-/// Standard deviation of each state: the norms of the rows of a root.
-pub fn standard_deviations<const R: usize>(root: &[[f64; R]; R]) -> [f64; R] {
-    root.map(|row| sqrt(row.iter().map(|x| x * x).sum()))
-}

@@ -5,7 +5,7 @@ mod excavator_common;
 use estimation::excavator::{
     Estimate, Method, MotionFilter, Regression, Settings, SwingEstimator, Variant,
 };
-use estimation::kalman::{Gain, VelocityFilter, natural_frequency};
+use estimation::kalman::{Gain, VelocityFilter};
 use estimation::keys::Numbers;
 use estimation::rls::MultipleForgettingRls;
 use excavator_common::{COLUMNS, Table, close, golden_settings, samples};
@@ -76,7 +76,6 @@ fn steady_gain_and_convergence_delay_follow_in_closed_form() {
             ("P11", p11),
             ("P12", p12),
             ("P22", p22),
-            ("omega_n", natural_frequency(t, q, r)),
         ];
         for (key, value) in ours {
             assert!(

@@ -59,76 +59,55 @@ impl Outcome {
         let Some(i) = self.drives.index(role) else {
             return;
         };
-        let key = self.drives.parameters[i].key.clone();
-        match role {
+        let wider = |roles: [Role; 2]| self.std(roles[0]).max(self.std(roles[1]));
+        let std = match role {
             // Of a recording, or of the fit alone.
-            role if role.is_nuisance() => {}
-            Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => {}
-            Role::Stiffness => {
-                pen.value(&key, q);
-                pen.std("prior.slip_stiffness_std", q.std.max(GROUND * q.value));
-            }
+            role if role.is_nuisance() => return,
+            Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => return,
+            Role::Mass(_) | Role::Height(_) | Role::Rolling => None,
+            Role::Stiffness => Some(("prior.slip_stiffness_std", q.std.max(GROUND * q.value))),
             // What is in the bucket and on the machine changes: of the prior's width, only the spread between machines goes.
             Role::Ratio(_) => {
-                let described = pen.description.prior.cg_ratio_std;
-                pen.value(&key, q);
-                pen.std("prior.cg_ratio_std", q.std.max(LOADED * described));
+                let left = LOADED * pen.description.prior.cg_ratio_std;
+                Some(("prior.cg_ratio_std", q.std.max(left)))
             }
-            Role::Mass(_) | Role::Height(_) => pen.value(&key, q),
-            Role::Rolling => pen.value(&key, q),
             Role::FrontRadius | Role::RearRadius => {
-                pen.value(&key, q);
-                let other = [Role::FrontRadius, Role::RearRadius].map(|r| self.std(r));
-                pen.std("prior.radius_std", other[0].max(other[1]).max(RADIUS_STD));
+                let both = wider([Role::FrontRadius, Role::RearRadius]);
+                Some(("prior.radius_std", both.max(RADIUS_STD)))
             }
             Role::LoadSensitivity => {
-                pen.value(&key, q);
-                pen.std("machine.radius_load_sensitivity_std", q.std);
                 pen.std("estimator.load_sensitivity_floor", 0.0);
+                Some(("machine.radius_load_sensitivity_std", q.std))
             }
             Role::FrontGain | Role::RearGain => {
-                pen.value(&key, q);
-                let stds = [Role::FrontGain, Role::RearGain].map(|r| self.std(r));
-                pen.std("sensors.torque_gain_std", stds[0].max(stds[1]));
+                let both = wider([Role::FrontGain, Role::RearGain]);
+                Some(("sensors.torque_gain_std", both))
             }
             Role::StiffnessRatio => {
-                pen.value(&key, q);
                 // What counts for the ratio is the slip per measured torque, front against rear.
                 let slip = [
                     (Role::StiffnessRatio, 1.0),
                     (Role::FrontGain, 1.0),
                     (Role::RearGain, -1.0),
                 ];
-                pen.std("machine.stiffness_ratio_std", self.mixed(&slip));
+                Some(("machine.stiffness_ratio_std", self.mixed(&slip)))
             }
-            Role::LoadExponent => {
-                pen.value(&key, q);
-                pen.std("machine.stiffness_load_exponent_std", q.std);
-            }
-            Role::SlopeBias => {
-                pen.value(&key, q);
-                pen.std("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD));
-            }
+            Role::LoadExponent => Some(("machine.stiffness_load_exponent_std", q.std)),
+            Role::SlopeBias => Some(("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD))),
             Role::AccelerationOffset => {
-                pen.value(&key, q);
-                pen.std("sensors.acceleration_offset_std", q.std.max(OFFSET_STD));
+                Some(("sensors.acceleration_offset_std", q.std.max(OFFSET_STD)))
             }
-            Role::SlopeDelay => {
-                pen.value(&key, q);
-                pen.std("sensors.slope_delay_std", q.std.max(DELAY_STD));
-            }
+            Role::SlopeDelay => Some(("sensors.slope_delay_std", q.std.max(DELAY_STD))),
             Role::SlopeFollows => {
-                pen.value(&key, q);
-                pen.std(
-                    "sensors.slope_acceleration_sensitivity_std",
-                    q.std.max(FOLLOWS_STD),
-                );
+                let key = "sensors.slope_acceleration_sensitivity_std";
+                Some((key, q.std.max(FOLLOWS_STD)))
             }
-            Role::SpeedDelay => {
-                pen.value(&key, q);
-                pen.std("sensors.speed_delay_std", q.std.max(DELAY_STD));
-            }
-            _ => {}
+            Role::SpeedDelay => Some(("sensors.speed_delay_std", q.std.max(DELAY_STD))),
+            _ => return,
+        };
+        pen.value(&self.drives.parameters[i].key, q);
+        if let Some((key, std)) = std {
+            pen.std(key, std);
         }
     }
 

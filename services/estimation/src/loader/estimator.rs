@@ -188,7 +188,8 @@ impl CgEstimator {
     /// Tells the payload from weighing and boom position for the rows to come, or that there is none to be reported.
     ///
     /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
-    /// empty). The reported values stay those of the loaded machine.
+    /// empty). The reported values stay those of the loaded machine. While the lift pressures weigh the load, the weighing counts
+    /// and not this payload.
     pub fn set_payload(&mut self, payload: Option<Payload>) {
         each!(&mut self.filter, f => f.known_load.report(payload));
     }

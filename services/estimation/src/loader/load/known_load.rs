@@ -1,5 +1,10 @@
-//! A load that is known beside the slips: reported, or weighed by the lift pressure. With it the states h, lam are those of the
+//! A load that is known beside the slips: weighed by the lift pressure, or reported. With it the states h, lam are those of the
 //! empty machine.
+//!
+//! Where both are known, the weighing counts, in the mass, in the model and in the answer: it is of this row, with the arm as it
+//! stands now, while a report holds until the next one; it sees a load that was dumped and that nobody reported; and the states
+//! begin anew with it, so they are those of its empty machine, the arm at the reference. While the arm's signals are missing, the
+//! report counts again.
 
 use super::mass_step::Centre;
 use super::payload::Payload;
@@ -9,10 +14,17 @@ use crate::loader::lift_arm::Weighed;
 use crate::loader::physics::cg_model::Loading;
 use crate::math::norm;
 
+/// A load, and who knows it.
+enum Load<'a> {
+    Weighed(&'a Weighed),
+    Reported(&'a Payload),
+}
+
 /// What is known of the load.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct KnownLoad {
+    /// What was reported last.
     reported: Option<Payload>,
     /// What the lift pressure says of this row.
     weighed: Option<Weighed>,
@@ -72,19 +84,27 @@ impl KnownLoad {
         }
     }
 
+    /// The one load that counts.
+    fn load(&self) -> Option<Load<'_>> {
+        let reported = self.reported.as_ref().map(Load::Reported);
+        self.weighed.as_ref().map(Load::Weighed).or(reported)
+    }
+
     /// What it adds to the empty machine.
     pub fn loading(&self, machine: &Machine) -> Loading {
-        let reported = self
-            .reported
-            .map(|p| p.loading(machine.mass, machine.wheelbase));
-        let weighed = self.weighed.map(|w| w.loading);
-        reported.or(weighed).unwrap_or(Loading::NONE)
+        match self.load() {
+            Some(Load::Weighed(weighed)) => weighed.loading,
+            Some(Load::Reported(payload)) => payload.loading(machine.mass, machine.wheelbase),
+            None => Loading::NONE,
+        }
     }
 
     /// Mass of the machine with it [kg].
     pub fn mass(&self, machine: &Machine) -> Option<f64> {
-        let reported = self.reported.map(|p| machine.mass + p.mass);
-        reported.or(self.weighed.map(|w| w.mass))
+        self.load().map(|load| match load {
+            Load::Weighed(weighed) => weighed.mass,
+            Load::Reported(payload) => machine.mass + payload.mass,
+        })
     }
 
     /// Centre of gravity with it and standard deviations, from those of the states.
@@ -94,24 +114,86 @@ impl KnownLoad {
         own: Each<f64>,
         std: Each<f64>,
     ) -> (Each<f64>, Each<f64>) {
-        let with = |loading: Loading| Each {
-            ratio: loading.share * own.ratio + loading.ratio,
-            height: loading.share * own.height + loading.height,
-        };
-        if let Some(weighed) = &self.weighed {
-            let share = weighed.loading.share;
-            let [of_ratio, of_height] = weighed.loading_std;
-            let std = Each {
-                ratio: norm(&[share * std.ratio, share * self.left, of_ratio]),
-                height: norm(&[share * std.height, of_height]),
-            };
-            return (with(weighed.loading), std);
-        }
-        let Some(payload) = &self.reported else {
+        let Some(load) = self.load() else {
             return (own, std);
         };
-        let (mass, wheelbase) = (machine.mass, machine.wheelbase);
-        let centre = with(payload.loading(mass, wheelbase));
-        (centre, payload.loaded_std(mass, wheelbase, centre, std))
+        let loading = self.loading(machine);
+        let share = loading.share;
+        let centre = Each {
+            ratio: share * own.ratio + loading.ratio,
+            height: share * own.height + loading.height,
+        };
+        let std = match load {
+            Load::Weighed(weighed) => {
+                let [of_ratio, of_height] = weighed.loading_std;
+                Each {
+                    ratio: norm(&[share * std.ratio, share * self.left, of_ratio]),
+                    height: norm(&[share * std.height, of_height]),
+                }
+            }
+            Load::Reported(payload) => {
+                payload.loaded_std(machine.mass, machine.wheelbase, centre, std)
+            }
+        };
+        (centre, std)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quantity;
+    use crate::loader::Settings;
+
+    const EMPTY: Each<f64> = Each {
+        ratio: 0.4,
+        height: 1.0,
+    };
+    const STD: Each<f64> = Each {
+        ratio: 0.01,
+        height: 0.1,
+    };
+
+    /// Half as heavy again as the machine, so that no report is near it.
+    fn weighed(machine: &Machine) -> Weighed {
+        let quantity = |value| Quantity { value, std: 0.02 };
+        Weighed {
+            payload: quantity(0.5 * machine.mass),
+            mass: 1.5 * machine.mass,
+            ratio: quantity(0.7),
+            height: quantity(1.2),
+            loading: Loading {
+                share: 1.0 / 1.5,
+                height: 0.5,
+                ratio: 0.4,
+            },
+            loading_std: [0.02, 0.03],
+            open: false,
+            wrong: false,
+        }
+    }
+
+    #[test]
+    fn a_weighed_load_counts_before_a_reported_one_in_mass_model_and_answer() {
+        let Settings { machine, prior, .. } = Settings::default();
+        let empty = Each {
+            ratio: (0.4, 0.01),
+            height: (1.0, 0.1),
+        };
+        let by_weight = Some(weighed(&machine));
+        let [mut both, mut alone] = [KnownLoad::default(); 2];
+        both.report(Some(Payload::new(1000.0, 1.5, 1.35)));
+        let reported = both.mass(&machine);
+        for load in [&mut both, &mut alone] {
+            load.weigh(by_weight, &prior, empty);
+        }
+        assert_eq!(both.mass(&machine), alone.mass(&machine));
+        assert_eq!(both.loading(&machine), alone.loading(&machine));
+        let answers = [both, alone].map(|load| load.loaded(&machine, EMPTY, STD));
+        assert_eq!(answers[0], answers[1]);
+        // The arm's signals are gone: what was reported still holds.
+        both.weigh(None, &prior, empty);
+        assert_eq!(both.mass(&machine), reported);
+        assert_eq!(reported, Some(machine.mass + 1000.0));
     }
 }

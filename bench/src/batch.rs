@@ -1,8 +1,8 @@
-//! The consistent step of [`crate::srukf`] for several machines at once: one number of a machine becomes one number for each.
+//! The consistent step of [`estimation::srukf`] for several machines at once: one number of a machine becomes one number for each.
 //!
 //! Written over any [`Scalar`]. With `f64` it is one more form of the single step; with a type that holds a lane for each machine every
 //! operation serves all of them, and the dependency chains that bound a single step (a root and a division for each state) are
-//! paid once for all. There is no selection by data, so lanes do not wait for each other.
+//! paid once for all. No product steps machines so: it is what lanes could give. There is no selection by data, so lanes do not wait for each other.
 //!
 //! Only for models whose measurements are their leading states. A measurement that is missing in one lane has innovation 0 and
 //! a large standard deviation there; nothing is left out.
@@ -10,8 +10,8 @@
 // Formulas with two indices each read better with them than with iterators.
 #![allow(clippy::needless_range_loop)]
 
-use crate::scalar::Scalar;
-use crate::sigma_points::{Spread, Weights};
+use estimation::scalar::Scalar;
+use estimation::sigma_points::{Spread, Weights};
 
 /// A process in lanes; the first `M` states are measured.
 pub trait LaneModel<T, const N: usize> {
@@ -103,7 +103,7 @@ impl<T: Scalar, const N: usize, const M: usize> BatchUkf<T, N, M> {
         spreads
     }
 
-    /// The predicted root by Householder reflections, as [`crate::root`] does it.
+    /// The predicted root by Householder reflections, as [`estimation::root`] does it.
     #[inline(always)]
     fn triangularise(&mut self, spreads: &mut Spreads<T, N>, process_std: &[f64; N]) {
         for i in 0..N {
