@@ -13,7 +13,7 @@ use super::inertia::Force;
 use crate::math::{exp, sqrt};
 use crate::mixture::spread;
 
-/// How often a torque that nobody calibrated is off whatever its tolerance says: of twelve machines one, of each axle.
+/// How often a torque that nobody calibrated is off whatever its tolerance says: of each axle one machine in thirteen.
 const OFTEN: f64 = 0.077;
 /// By how much, as a standard deviation.
 const OFF: f64 = 0.2;
