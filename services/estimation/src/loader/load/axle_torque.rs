@@ -17,8 +17,8 @@ use crate::mixture::spread;
 const OFTEN: f64 = 0.077;
 /// By how much, as a standard deviation.
 const OFF: f64 = 0.2;
-/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
-const USUAL_GAIN: f64 = 0.035;
+/// Standard deviation of kappa by tolerances: 2 % of the mass, 1 % of the rolling radius, 3 % of either torque.
+const USUAL_GAIN: f64 = 0.03;
 /// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa lasts for minutes.
 const WALK: [f64; 3] = [0.004, 0.01, 0.01];
 /// Logarithm of the likelihood ratio beyond which nothing is told.
