@@ -35,3 +35,46 @@ fn upper_quantile(probability: f64) -> f64 {
         -quantile
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_normal_distribution() {
+        for (probability, quantile) in [(0.5, 0.0), (0.05, 1.64485), (0.025, HALF_WIDTH)] {
+            assert!((upper_quantile(probability) - quantile).abs() < 5e-4);
+            assert!((upper_quantile(1.0 - probability) + quantile).abs() < 5e-4);
+        }
+    }
+
+    #[test]
+    fn the_interval_leaves_a_twentieth_of_the_mixture_outside() {
+        // About a value that the other hypothesis knows exactly; quantiles of the hypothesis on a fine grid.
+        for (probability, away, std) in [
+            (0.1, 0.0, 1.0),
+            (0.2, 5.0, 1.0),
+            (0.5, -4.0, 1.0),
+            (1.0, 6.0, 2.0),
+        ] {
+            let half_width = HALF_WIDTH * spread(probability, away, std);
+            let outside = (0..10_000)
+                .map(|i| away + std * upper_quantile((f64::from(i) + 0.5) / 10_000.0))
+                .filter(|value| value.abs() > half_width)
+                .count();
+            let share = probability * outside as f64 / 10_000.0;
+            assert!(
+                (share - OUTSIDE).abs() < 1e-3,
+                "{probability} {away} {share}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_has_less_than_a_twentieth_adds_nothing() {
+        for probability in [0.0, 0.01, 0.05, f64::NAN] {
+            assert_eq!(spread(probability, 10.0, 3.0), 0.0);
+        }
+        assert!(spread(0.051, 10.0, 3.0).abs() < 3.0);
+    }
+}
