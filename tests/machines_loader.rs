@@ -74,7 +74,7 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
         for method in [Method::Full, Method::FullEkf] {
             let [ratio, height] = tallies(name, &about["sets"], method);
             // Half of the machines need a minute or more until the height is known to a tenth, so none is asked for.
-            for (what, found, trusted) in [("ratio", ratio, 0.69), ("height", height, 0.0)] {
+            for (what, found, trusted) in [("ratio", ratio, 0.70), ("height", height, 0.0)] {
                 let said = format!("{name}, {method}, {what}: {}", machines::scores(&found));
                 println!("{said}");
                 let limits = Limits {

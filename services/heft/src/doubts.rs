@@ -21,7 +21,8 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
-    /// How often each signal, by its bit, had one that is larger than any measurement.
+    /// Index and bit of each signal, and how often each, by its bit, was larger than any measurement.
+    measured: Vec<(usize, u32)>,
     beyond: [usize; 32],
 }
 
@@ -86,6 +87,7 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
+            measured: recording::measured::<L::Sensors>().collect(),
             beyond: [0; 32],
         }
     }
@@ -98,9 +100,11 @@ impl<L: Look> Doubts<L> {
             self.times.push(sample.stamp().time);
         }
         self.is_measured |= sample.bits_of("valid") != 0;
-        let beyond = measurable::beyond(sample);
-        for (bit, count) in self.beyond.iter_mut().enumerate() {
-            *count += (beyond >> bit & 1) as usize;
+        let beyond = measurable::beyond(sample, &self.measured);
+        if beyond != 0 {
+            for (bit, count) in self.beyond.iter_mut().enumerate() {
+                *count += (beyond >> bit & 1) as usize;
+            }
         }
         self.look.add(sample);
     }

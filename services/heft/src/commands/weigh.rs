@@ -7,6 +7,7 @@ use clap::Args;
 use config::Description;
 use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
+use estimation::loader::wheel_dynamics::GRAVITY;
 use messages::Machine;
 
 use crate::args::{DescriptionArgs, description};
@@ -43,8 +44,6 @@ pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Standard gravity [m/s^2].
-const GRAVITY: f64 = 9.806_65;
 /// Axle loads that are such a share of the described mass as kilograms, and so a tenth of it as newtons, are in kilograms.
 const AS_KILOGRAMS: RangeInclusive<f64> = 0.6..=1.7;
 

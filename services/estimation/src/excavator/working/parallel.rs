@@ -127,12 +127,13 @@ impl ParallelFilter {
         let x = &self.filter.x;
         let (_, own) = self.filter.combination(&super::filter::inertia_row(now));
         let heavier = self.filter.inertia(now, x[M]) - inertia;
+        let probability = self.probability();
         [
             (x[M] - payload, self.filter.p[M][M].max(0.0)),
             (heavier, own),
         ]
         .map(|(away, variance)| {
-            let spread = spread(self.probability(), away, sqrt(variance));
+            let spread = spread(probability, away, sqrt(variance));
             spread * spread
         })
     }

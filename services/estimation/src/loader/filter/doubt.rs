@@ -71,7 +71,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
         );
-        let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque(&RatioAway {
+        let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque.judge(&RatioAway {
             ratio: self.belief.state()[CG_RATIO],
             expected: expected[1].0,
             std: expected[1].1,
@@ -95,13 +95,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         Doubt {
             birge: self.manoeuvres.ratio(),
             wavering: self.wheel_noise.wavering(&settings.estimator),
-            beyond: self.mixed(
-                settings,
-                (away, by_axle_torque),
-                stiffness,
-                doubted,
-                expected,
-            ),
+            beyond: self.mixed(settings, away, by_axle_torque, stiffness, doubted, expected),
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
@@ -143,7 +137,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn mixed(
         &self,
         settings: &Settings,
-        (away, by_axle_torque): (Each<f64>, f64),
+        away: Each<f64>,
+        by_axle_torque: f64,
         stiffness: f64,
         doubted: f64,
         expected: Centre,

@@ -3,12 +3,13 @@
 //!
 //! Brakes that nobody tells make a machine look lighter while it brakes, and leave it as it is while it drives.
 
-use super::axle_torque::{AxleTorque, RatioAway};
+use super::axle_torque::AxleTorque;
 use super::inertia::{Inertia, Push};
 use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
 
 /// A reported mass that changes by this share is weighed.
 const WEIGHS: f64 = 0.01;
+
 /// What is known of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -19,7 +20,7 @@ pub struct StatedMass {
     /// By all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
-    axle_torque: AxleTorque,
+    pub axle_torque: AxleTorque,
     unreported_load: UnreportedLoad,
 }
 
@@ -50,8 +51,9 @@ impl StatedMass {
             self.inertia.mass_is_reported();
             self.driven.mass_is_reported();
         }
-        self.driven.see(row, kind.tells && kind.drives, true, dt);
-        if kind.tells && kind.drives {
+        let drives = kind.tells && kind.drives;
+        self.driven.see(row, drives, true, dt);
+        if drives {
             self.axle_torque.see(self.driven.signals(), dt);
         }
         let lighter = self.driven.excess() > 0.0;
@@ -98,11 +100,6 @@ impl StatedMass {
             &self.inertia
         };
         (1.0 - by.gain()).abs()
-    }
-
-    /// Probability that one axle's torque is off, and what that adds to the deviation of the ratio.
-    pub fn axle_torque(&self, away: &RatioAway) -> (f64, f64) {
-        self.axle_torque.judge(away)
     }
 
     /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.

@@ -36,7 +36,8 @@ pub fn samples<S: Sensors>(
 ) -> Result<Vec<S>, Failure> {
     let rows = recording::load::<S>(file, map_for(file, map))?;
     let mut samples: Vec<S> = rows.into_iter().map(|(sample, _)| sample).collect();
-    let left_out: usize = samples.iter_mut().map(leave_out).sum();
+    let measured: Vec<_> = recording::measured::<S>().collect();
+    let left_out: usize = samples.iter_mut().map(|s| leave_out(s, &measured)).sum();
     if left_out > 0 {
         let file = file.display();
         eprintln!("{file}: {left_out} numbers are larger than any measurement and were left out");
@@ -46,8 +47,8 @@ pub fn samples<S: Sensors>(
 }
 
 /// Takes out what no sensor says; how many numbers that were.
-fn leave_out<S: Sensors>(sample: &mut S) -> usize {
-    let beyond = measurable::beyond(sample);
+fn leave_out<S: Sensors>(sample: &mut S, measured: &[(usize, u32)]) -> usize {
+    let beyond = measurable::beyond(sample, measured);
     if let Some(index) = S::index("valid") {
         let valid = sample.bits_of("valid") & !beyond;
         sample.set(index, Value::U32(valid));
