@@ -26,7 +26,7 @@ use self::bucket::{Bucket, Content};
 use self::contradiction::Contradiction;
 use self::filter::{
     BUCKET, DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LINKS, LOSS, M, MOMENT, N, OFFSET,
-    SLOPE, UPPER, Vector, W,
+    SLOPE, SPAN, UPPER, Vector, W, ZERO,
 };
 use self::noise::Noise;
 use self::parallel::ParallelFilter;
@@ -261,12 +261,19 @@ impl Working {
         let motion = (self.turn, self.filter.x[W]);
         let opens = self.bucket.is_open() || self.bucket.is_settling();
         let moment = weigh.step(settings, drive, motion, (content, opens));
-        let parallel = &mut self.parallel.filter;
-        let filters = [&mut self.filter, &mut *parallel, &mut self.scale.filter];
-        weigh.begin(drive, filters, trail);
+        let filters = [
+            &mut self.filter,
+            &mut self.parallel.filter,
+            &mut self.scale.filter,
+        ];
+        if let Some(stated) = weigh.begin(drive, filters, trail) {
+            [self.stated[SPAN], self.stated[ZERO]] = stated;
+            self.parallel.joined_by_pressures(self.stated[GAIN]);
+        }
         let Some(moment) = moment else {
             return false;
         };
+        let parallel = &mut self.parallel.filter;
         let said = weigh.measure(settings, &moment, &mut self.filter, trail);
         let other = weigh.measure(settings, &moment, parallel, &mut None);
         self.scale.weigh(weigh, settings, &moment, anything);

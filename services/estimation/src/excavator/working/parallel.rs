@@ -19,6 +19,8 @@ const GAIN_STD: f64 = 0.3;
 const PRIOR_LOG_ODDS: f64 = -7.0;
 /// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eight).
 const UNCALIBRATED_LOG_ODDS: f64 = -2.0;
+/// The same where two pressures weigh too: one of the three is wrong on one machine in three.
+const WEIGHED_LOG_ODDS: f64 = -0.7;
 /// A gain that is stated more closely than this was calibrated.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
@@ -47,6 +49,14 @@ impl ParallelFilter {
                 PRIOR_LOG_ODDS
             },
             idle: true,
+        }
+    }
+
+    /// Pressures weigh from now on, beside a torque whose gain is stated with this standard deviation: wrong pressures look like another
+    /// gain, too.
+    pub(super) fn joined_by_pressures(&mut self, gain_std: f64) {
+        if gain_std > CALIBRATED_GAIN_STD {
+            self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
         }
     }
 

@@ -1,7 +1,8 @@
 //! What the default estimator says of its state: the estimate with its interval, and why it may not be believed.
 
 use super::filter::{
-    BUCKET, DAMPING, DELAY, FRICTION, GAIN, LOSS, M, OFFSET, SLOPE, W, inertia_row,
+    BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, M, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
+    inertia_row,
 };
 use super::weigh::Weigh;
 use super::{GAIN_WALK, SUSPICIOUS, Working};
@@ -24,6 +25,8 @@ const BELIEF: f64 = 1.0;
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
 /// One constant says no more than this square.
 const SURPRISE: f64 = 16.0;
+/// One of which the motion has taken this share of the variance says half of what a known one does.
+const HARDLY_LEARNT: f64 = 0.05;
 /// No machine swings with its boom further down than this: the angle has the other sign [rad].
 const LOWEST_BOOM_ANGLE: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
@@ -118,7 +121,8 @@ impl Working {
 
     /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
     /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale). Where
-    /// the description holds, the squares add up to what was learnt. A delay is the bus's, and says nothing of the drawing.
+    /// the description holds, the square of what was learnt of a constant is the variance that the motion took away, be it much or
+    /// little of it; the scale is the mean of their ratios. A delay is the bus's, and says nothing of the drawing.
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
@@ -136,15 +140,23 @@ impl Working {
             (LOSS, 0.01, false),
             (OFFSET, 0.0, false),
             (GAIN, 0.0, false),
+            (UPPER, 0.0, false),
+            (BUCKET, 0.0, false),
+            (LINKS, 0.0, false),
+            (SPAN, 0.0, false),
+            (ZERO, 0.0, false),
         ] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
+            if stated <= 0.0 {
+                continue;
+            }
             let learnt = (1.0 - p[i][i] / stated).max(0.0);
             let away = x[i] - self.described[i];
             let square = away * away / stated;
             // What wanders with the oil is not only the description's.
             let told = if wanders { learnt * square } else { square };
-            sum += told.min(SURPRISE * learnt);
-            count += learnt;
+            sum += told.min(SURPRISE * learnt) / (learnt + HARDLY_LEARNT);
+            count += learnt / (learnt + HARDLY_LEARNT);
         }
         (sum / count).max(1.0)
     }

@@ -101,15 +101,15 @@ impl Weigh {
         self.ground.digs()
     }
 
-    /// The states of the filters are as the description says, where the pressures begin.
+    /// The states of the filters are as the description says, where the pressures begin: then the standard deviations of span and zero.
     pub(super) fn begin(
         &mut self,
         drive: &Drive,
         filters: [&mut Filter; 3],
         trail: &mut Option<Trail>,
-    ) {
+    ) -> Option<[f64; 2]> {
         if self.begun || drive.boom_pressure.is_none() {
-            return;
+            return None;
         }
         self.begun = true;
         let c = &self.cylinder;
@@ -127,6 +127,7 @@ impl Weigh {
             trail = &mut none;
             (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
         }
+        Some([c.span_std, c.zero_std])
     }
 
     /// One tick; swing angle and velocity; what becomes of the bucket's content, and whether the bucket opens.
