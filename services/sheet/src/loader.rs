@@ -166,6 +166,7 @@ macro_rules! loader_reasons {
             19 Restarted "restarted" "the service was started again";
             20 Locked "locked drive" "both axles turn alike: the reported axle torques are not theirs";
             21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
+            22 Radius "wheel radius" "speed and wheel speeds do not fit the rolling radius that is described";
         }
     };
 }

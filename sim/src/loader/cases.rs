@@ -23,6 +23,8 @@ const NONE: Effects = Effects {
     reverses: false,
     torque_gain: 0.0,
     rear_torque_gain: 0.0,
+    speed_gain: 0.0,
+    front_speed_gain: 0.0,
     torque_delay: 0.0,
     slope_bias: 0.0,
     acceleration_offset: 0.0,
@@ -65,7 +67,7 @@ const fn payload(payload_reported: PayloadReport) -> Effects {
 
 /// What machines at work do that their description does not say: name, severity in words, effects. The first does
 /// nothing of the kind.
-pub const CASES: [(&str, &str, Effects); 37] = [
+pub const CASES: [(&str, &str, Effects); 39] = [
     ("none", "", NONE),
     ("late speed", "30 ms", late(0.03)),
     ("late speed", "100 ms", late(0.1)),
@@ -208,6 +210,22 @@ pub const CASES: [(&str, &str, Effects); 37] = [
         "-30 %",
         Effects {
             rear_torque_gain: -0.3,
+            ..NONE
+        },
+    ),
+    (
+        "speed too low",
+        "5 %",
+        Effects {
+            speed_gain: -0.05,
+            ..NONE
+        },
+    ),
+    (
+        "front wheel speed",
+        "+10 %",
+        Effects {
+            front_speed_gain: 0.1,
             ..NONE
         },
     ),

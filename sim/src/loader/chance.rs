@@ -34,33 +34,41 @@ impl Effects {
         let speed_period = draw.some(|e| e.speed_period);
         let jitter = draw.some(|e| e.jitter);
         let Draw(mut noise) = draw;
+        let [brakes_reported, steering_reported] = [(); 2].map(|()| !noise.chance(EACH));
+        let locked_drive = noise.chance(SELDOM);
+        let payload_reported = if noise.chance(SELDOM) {
+            PayloadReport::Nothing
+        } else if noise.chance(SELDOM) {
+            PayloadReport::Mass
+        } else {
+            PayloadReport::All
+        };
+        let reverses = noise.chance(EACH);
+        let mut draw = Draw(noise);
+        let rear_torque_gain = draw.either(|e| e.rear_torque_gain);
         Self {
             spins: false,
             speed_delay,
             brakes,
-            brakes_reported: !noise.chance(EACH),
+            brakes_reported,
             steering,
-            steering_reported: !noise.chance(EACH),
+            steering_reported,
             hinge,
-            locked_drive: noise.chance(SELDOM),
+            locked_drive,
             slope_follows,
             slope_lag,
             gear_delay,
             stiffness_difference,
             stiffness_exponent,
             radius_sensitivity,
-            payload_reported: if noise.chance(SELDOM) {
-                PayloadReport::Nothing
-            } else if noise.chance(SELDOM) {
-                PayloadReport::Mass
-            } else {
-                PayloadReport::All
-            },
+            payload_reported,
             braking_stiffness,
             roughness,
             rolling_resistance,
-            reverses: noise.chance(EACH),
-            rear_torque_gain: Draw(noise).either(|e| e.rear_torque_gain),
+            reverses,
+            rear_torque_gain,
+            speed_gain: draw.either(|e| e.speed_gain),
+            front_speed_gain: draw.either(|e| e.front_speed_gain),
             torque_gain,
             torque_delay,
             slope_bias,

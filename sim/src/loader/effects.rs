@@ -88,6 +88,10 @@ pub struct Effects {
     pub torque_gain: f64,
     /// The same of the rear axle alone, beside it.
     pub rear_torque_gain: f64,
+    /// Measured over true speed, less one.
+    pub speed_gain: f64,
+    /// The same of the front wheels' speed.
+    pub front_speed_gain: f64,
     /// Delay of the torques \[s\].
     pub torque_delay: f64,
     /// The slope sensor shows so much too much \[rad\].

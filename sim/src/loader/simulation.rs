@@ -182,7 +182,7 @@ impl Simulation {
             self.next_speed += effects.speed_period;
         }
         let shown_speed = if speed_comes || effects.speed_period <= 0.0 {
-            shown_speed + grade.speed_std() * noise[0]
+            shown_speed * (1.0 + effects.speed_gain) + grade.speed_std() * noise[0]
         } else {
             f64::NAN
         };
@@ -195,7 +195,8 @@ impl Simulation {
         Row {
             time: self.stamp,
             speed: shown_speed,
-            front_wheel_speed: front_wheel_speed + grade.wheel_speed_std() * noise[1],
+            front_wheel_speed: front_wheel_speed * (1.0 + effects.front_speed_gain)
+                + grade.wheel_speed_std() * noise[1],
             rear_wheel_speed: rear_wheel_speed + grade.wheel_speed_std() * noise[2],
             front_torque: torque(front_torque * reported, known.front_torque_gain, noise[3]),
             rear_torque: torque(rear_torque * reported, known.rear_torque_gain, noise[4]),

@@ -213,6 +213,10 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
         "one way",
         "drive both ways once, or state machine.radius_load_sensitivity_std",
     ),
+    (
+        "wheel radius",
+        "check unit and gear ratio of the wheel speeds, the speed, and machine.wheel_radius",
+    ),
 ];
 
 /// What would bring trust: what the reason asks for, else the first condition that is missing.

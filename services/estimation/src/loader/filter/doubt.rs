@@ -19,6 +19,9 @@ const NEAR: f64 = 0.02;
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
 const DISAGREE: f64 = 2.0;
+/// A rolling radius so far from the described one is none of a worn or soft tyre, which is at most half as far away: a speed is wrong.
+/// Sound machines show up to .016.
+const OTHER_RADIUS: f64 = 0.04;
 /// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
 const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
@@ -41,6 +44,8 @@ const CHANGE_SHOWN: f64 = 5.0;
 struct Signs {
     late: bool,
     at_limit: bool,
+    /// A wheel rolls on another radius than a tyre may.
+    radius: bool,
     /// The slip stiffness lies beyond its prior.
     stiffness: bool,
     /// Height or ratio lies beyond what is expected.
@@ -78,6 +83,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         });
         let signs = Signs {
             late: self.is_late(settings),
+            radius: self.has_other_radius(settings),
             at_limit: at_limit.ratio
                 || at_limit.height
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
@@ -88,7 +94,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let reason = self.cause(&signs);
         // Where the model does not hold, nothing is known but what was known before.
         let doubted = match reason {
-            Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
+            Reason::Locked
+            | Reason::Radius
+            | Reason::Torque
+            | Reason::AtLimit
+            | Reason::Stiffness => 1.0,
             _ if signs.contradicted => 1.0,
             _ => self.coupling.locked(),
         };
@@ -132,6 +142,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std
     }
 
+    /// Speed and wheel speeds do not fit the described rolling radii.
+    fn has_other_radius(&self, settings: &Settings) -> bool {
+        let prior = &settings.prior;
+        let described = [prior.front_radius_error, prior.rear_radius_error];
+        const { Layout::of(N) }.radii.is_some_and(|radii| {
+            let learnt = radii.map(|i| self.belief.state()[i]);
+            let mut both = learnt.iter().zip(described);
+            both.any(|(learnt, described)| (learnt - described).abs() > OTHER_RADIUS)
+        })
+    }
+
     /// How far height and ratio may be off: a mixture of what lies beyond what was known, and of that itself where the estimate is
     /// `doubted`.
     fn mixed(
@@ -163,6 +184,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
+        } else if signs.radius {
+            Reason::Radius
         } else if self.disturbance.gain.misfits() || lighter > 0.0 || signs.axle_torque {
             Reason::Torque
         } else if signs.late {
