@@ -6,7 +6,7 @@ use crate::noise::Noise;
 
 /// Probability of each effect.
 const EACH: f64 = 0.3;
-/// Probability of a locked centre drive, and that a load is reported by its mass alone, or not at all.
+/// Probability of a locked centre drive, of a speed that is wrong by a factor, and that a load is reported by its mass alone, or not at all.
 const SELDOM: f64 = 0.1;
 /// Of the channels of a seed this one draws the effects.
 const CHANNEL: u64 = 0x6566;
@@ -67,8 +67,8 @@ impl Effects {
             rolling_resistance,
             reverses,
             rear_torque_gain,
-            speed_gain: draw.either(|e| e.speed_gain),
-            front_speed_gain: draw.either(|e| e.front_speed_gain),
+            speed_gain: draw.broken(|e| e.speed_gain),
+            front_speed_gain: draw.broken(|e| e.front_speed_gain),
             torque_gain,
             torque_delay,
             slope_bias,
@@ -90,6 +90,14 @@ impl Draw {
         let largest = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
         let severity = self.0.uniform(0.0, largest);
         if self.0.chance(EACH) { severity } else { 0.0 }
+    }
+
+    /// Of a fault, which few machines have, one way or the other.
+    fn broken(&mut self, of: fn(&Effects) -> f64) -> f64 {
+        let least = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::min);
+        let most = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
+        let gain = self.0.uniform(least.min(-most), most.max(-least));
+        if self.0.chance(SELDOM) { gain } else { 0.0 }
     }
 
     /// Of one that goes either way.
