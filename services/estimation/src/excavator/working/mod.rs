@@ -163,7 +163,7 @@ impl Working {
             correlations::correlate(&mut filter, doubts, found);
         }
         Self {
-            parallel: ParallelFilter::new(&filter),
+            parallel: ParallelFilter::new(&filter, doubts),
             scale: Scale::new(&filter),
             filter,
             torque_share: doubts.torque_share,
@@ -268,7 +268,7 @@ impl Working {
         ];
         if let Some(stated) = weigh.begin(drive, filters, trail) {
             [self.stated[SPAN], self.stated[ZERO]] = stated;
-            self.parallel.joined_by_pressures(self.stated[GAIN]);
+            self.parallel.joined_by_pressures();
         }
         let Some(moment) = moment else {
             return false;

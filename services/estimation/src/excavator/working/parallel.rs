@@ -7,6 +7,7 @@
 //! both (moments of a mixture: generalised pseudo-Bayes of first order; Blom, Bar-Shalom 1988). The interval is that of the mixture
 //! with the first ([`crate::mixture`]), and the filter that is far more probable is the estimate.
 
+use super::super::doubts::Doubts;
 use super::super::geometry::Inertia;
 use super::filter::{Filter, GAIN, Input, M};
 use crate::kalman::Innovation;
@@ -21,7 +22,7 @@ const PRIOR_LOG_ODDS: f64 = -7.0;
 const UNCALIBRATED_LOG_ODDS: f64 = -2.0;
 /// The same where two pressures weigh too: one of the three is wrong on one machine in three.
 const WEIGHED_LOG_ODDS: f64 = -0.7;
-/// A gain that is stated more closely than this was calibrated.
+/// A gain that is stated more closely than this was calibrated; so was one that was found together with the masses.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
 const ACCEPTED_LOG_ODDS: f64 = 5.0;
@@ -35,27 +36,30 @@ pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
     /// Logarithm of its probability over the other's.
     odds: f64,
+    /// The torque's gain is that of this machine.
+    calibrated: bool,
     idle: bool,
 }
 
 impl ParallelFilter {
     /// At the start.
-    pub(super) fn new(filter: &Filter) -> Self {
+    pub(super) fn new(filter: &Filter, doubts: &Doubts) -> Self {
+        let calibrated = doubts.found.is_some() || doubts.gain_std <= CALIBRATED_GAIN_STD;
         Self {
             filter: opened(filter),
-            odds: if filter.p[GAIN][GAIN] > CALIBRATED_GAIN_STD * CALIBRATED_GAIN_STD {
-                UNCALIBRATED_LOG_ODDS
-            } else {
+            odds: if calibrated {
                 PRIOR_LOG_ODDS
+            } else {
+                UNCALIBRATED_LOG_ODDS
             },
+            calibrated,
             idle: true,
         }
     }
 
-    /// Pressures weigh from now on, beside a torque whose gain is stated with this standard deviation: wrong pressures look like another
-    /// gain, too.
-    pub(super) fn joined_by_pressures(&mut self, gain_std: f64) {
-        if gain_std > CALIBRATED_GAIN_STD {
+    /// Pressures weigh from now on: wrong ones look like another gain, too.
+    pub(super) fn joined_by_pressures(&mut self) {
+        if !self.calibrated {
             self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
         }
     }
