@@ -268,7 +268,6 @@ impl Working {
         ];
         if let Some(stated) = weigh.begin(drive, filters, trail) {
             [self.stated[SPAN], self.stated[ZERO]] = stated;
-            self.parallel.joined_by_pressures();
         }
         let Some(moment) = moment else {
             return false;
@@ -346,6 +345,7 @@ impl Working {
         self.parallel.set_off(&self.filter);
         if weighed {
             self.scale.leave(&input);
+            self.parallel.is_joined_by_pressures();
         }
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;

@@ -20,8 +20,8 @@ const GAIN_STD: f64 = 0.3;
 const PRIOR_LOG_ODDS: f64 = -7.0;
 /// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eight).
 const UNCALIBRATED_LOG_ODDS: f64 = -2.0;
-/// The same where two pressures weigh too: one of the three is wrong on one machine in three.
-const WEIGHED_LOG_ODDS: f64 = -0.7;
+/// The same where two pressures weigh too: one of the three is wrong on one machine in four.
+const WEIGHED_LOG_ODDS: f64 = -1.0;
 /// A gain that is stated more closely than this was calibrated; so was one that was found together with the masses.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
@@ -36,8 +36,8 @@ pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
     /// Logarithm of its probability over the other's.
     odds: f64,
-    /// The torque's gain is that of this machine.
-    calibrated: bool,
+    /// Pressures that begin to weigh may be wrong, too.
+    may_be_joined: bool,
     idle: bool,
 }
 
@@ -52,14 +52,14 @@ impl ParallelFilter {
             } else {
                 UNCALIBRATED_LOG_ODDS
             },
-            calibrated,
+            may_be_joined: !calibrated,
             idle: true,
         }
     }
 
-    /// Pressures weigh from now on: wrong ones look like another gain, too.
-    pub(super) fn joined_by_pressures(&mut self) {
-        if !self.calibrated {
+    /// Pressures weigh beside the torque from now on: wrong ones look like another gain.
+    pub(super) fn is_joined_by_pressures(&mut self) {
+        if core::mem::take(&mut self.may_be_joined) {
             self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
         }
     }
