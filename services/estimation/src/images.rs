@@ -19,7 +19,7 @@ use core::marker::PhantomData;
 
 use crate::model::Model;
 use crate::prediction::Prediction;
-use crate::root::{Reflection, Row, triangularise_rest};
+use crate::root::{BLOCK, Reflection, Row, triangularise_rest};
 use crate::rotations::Rotations;
 
 /// Means and deviations before they are triangularised.
@@ -101,8 +101,21 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
     /// Column `i` of the predicted root, of a state that stands still.
     #[inline(always)]
     fn reflect_still(&mut self, i: usize, std: f64, into: &mut Prediction<P, N, M>) {
-        let row: [f64; N] = core::array::from_fn(|c| self.still[c][i]);
-        let (reflection, norm) = Reflection::of(&[row], std);
+        // Row i ends at column i.
+        const { assert!(N <= 4 * BLOCK) }
+        match i / BLOCK {
+            0 => self.reflect_leading(N.min(BLOCK), i, std, into),
+            1 => self.reflect_leading(N.min(2 * BLOCK), i, std, into),
+            2 => self.reflect_leading(N.min(3 * BLOCK), i, std, into),
+            _ => self.reflect_leading(N, i, std, into),
+        }
+    }
+
+    /// The same; row `i` ends before column `to`.
+    #[inline(always)]
+    fn reflect_leading(&mut self, to: usize, i: usize, std: f64, into: &mut Prediction<P, N, M>) {
+        let row: [f64; N] = core::array::from_fn(|c| if c < to { self.still[c][i] } else { 0.0 });
+        let (reflection, norm) = Reflection::of_leading(to, &[row], std);
         let column = reflection.apply_lanes(&mut self.still, i);
         into.columns[i][i] = norm;
         into.columns[i][i + 1..].copy_from_slice(&column[i + 1..]);
@@ -111,7 +124,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
                 continue;
             }
             let odd = from_mut(&mut self.measured[p][0]);
-            into.coupling[p][i] = reflection.apply(odd, into.coupling[p][i]);
+            into.coupling[p][i] = reflection.apply_leading(to, odd, into.coupling[p][i]);
         }
     }
 }

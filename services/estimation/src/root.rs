@@ -26,16 +26,22 @@ pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
 /// The sums start with the first products, not with zeros: every reflection waits for this sum.
 #[inline(always)]
 pub(crate) fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
+    dot_to(W, a, b)
+}
+
+/// The same of rows whose blocks hold nothing from entry `to` on.
+#[inline(always)]
+fn dot_to<const W: usize, const B: usize>(to: usize, a: &Row<W, B>, b: &Row<W, B>) -> f64 {
     let mut even = a[0][0] * b[0][0];
-    let mut odd = if W > 1 { a[0][1] * b[0][1] } else { 0.0 };
+    let mut odd = if to > 1 { a[0][1] * b[0][1] } else { 0.0 };
     for c in 0..B {
         let mut i = if c == 0 { 2 } else { 0 };
-        while i + 1 < W {
+        while i + 1 < to {
             even += a[c][i] * b[c][i];
             odd += a[c][i + 1] * b[c][i + 1];
             i += 2;
         }
-        if i < W {
+        if i < to {
             even += a[c][i] * b[c][i];
         }
     }
@@ -57,7 +63,13 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
     /// The reflection and the norm it leaves.
     #[inline(always)]
     pub fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
-        let norm = sqrt(pivot * pivot + dot(row, row));
+        Self::of_leading(W, row, pivot)
+    }
+
+    /// The same of a row that holds nothing from entry `to` on.
+    #[inline(always)]
+    pub fn of_leading(to: usize, row: &Row<W, B>, pivot: f64) -> (Self, f64) {
+        let norm = sqrt(pivot * pivot + dot_to(to, row, row));
         let pivot = pivot + norm;
         // A row of zeros needs no reflection: the guard keeps its scale finite.
         let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
@@ -74,9 +86,15 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
     /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign turned.
     #[inline(always)]
     pub fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
-        let along = self.scale * (self.pivot * entry + dot(&self.row, row));
+        self.apply_leading(W, row, entry)
+    }
+
+    /// The same of a reflection of a row that holds nothing from entry `to` on.
+    #[inline(always)]
+    pub fn apply_leading(&self, to: usize, row: &mut Row<W, B>, entry: f64) -> f64 {
+        let along = self.scale * (self.pivot * entry + dot_to(to, &self.row, row));
         for (x, v) in row.iter_mut().zip(&self.row) {
-            for i in 0..W {
+            for i in 0..to {
                 x[i] -= along * v[i];
             }
         }

@@ -24,6 +24,9 @@ use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
 use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
 
+/// What no point writes and nobody reads: rows of states that stand still, of measurements that are states. No zeros, which would be written byte by byte.
+const UNWRITTEN: f64 = f64::NAN;
+
 /// The filter: a state and the lower root of its covariance.
 ///
 /// ```
@@ -124,9 +127,12 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         let mut images = Images {
             state: self.state,
             measurement: center.1,
-            moving: [[[0.0; N]; 2]; N],
-            still: [[0.0; N]; N],
-            measured: [[[0.0; N]; 2]; M],
+            moving: [[[UNWRITTEN; N]; 2]; N],
+            still: core::array::from_fn(|i| {
+                let from = i.max(P::DYNAMIC);
+                core::array::from_fn(|k| if k < from { 0.0 } else { self.root[k][i] })
+            }),
+            measured: [[[UNWRITTEN; N]; 2]; M],
             noise_coupling: model.noise_coupling(),
             shift: [0.0; N],
             model: PhantomData,
@@ -138,9 +144,6 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
             for k in i..N {
                 let offset = self.weights.scale * self.root[k][i];
                 points[k] = Pair([self.state[k] + offset, self.state[k] - offset]);
-            }
-            for k in i.max(P::DYNAMIC)..N {
-                images.still[i][k] = self.root[k][i];
             }
             let (image, measured) = if i < P::PASSIVE {
                 model.predict(&points)

@@ -25,6 +25,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::Loader as Description;
 use estimation::Quantity;
+use estimation::loader::wheel_dynamics::GRAVITY;
 use estimation::loader::{Method, Sample, Settings};
 
 pub use drive::Drive;
@@ -38,7 +39,6 @@ use crate::honesty::{self, Direction};
 use crate::model::Model;
 use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
 
-const GRAVITY: f64 = 9.81;
 /// The fit begins with scatters this much larger than usual, in their tolerances.
 const LARGE_SCATTER: f64 = 2.0;
 

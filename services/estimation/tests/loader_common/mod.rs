@@ -1,6 +1,8 @@
 //! Golden files of the loader, and the machine that they are of.
 #![allow(dead_code)] // each test file uses its part
 
+pub mod explicit;
+
 use estimation::loader::LoadTransfer;
 use estimation::loader::wheel_dynamics::{Tyres, WheelDynamics};
 use serde_json::Value;

@@ -2,8 +2,7 @@
 
 use std::collections::VecDeque;
 
-use ::csv::ByteRecord;
-
+use super::cells::Record;
 use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
@@ -204,7 +203,7 @@ impl<S: Sensors> Columns<S> {
     }
 
     /// Takes the cells of a row.
-    pub(crate) fn take(&mut self, record: &ByteRecord) -> Result<(), NoNumber> {
+    pub(crate) fn take(&mut self, record: &Record) -> Result<(), NoNumber> {
         let mut sampled = 0;
         for (line, value) in self.lines.iter_mut().zip(&mut self.values) {
             let mut sum = None;

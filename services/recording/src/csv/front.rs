@@ -1,8 +1,6 @@
 //! What stands above the samples of a table: comments, the header, a row of units.
 
-use ::csv::ByteRecord;
-
-use super::cells::Cells;
+use super::cells::{Cells, Record};
 use super::dialect::{self, Dialect, separator_line};
 use crate::unit;
 
@@ -40,7 +38,7 @@ pub(crate) struct Lines {
     /// The last comment, without its mark.
     comment: Option<Vec<u8>>,
     /// The header, until the line below it has come.
-    header: Option<(ByteRecord, Dialect)>,
+    header: Option<(Record, Dialect)>,
     is_below: bool,
 }
 
@@ -152,7 +150,7 @@ fn lines(text: &[u8], begin: usize) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-fn cells(line: &[u8], dialect: Dialect) -> ByteRecord {
+fn cells(line: &[u8], dialect: Dialect) -> Record {
     Cells::new(dialect).split(line).clone()
 }
 
@@ -164,7 +162,7 @@ fn is_header_of(comment: &[u8], dialect: Dialect, below: &[u8]) -> bool {
 }
 
 /// Units of the columns, where the row below the header holds some and no number.
-fn units(header: &ByteRecord, below: &ByteRecord, dialect: Dialect) -> Option<Vec<String>> {
+fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String>> {
     let texts: Vec<String> = below
         .iter()
         .map(|cell| dialect::text(cell).trim().to_owned())

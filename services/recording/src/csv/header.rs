@@ -1,7 +1,6 @@
 //! The header of a table: the names of its columns, and their units.
 
-use ::csv::ByteRecord;
-
+use super::cells::Record;
 use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::Map;
@@ -10,7 +9,7 @@ use crate::unit;
 
 /// The names in the header of a table, which numbers are not.
 pub(crate) fn header(
-    record: &ByteRecord,
+    record: &Record,
     dialect: Dialect,
     file: &str,
     place: impl Fn() -> String,
@@ -66,7 +65,7 @@ pub(crate) fn check_units<S: Sensors>(
 }
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.
-fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
+fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
     let names: Vec<String> = header
         .iter()
         .map(|name| dialect::text(name).trim().to_owned())

@@ -2,9 +2,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use ::csv::ByteRecord;
-
-use super::cells::Records;
+use super::cells::{Record, Records};
 use super::columns::{Columns, NoNumber, absent};
 use super::dialect::{self, Dialect};
 use super::front::Front;
@@ -413,12 +411,13 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
 
 /// A row that was cut off must not pass for one with missing samples.
 fn check_width(
-    record: &ByteRecord,
+    record: &Record,
     width: usize,
     line: impl Fn() -> usize,
     file: &str,
 ) -> Result<(), Error> {
-    let surplus_is_empty = record.iter().skip(width).all(<[u8]>::is_empty);
+    let surplus_is_empty =
+        (width..record.len()).all(|at| record.get(at).is_some_and(<[u8]>::is_empty));
     if record.len() < width || !surplus_is_empty {
         return Err(Error::new(
             format!("the row has {} cells, the header {width}", record.len()),

@@ -38,7 +38,7 @@ use super::measurements::quantisation::Quantisation;
 use super::measurements::slope::SlopeError;
 use super::measurements::wheel_noise::WheelNoise;
 use super::measurements::windup::Windup;
-use super::physics::cg_model::{CgModel, Integration};
+use super::physics::cg_model::CgModel;
 use super::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use super::sample::Sample;
 use super::settings::{Inputs as Driven, Settings};
@@ -277,7 +277,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             dynamics: self.dynamics,
             inputs,
             dt,
-            integration: Integration::Implicit,
             substeps: u32::try_from(settings.estimator.substeps).unwrap_or(u32::MAX),
             loading: self.loading(settings),
         }

@@ -21,7 +21,6 @@ use core::ops::Range;
 
 use super::tangent::Tangent;
 use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
-use crate::dual::Dual;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
 use crate::math::sin_cos;
 use crate::model::Model;
@@ -48,15 +47,6 @@ impl Loading {
     };
 }
 
-/// How the process model is integrated over a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Integration {
-    /// Linearly implicit: stable at every speed.
-    Implicit,
-    /// Explicit Euler (18): unstable for a real machine. For comparison only.
-    Euler,
-}
-
 /// One step of the loader under given inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgModel {
@@ -66,8 +56,6 @@ pub struct CgModel {
     pub inputs: Inputs,
     /// Length of the step \[s\].
     pub dt: f64,
-    /// Integration.
-    pub integration: Integration,
     /// Parts into which the step is divided.
     pub substeps: u32,
     /// Known payload.
@@ -94,24 +82,14 @@ impl CgModel {
     fn advance<T: Scalar, const N: usize>(&self, state: &[T; N]) -> (Motion<T>, Road<T>) {
         let (old, parameters) = (Motion::of(state), self.parameters(state));
         let road = Road::of(-parameters.slope_bias + self.inputs.slope);
-        let new = match self.integration {
-            Integration::Implicit => self.dynamics.substeps(
-                &old,
-                &parameters,
-                &self.inputs,
-                &road,
-                self.dt,
-                self.substeps,
-            ),
-            Integration::Euler => self.dynamics.euler(
-                &old,
-                &parameters,
-                &self.inputs,
-                &road,
-                self.dt,
-                self.substeps,
-            ),
-        };
+        let new = self.dynamics.substeps(
+            &old,
+            &parameters,
+            &self.inputs,
+            &road,
+            self.dt,
+            self.substeps,
+        );
         (new, road)
     }
 
@@ -123,9 +101,6 @@ impl CgModel {
         let parameters = self.parameters(state);
         let (sine, cosine) = sin_cos(self.inputs.slope - parameters.slope_bias);
         let road = Road { sine, cosine };
-        if self.integration == Integration::Euler {
-            return (self.dual_tangent(state), road);
-        }
         let part = self.dt / f64::from(self.substeps);
         let step = |motion| {
             self.dynamics
@@ -140,26 +115,6 @@ impl CgModel {
             row[CG_RATIO] *= self.loading.share;
         }
         (tangent, road)
-    }
-
-    /// The derivatives by dual numbers: for a form of the process whose derivatives are not written out.
-    fn dual_tangent<const N: usize>(&self, state: &[f64; N]) -> Tangent<N> {
-        let seeded: [Dual<N>; N] = core::array::from_fn(|k| {
-            Dual::new(
-                state[k],
-                core::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
-            )
-        });
-        let motion = self.advance(&seeded).0;
-        let rows = [
-            motion.speed,
-            motion.front_wheel_speed,
-            motion.rear_wheel_speed,
-        ];
-        Tangent {
-            motion: Motion::of(&rows.map(|row| row.value)),
-            by: rows.map(|row| row.derivative),
-        }
     }
 }
 

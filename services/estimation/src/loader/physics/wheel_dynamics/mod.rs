@@ -17,7 +17,6 @@
 //! | file | idea |
 //! |---|---|
 //! | `implicit` | the linearly implicit step, which the estimator takes |
-//! | `explicit` | the rates (12)-(14) and Euler steps (18), for comparison |
 
 pub use super::machine::{GRAVITY, Road, Tyres, WheelDynamics};
 use crate::loader::layout::{
@@ -26,7 +25,6 @@ use crate::loader::layout::{
 use crate::math::tanh;
 use crate::scalar::Scalar;
 
-mod explicit;
 mod implicit;
 
 /// Width of the rolling resistance at standstill [m/s].

@@ -2,12 +2,22 @@
 //!
 //! A wheel's eigenvalue is some -1.5e4 1/s at 3 m/s, so 10 ms steps are unstable for a real machine (the paper's Table 1 gives 4.7 kg).
 
-use super::{GRAVITY, Inputs, Motion, Parameters, ROLLING_WIDTH, Road, WheelDynamics};
-use crate::loader::LoadTransfer;
-use crate::loader::physics::axle_loads::unfloored_axle_loads;
-use crate::scalar::Scalar;
+use estimation::loader::LoadTransfer;
+use estimation::loader::axle_loads::unfloored_axle_loads;
+use estimation::loader::cg_model::CgModel;
+use estimation::loader::wheel_dynamics::{
+    GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics,
+};
+use estimation::model::Model;
+use estimation::scalar::Scalar;
 
-impl WheelDynamics {
+/// Width of the rolling resistance at standstill [m/s].
+const ROLLING_WIDTH: f64 = 0.05;
+
+/// The machine in explicit steps.
+pub struct Explicit(pub WheelDynamics);
+
+impl Explicit {
     /// Rates of the motion, (12)-(14), linear tyre, no floor under the loads.
     ///
     /// The denominator is 1 + D for the physical load transfer and 1 - D for the printed one, D = (h K/l)(sigma_f - sigma_r).
@@ -18,32 +28,34 @@ impl WheelDynamics {
         u: &Inputs,
         road: &Road<T>,
     ) -> Motion<T> {
+        let machine = &self.0;
         let slip = |wheel_speed: T| {
-            let rim = wheel_speed * self.wheel_radius;
-            (rim - motion.speed) / self.slip_denominator(motion.speed, rim)
+            let rim = wheel_speed * machine.wheel_radius;
+            let fastest = motion.speed.abs().max(rim.abs());
+            (rim - motion.speed) / fastest.max(T::constant(machine.minimum_speed))
         };
         let (front, rear) = (
             slip(motion.front_wheel_speed),
             slip(motion.rear_wheel_speed),
         );
         let stiffness = p.slip_stiffness;
-        let transfer = p.cg_height * stiffness * (front - rear) / self.wheelbase;
-        let rolling = (motion.speed / ROLLING_WIDTH).tanh() * self.rolling_resistance;
-        let lever = self.bucket_reach / self.wheelbase;
+        let transfer = p.cg_height * stiffness * (front - rear) / machine.wheelbase;
+        let rolling = (motion.speed / ROLLING_WIDTH).tanh() * machine.rolling_resistance;
+        let lever = machine.bucket_reach / machine.wheelbase;
         let pull =
             p.cg_ratio * stiffness * front + (-p.cg_ratio + 1.0) * stiffness * rear - rolling;
         let spade = (stiffness * (front * (1.0 + lever) - rear * lever) - rolling)
-            * (u.spade_force_z / self.mass);
+            * (u.spade_force_z / machine.mass);
         let numerator = pull * road.cosine * GRAVITY - (transfer + 1.0) * road.sine * GRAVITY
             + spade
-            - (p.spade_force_x + u.spade_force_x) / self.mass;
-        let denominator = match self.load_transfer {
+            - (p.spade_force_x + u.spade_force_x) / machine.mass;
+        let denominator = match machine.load_transfer {
             LoadTransfer::Physical => transfer + 1.0,
             LoadTransfer::Printed => -transfer + 1.0,
         };
         let acceleration = numerator / denominator; // (12)
         let (load_front, load_rear) = unfloored_axle_loads(
-            self,
+            machine,
             acceleration,
             p.cg_height,
             p.cg_ratio,
@@ -51,7 +63,7 @@ impl WheelDynamics {
             road,
         );
         let spin = |torque: f64, slip: T, load: T| {
-            (-(stiffness * slip * load * self.wheel_radius) + torque) / self.axle_inertia // (13), (14)
+            (-(stiffness * slip * load * machine.wheel_radius) + torque) / machine.axle_inertia // (13), (14)
         };
         Motion {
             speed: acceleration,
@@ -79,5 +91,34 @@ impl WheelDynamics {
                 rear_wheel_speed: motion.rear_wheel_speed + rate.rear_wheel_speed * part,
             }
         })
+    }
+}
+
+/// A model of the loader in explicit steps, with six states and three measurements.
+pub struct ExplicitModel(pub CgModel);
+
+impl Model<6, 3> for ExplicitModel {
+    const DYNAMIC: usize = 3;
+    const DIRECT: core::ops::Range<usize> = 0..3;
+
+    fn predict<T: Scalar>(&self, state: &[T; 6]) -> ([T; 6], [T; 3]) {
+        let CgModel {
+            dynamics,
+            inputs,
+            dt,
+            substeps,
+            ..
+        } = self.0;
+        let road = Road::of(T::constant(inputs.slope));
+        let (old, parameters) = (Motion::of(state), Parameters::of(state));
+        let new = Explicit(dynamics).euler(&old, &parameters, &inputs, &road, dt, substeps);
+        let moved = [new.speed, new.front_wheel_speed, new.rear_wheel_speed];
+        let mut next = *state;
+        next[..3].copy_from_slice(&moved);
+        (next, moved)
+    }
+
+    fn noise_coupling(&self) -> [[f64; 6]; 3] {
+        Model::<6, 3>::noise_coupling(&self.0)
     }
 }
