@@ -41,12 +41,10 @@ impl Look for Fits {
         }
     }
 
-    fn tell(&self) {
-        self.boom.tell();
-    }
-
     fn fault(&self) -> Option<String> {
-        let mismatch = self.plausible.as_ref()?.mismatch()?;
+        let Some(mismatch) = self.plausible.as_ref().and_then(Plausible::mismatch) else {
+            return self.boom.fault();
+        };
         let remedy = remedy(mismatch, self.mass);
         Some(format!("{mismatch}\n  what to do: {remedy}"))
     }
