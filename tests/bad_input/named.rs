@@ -213,6 +213,23 @@ fn a_name_cannot_turn_the_words_around_it() {
 }
 
 #[test]
+fn a_line_break_in_a_name_keeps_an_error_in_its_three_lines() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "a\nheft: done.csv");
+    fs::write(&file, "t,\"swing_\nvelocity\"\n0,1\n").expect("writable");
+    for output in [
+        estimate(&file, dir.path()),
+        run(&["weigh", &file]),
+        run(&["report", &file, "-o", &path_in(dir.path(), "r.html")]),
+        run(&["check", &file]),
+    ] {
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(said.lines().count(), 3, "{said}");
+    }
+}
+
+#[test]
 fn a_number_may_begin_with_its_point() {
     let dir = tempfile::tempdir().expect("a folder");
     let (input, out) = (
@@ -339,4 +356,32 @@ fn whoever_ends_a_command_of_many_inputs_ends_their_processes() {
     crate::common::wait_until("none is left", std::time::Duration::from_secs(5), || {
         own() == 0
     });
+}
+
+#[test]
+fn a_column_that_is_empty_for_one_machine_of_many_is_named_with_it() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "fleet.csv");
+    let rows = (0..200).map(|k| {
+        let (t, torque) = (f64::from(k) / 100.0, f64::from(k % 7));
+        format!("{t},a,0.1,{torque}\n{t},b,0.1,\n")
+    });
+    let table = "t,machine,swing_velocity,swing_torque\n".to_owned() + &rows.collect::<String>();
+    fs::write(&file, table).expect("writable");
+    let said = both(&run(&["serve", "excavator", &file]));
+    let words = "column swing_torque holds no value in any row; it counts as absent: machine b\n";
+    assert!(said.contains(words), "{said}");
+}
+
+#[test]
+fn a_clock_that_is_set_back_an_hour_is_no_joint_that_jumps() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |row, t| match row {
+        0..1000 => t.to_string(),
+        _ => (t - 3600.0).to_string(),
+    });
+    let output = estimate(&file, dir.path());
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    let rows = fs::read_to_string(dir.path().join("out.csv")).expect("estimates");
+    assert!(!rows.contains(",jump"), "the reason");
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
+use recording::OneLine;
+
 use crate::out::Plain;
 
 /// A command ended without doing what it should.
@@ -21,7 +23,10 @@ impl Failure {
         remedy: impl fmt::Display,
     ) -> Self {
         Self {
-            message: format!("{what}\n  where: {place}\n  what to do: {remedy}"),
+            message: format!(
+                "{what}\n  where: {}\n  what to do: {remedy}",
+                OneLine(place)
+            ),
             status: 2,
         }
     }

@@ -25,7 +25,7 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     if !damage.is_empty() {
         return Err(Error::new(
             "the recording is damaged",
-            damage.join("\n         "),
+            damage.join("; "),
             "`heft recover` writes a copy of what is whole; decide whether that is enough",
         ));
     }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use messages::Machine;
 
 use crate::can::dbc::Dbc;
-use crate::can::{LeftOut, Line, parse};
+use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
@@ -113,7 +113,7 @@ fn frames(path: &Path) -> Result<Frames, Error> {
             Err(e) if !counts.is_empty() && e.kind() == ErrorKind::UnexpectedEof => break,
             line => line.map_err(failed)?,
         };
-        let text = String::from_utf8_lossy(&line);
+        let text = can::text(&line);
         let mut said = parse(&text);
         if let Some(Line::Frame { frame, timed }) = &mut said {
             // A map needs no times.

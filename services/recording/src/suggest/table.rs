@@ -39,11 +39,19 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         };
         let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
-        if let Some(unit) = foreign(&named, si) {
-            let _ = writeln!(
-                out,
-                "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
-            );
+        if let Some(unit) = unit::foreign(&named, si) {
+            let is_grade = unit == "%" && si == "rad";
+            let _ = match is_grade {
+                true => writeln!(
+                    out,
+                    "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth"
+                ),
+                false => writeln!(
+                    out,
+                    "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
+                ),
+            };
+            found.extend(is_grade.then_some(signal));
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
@@ -144,7 +152,7 @@ struct Guess {
 
 /// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values.
 fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
-    if let Some(unit) = named(name).filter(|u| u.si == si) {
+    if let Some(unit) = unit::of_name(name, si) {
         let unit = Some(unit).filter(|u| u.factor != 1.0);
         let reason = "unit by the column's name".into();
         return Guess { unit, reason };
@@ -238,22 +246,4 @@ fn mass(values: &[f64]) -> Guess {
         unit,
         reason: format!("up to {largest}: {word}?"),
     }
-}
-
-/// The unit that a column's name tells: in brackets, or behind the last underscore.
-fn named(name: &str) -> Option<&'static Unit> {
-    let suffix = name.rsplit_once('_').map(|(_, u)| u);
-    bracketed(name).or(suffix).and_then(unit::guess)
-}
-
-/// The unit in the brackets of a name, where it is of something else.
-fn foreign(name: &str, si: &str) -> Option<&'static str> {
-    let unit = bracketed(name).and_then(unit::guess)?;
-    (unit.si != si).then_some(unit.name)
-}
-
-/// What stands in the last brackets of a name.
-fn bracketed(name: &str) -> Option<&str> {
-    let (_, text) = name.rsplit_once(['[', '('])?;
-    Some(text.trim_end_matches([']', ')']))
 }

@@ -96,6 +96,8 @@ impl Screen {
         let set_back = tick == Tick::SetBack;
         if set_back {
             self.swing_angle = SwingAngle::default();
+            // The joints had all the time to be elsewhere.
+            self.jumps = [Jump::default(); 3];
         }
         let followed = self
             .swing_angle
