@@ -385,3 +385,62 @@ fn a_clock_that_is_set_back_an_hour_is_no_joint_that_jumps() {
     let rows = fs::read_to_string(dir.path().join("out.csv")).expect("estimates");
     assert!(!rows.contains(",jump"), "the reason");
 }
+
+#[test]
+fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let [map, machine, topics, empty] = ["map", "machine", "topics", "empty"]
+        .map(|name| path_in(dir.path(), &format!("{name}.toml")));
+    fs::write(
+        &map,
+        "[columns]\nboom_angle = { column = \"boom_angle\", unit = \"°\" }\n",
+    )
+    .expect("writable");
+    fs::write(&machine, "[geometry]\nboom_length = 5.7\n").expect("writable");
+    fs::write(
+        &topics,
+        "[topics]\nrate = 100\n[topics.signals]\nspeed = { topic = \"/a\", field = \"b\" }\n",
+    )
+    .expect("writable");
+    fs::write(&empty, "\n").expect("writable");
+    let input = golden("machines/excavator_1_13t_level.csv");
+    let out = path_in(dir.path(), "out.csv");
+    for (option, file, words) in [
+        ("--config", &map, "give that with --map"),
+        ("--map", &map, "did you mean deg?"),
+        ("--config", &machine, "did you mean [machine.geometry]?"),
+        ("--map", &topics, "names no columns"),
+        ("--config", &empty, "the machine file is empty"),
+    ] {
+        let input = input.to_str().expect("a path");
+        let args = [
+            "estimate",
+            input,
+            "--machine",
+            "excavator",
+            "-o",
+            &out,
+            option,
+            file,
+        ];
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+    fs::write(&machine, "[machine]\noperating_mass = 13000\n").expect("writable");
+    let output = run(&[
+        "estimate",
+        input.to_str().expect("a path"),
+        "--machine",
+        "excavator",
+        "-o",
+        &out,
+        "--map",
+        &machine,
+    ]);
+    assert!(
+        both(&output).contains("give that with --config"),
+        "{}",
+        both(&output)
+    );
+}

@@ -54,7 +54,7 @@ impl Failure {
             );
         }
         let remedy = match error.kind() {
-            std::io::ErrorKind::InvalidData => "name a text file",
+            std::io::ErrorKind::InvalidData => "name a text file, and save it in UTF-8",
             std::io::ErrorKind::IsADirectory => "name a file, not a folder",
             _ => "check the path, the permissions and the free space",
         };

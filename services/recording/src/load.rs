@@ -149,6 +149,11 @@ pub fn open<S: Sensors>(
     let path = path.as_ref();
     let place = || path.display().to_string();
     match (Kind::of(path)?, map) {
+        (Kind::Table, Some(map)) if map.columns.is_empty() => Err(Error::new(
+            "the signal map names no columns, and this is a table",
+            place(),
+            "name them under [columns] (`heft map FILE` writes a first map), or leave out --map",
+        )),
         (Kind::Table, _) => table::<S>(path, map),
         (Kind::Log, Some(map)) => log::<S>(path, map),
         (Kind::Recording, None) => recorded::<S>(path),

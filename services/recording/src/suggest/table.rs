@@ -109,7 +109,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
 /// The columns that are none of the signals, as a comment.
 fn rest(names: &[&str], taken: &[usize]) -> String {
     let rest: Vec<&str> = (0..names.len())
-        .filter(|at| !taken.contains(at))
+        .filter(|at| !taken.contains(at) && !names[*at].is_empty())
         .map(|at| names[at])
         .collect();
     match rest.is_empty() {
