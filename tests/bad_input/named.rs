@@ -444,3 +444,22 @@ fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
         both(&output)
     );
 }
+
+#[test]
+fn what_a_logger_writes_where_it_has_no_sample_is_counted() {
+    for (column, written) in [
+        ("swing_velocity", "65535"),
+        ("boom_angle", "-999.25"),
+        ("swing_torque", "-1e30"),
+    ] {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = treated(dir.path(), column, |row, x| match row % 50 {
+            0 => written.to_owned(),
+            _ => x.to_string(),
+        });
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        let words = format!("{column} is larger than any measurement in 81 rows");
+        assert!(both(&output).contains(&words), "{}", both(&output));
+    }
+}

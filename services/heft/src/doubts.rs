@@ -9,7 +9,7 @@ use recording::{Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
-use crate::measurable;
+use crate::measurable::{self, Measured};
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -21,8 +21,8 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
-    /// Index and bit of each signal, and how often each, by its bit, was larger than any measurement.
-    measured: Vec<(usize, u32)>,
+    /// How often each signal, by its bit, was larger than any measurement.
+    measured: Vec<Measured>,
     beyond: [usize; 32],
 }
 
@@ -87,7 +87,7 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
-            measured: recording::measured::<L::Sensors>().collect(),
+            measured: measurable::measured::<L::Sensors>(|signal| L::largest(description, signal)),
             beyond: [0; 32],
         }
     }
@@ -116,7 +116,7 @@ impl<L: Look> Doubts<L> {
             if count > 0 {
                 let name = signal.name;
                 eprintln!(
-                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale"
+                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
                 );
             }
         }

@@ -9,6 +9,8 @@ pub trait Look {
     type Sensors: Sensors;
     /// For a description.
     fn of(description: &Description) -> Self;
+    /// The largest value of a signal that the estimators take; none where they take any.
+    fn largest(description: &Description, signal: &str) -> Option<f64>;
     /// Takes a sample.
     fn add(&mut self, sample: &Self::Sensors);
     /// Why data and description cannot be of one machine, and what to do.

@@ -1,7 +1,7 @@
 //! Are data and description of one machine?
 
 use config::Description;
-use estimation::excavator::{Geometry, Mismatch, Plausible};
+use estimation::excavator::{Geometry, Mismatch, Plausible, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
@@ -31,6 +31,13 @@ impl Look for Fits {
             mass: described
                 .and_then(|d| d.machine.operating_mass)
                 .unwrap_or(REFERENCE),
+        }
+    }
+
+    fn largest(description: &Description, signal: &str) -> Option<f64> {
+        match description {
+            Description::Excavator(described) => largest(signal, described),
+            _ => None,
         }
     }
 
