@@ -403,6 +403,13 @@ fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
     )
     .expect("writable");
     fs::write(&empty, "\n").expect("writable");
+    let recording = golden("recordings/excavator-cfdbb98.mcap");
+    let output = run(&["map", recording.to_str().expect("a path")]);
+    assert!(
+        both(&output).contains("needs no signal map"),
+        "{}",
+        both(&output)
+    );
     let input = golden("machines/excavator_1_13t_level.csv");
     let out = path_in(dir.path(), "out.csv");
     for (option, file, words) in [

@@ -360,7 +360,13 @@ impl NameColumn {
         let (cells, names) = head(header, dialect, &self.input)?;
         let at = names.iter().position(|n| n == self.name).ok_or_else(|| {
             let what = format!("there is no column {}", self.name);
-            let remedy = format!("add it; the table has {}", csv::listed(&names));
+            let remedy = match names.len() {
+                1 => format!(
+                    "delete what stands above the header; the first line is {}",
+                    csv::listed(&names)
+                ),
+                _ => format!("add it; the table has {}", csv::listed(&names)),
+            };
             Error::new(what, format!("{}:1", self.input), remedy)
         })?;
         self.found = Some((cells, at));

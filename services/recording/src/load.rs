@@ -152,7 +152,14 @@ pub fn open<S: Sensors>(
         (Kind::Table, Some(map)) if map.columns.is_empty() => Err(Error::new(
             "the signal map names no columns, and this is a table",
             place(),
-            "name them under [columns] (`heft map FILE` writes a first map), or leave out --map",
+            match map.has_can() {
+                true => {
+                    "give a log of candump: `can_logconvert FILE OUT.log` (pip install python-can) makes one of frames; or name columns under [columns]"
+                }
+                false => {
+                    "name them under [columns] (`heft map FILE` writes a first map), or leave out --map"
+                }
+            },
         )),
         (Kind::Table, _) => table::<S>(path, map),
         (Kind::Log, Some(map)) => log::<S>(path, map),

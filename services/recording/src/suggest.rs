@@ -46,7 +46,17 @@ pub fn suggest(
     let file = match kind {
         Kind::Table => Foreign::Table,
         Kind::Log => Foreign::Log(dbc),
-        Kind::Recording => Foreign::Topics(Box::new(list::open(path)?)),
+        Kind::Recording => {
+            let reader = list::open(path)?;
+            if reader.metadata().contains_key("heft.version") {
+                return Err(Error::new(
+                    "this is a recording of heft, which needs no signal map",
+                    path.display().to_string(),
+                    "give it as it is: heft estimate, loads, report, replay",
+                ));
+            }
+            Foreign::Topics(Box::new(reader))
+        }
     };
     let machines = machine.map_or(Machine::ALL.to_vec(), |machine| vec![machine]);
     let guesses = machines

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use ::csv::ByteRecord;
 
 use super::cells::Records;
-use super::columns::{Columns, NoNumber, absent};
+use super::columns::{Columns, NoNumber, absent, listed};
 use super::dialect::Dialect;
 use super::front::{Front, comment};
 use super::header::{check_units, header};
@@ -27,7 +27,11 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     let (mut at, mut factors) = ([0; 3], [1.0; 3]);
     for ((at, factor), (name, si)) in at.iter_mut().zip(&mut factors).zip(NAMES) {
         let found = header.iter().position(|h| h == name);
-        *at = found.ok_or_else(|| absent(&[name], "weighing", &header, &table.file))?;
+        // There is no map of it.
+        *at = found.ok_or_else(|| Error {
+            remedy: format!("add or rename it; the file has {}", listed(&header)),
+            ..absent(&[name], "weighing", &header, &table.file)
+        })?;
         *factor = table.factor(*at, name, si)?;
     }
     let mut rows = Vec::new();

@@ -40,18 +40,16 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
         if let Some(unit) = unit::foreign(&named, si) {
-            let is_grade = unit == "%" && si == "rad";
-            let _ = match is_grade {
-                true => writeln!(
-                    out,
-                    "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth"
+            let grade = (unit, si) == ("%", "rad");
+            found.extend(grade.then(|| signal.clone()));
+            out += &match grade {
+                true => format!(
+                    "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
                 ),
-                false => writeln!(
-                    out,
-                    "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
-                ),
+                false => {
+                    format!("# {signal} = {name}  # its unit is {unit}, which is none of {si}\n")
+                }
             };
-            found.extend(is_grade.then_some(signal));
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
