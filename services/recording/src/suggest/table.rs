@@ -40,16 +40,9 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
         if let Some(unit) = unit::foreign(&named, si) {
-            let grade = (unit, si) == ("%", "rad");
-            found.extend(grade.then(|| signal.clone()));
-            out += &match grade {
-                true => format!(
-                    "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
-                ),
-                false => {
-                    format!("# {signal} = {name}  # its unit is {unit}, which is none of {si}\n")
-                }
-            };
+            let (line, is_usable) = of_another_unit(&signal, &name, unit, si);
+            out += &line;
+            found.extend(is_usable.then_some(signal));
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
@@ -102,6 +95,22 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing,
         found: found.len(),
     })
+}
+
+/// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
+fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
+    match (unit, si) {
+        ("%", "rad") => (
+            format!(
+                "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
+            ),
+            true,
+        ),
+        _ => (
+            format!("# {signal} = {name}  # its unit is {unit}, which is none of {si}\n"),
+            false,
+        ),
+    }
 }
 
 /// The columns that are none of the signals, as a comment.
