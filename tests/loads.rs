@@ -321,7 +321,7 @@ fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_
     for args in commands {
         let file = args.last().expect("a result");
         let (status, said) = run_on(|t| format!("{},0.1,100\n", 1000.0 * t), args);
-        assert_eq!(status, Some(0), "{said}");
+        assert_eq!(status, Some(1), "{said}");
         assert!(said.contains("is the time in ms?"), "{said}");
         let before = std::fs::read(file).expect("a result");
         let (status, said) = run_on(|t| format!("{},0.1,100\n", 5.0 - t), args);

@@ -61,29 +61,34 @@ fn piped(input: &str, folder: &Path) -> Output {
         .expect("heft starts")
 }
 
+/// Both end with status 1 and say so.
+fn in_doubt(input: &str, folder: &Path, words: &str) {
+    for output in [estimate(input, folder), piped(input, folder)] {
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+}
+
 #[test]
 fn what_comes_on_standard_input_is_doubted_like_a_file() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());
-    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
-        assert!(
-            both(&output).contains("is the time in ms?"),
-            "{}",
-            both(&output)
-        );
-    }
+    in_doubt(&file, dir.path(), "is the time in ms?");
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "swing_torque", |_, torque| {
         (torque / 1000.0).to_string()
     });
-    for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
-        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-        assert!(
-            both(&output).contains("unit = \"kNm\""),
-            "{}",
-            both(&output)
-        );
-    }
+    in_doubt(&file, dir.path(), "unit = \"kNm\"");
+    // A boom that points into the ground, and times with two rows each.
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "boom_angle", |_, angle| (-angle).to_string());
+    in_doubt(&file, dir.path(), "boom_angle seems to have the other sign");
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |row, t| match row % 2 {
+        0 => t.to_string(),
+        _ => (t - 0.01).to_string(),
+    });
+    in_doubt(&file, dir.path(), "rows were refused, more than one in 10");
 }
 
 #[test]
@@ -208,6 +213,23 @@ fn a_name_cannot_turn_the_words_around_it() {
 }
 
 #[test]
+fn a_line_break_in_a_name_keeps_an_error_in_its_three_lines() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "a\nheft: done.csv");
+    fs::write(&file, "t,\"swing_\nvelocity\"\n0,1\n").expect("writable");
+    for output in [
+        estimate(&file, dir.path()),
+        run(&["weigh", &file]),
+        run(&["report", &file, "-o", &path_in(dir.path(), "r.html")]),
+        run(&["check", &file]),
+    ] {
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(said.lines().count(), 3, "{said}");
+    }
+}
+
+#[test]
 fn a_number_may_begin_with_its_point() {
     let dir = tempfile::tempdir().expect("a folder");
     let (input, out) = (
@@ -231,7 +253,10 @@ fn a_number_may_begin_with_its_point() {
 #[test]
 fn what_is_said_of_an_input_is_said_of_many_too() {
     let dir = tempfile::tempdir().expect("a folder");
-    let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());
+    let file = treated(dir.path(), "swing_torque", |row, torque| match row % 100 {
+        0 => "1e300".into(),
+        _ => torque.to_string(),
+    });
     fs::rename(&file, dir.path().join("-day.csv")).expect("another name");
     let output = heft()
         .args([
@@ -248,7 +273,7 @@ fn what_is_said_of_an_input_is_said_of_many_too() {
         .expect("heft starts");
     assert!(output.status.success(), "{}", both(&output));
     assert!(
-        both(&output).contains("-day.csv: the rows are 10 s apart"),
+        both(&output).contains("-day.csv: swing_torque is larger than any measurement"),
         "{}",
         both(&output)
     );
@@ -331,4 +356,117 @@ fn whoever_ends_a_command_of_many_inputs_ends_their_processes() {
     crate::common::wait_until("none is left", std::time::Duration::from_secs(5), || {
         own() == 0
     });
+}
+
+#[test]
+fn a_column_that_is_empty_for_one_machine_of_many_is_named_with_it() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "fleet.csv");
+    let rows = (0..200).map(|k| {
+        let (t, torque) = (f64::from(k) / 100.0, f64::from(k % 7));
+        format!("{t},a,0.1,{torque}\n{t},b,0.1,\n")
+    });
+    let table = "t,machine,swing_velocity,swing_torque\n".to_owned() + &rows.collect::<String>();
+    fs::write(&file, table).expect("writable");
+    let said = both(&run(&["serve", "excavator", &file]));
+    let words = "column swing_torque holds no value in any row; it counts as absent: machine b\n";
+    assert!(said.contains(words), "{said}");
+}
+
+#[test]
+fn a_clock_that_is_set_back_an_hour_is_no_joint_that_jumps() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |row, t| match row {
+        0..1000 => t.to_string(),
+        _ => (t - 3600.0).to_string(),
+    });
+    let output = estimate(&file, dir.path());
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    let rows = fs::read_to_string(dir.path().join("out.csv")).expect("estimates");
+    assert!(!rows.contains(",jump"), "the reason");
+}
+
+#[test]
+fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let [map, machine, topics, empty] = ["map", "machine", "topics", "empty"]
+        .map(|name| path_in(dir.path(), &format!("{name}.toml")));
+    fs::write(
+        &map,
+        "[columns]\nboom_angle = { column = \"boom_angle\", unit = \"°\" }\n",
+    )
+    .expect("writable");
+    fs::write(&machine, "[geometry]\nboom_length = 5.7\n").expect("writable");
+    fs::write(
+        &topics,
+        "[topics]\nrate = 100\n[topics.signals]\nspeed = { topic = \"/a\", field = \"b\" }\n",
+    )
+    .expect("writable");
+    fs::write(&empty, "\n").expect("writable");
+    let recording = golden("recordings/excavator-cfdbb98.mcap");
+    let output = run(&["map", recording.to_str().expect("a path")]);
+    assert!(
+        both(&output).contains("needs no signal map"),
+        "{}",
+        both(&output)
+    );
+    let input = golden("machines/excavator_1_13t_level.csv");
+    let out = path_in(dir.path(), "out.csv");
+    for (option, file, words) in [
+        ("--config", &map, "give that with --map"),
+        ("--map", &map, "did you mean deg?"),
+        ("--config", &machine, "did you mean [machine.geometry]?"),
+        ("--map", &topics, "names no columns"),
+        ("--config", &empty, "the machine file is empty"),
+    ] {
+        let input = input.to_str().expect("a path");
+        let args = [
+            "estimate",
+            input,
+            "--machine",
+            "excavator",
+            "-o",
+            &out,
+            option,
+            file,
+        ];
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+    fs::write(&machine, "[machine]\noperating_mass = 13000\n").expect("writable");
+    let output = run(&[
+        "estimate",
+        input.to_str().expect("a path"),
+        "--machine",
+        "excavator",
+        "-o",
+        &out,
+        "--map",
+        &machine,
+    ]);
+    assert!(
+        both(&output).contains("give that with --config"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn what_a_logger_writes_where_it_has_no_sample_is_counted() {
+    for (column, written) in [
+        ("swing_velocity", "65535"),
+        ("boom_angle", "-999.25"),
+        ("swing_torque", "-1e30"),
+    ] {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = treated(dir.path(), column, |row, x| match row % 50 {
+            0 => written.to_owned(),
+            _ => x.to_string(),
+        });
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        let words = format!("{column} is larger than any measurement in 81 rows");
+        assert!(both(&output).contains(&words), "{}", both(&output));
+    }
 }

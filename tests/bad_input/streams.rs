@@ -85,3 +85,27 @@ fn an_estimate_that_is_interrupted_leaves_nothing_behind() {
     assert_eq!(status.signal(), Some(15), "{status}");
     assert_eq!(files(), 1, "the input");
 }
+
+#[test]
+fn a_copy_that_is_interrupted_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = folder.path().join("copy.mcap");
+    // What is cut off is written anew.
+    let mut big = fs::read(golden("recordings/loader-cfdbb98.mcap")).expect("golden");
+    big.truncate(big.len() - 40);
+    let input = folder.path().join("cut.mcap");
+    fs::write(&input, big).expect("a file");
+    for delay in 0..12 {
+        let mut heft = common::heft();
+        let heft = heft.arg("recover").arg(&input).arg("-o").arg(&copy);
+        let mut heft = heft.spawn().expect("heft");
+        std::thread::sleep(std::time::Duration::from_millis(5 * delay));
+        common::kill(heft.id(), rustix::process::Signal::TERM);
+        heft.wait().expect("an end");
+        if copy.exists() {
+            let said = common::run_ok(&["recover", copy.to_str().expect("a path")]);
+            assert!(said.contains("nothing was changed"), "{delay}: {said}");
+            fs::remove_file(&copy).expect("writable");
+        }
+    }
+}

@@ -98,7 +98,12 @@ impl<'a> Walk<'a, '_> {
             let span = inner.get_key_value(name).and_then(|(key, _)| key.span());
             span.or_else(|| item.span()).map(|s| line_of(self.text, &s))
         });
-        let remedy = match nearest(&path, self.tables.iter().copied()) {
+        let inner_of = |table: &&&str| table.rsplit('.').next() == Some(&path);
+        let meant = self.tables.iter().find(inner_of).copied();
+        let remedy = match meant.or_else(|| nearest(&path, self.tables.iter().copied())) {
+            _ if ["columns", "can", "topics"].contains(&path.as_str()) => {
+                "this is of a signal map: give that with --map".into()
+            }
             Some(table) => format!("did you mean [{table}]?"),
             None => format!("the tables are [{}]", self.tables.join("], [")),
         };

@@ -17,12 +17,19 @@ pub struct Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}\n  where: {}", self.what, self.file)?;
+        // A name or a key may hold a line break.
+        let one_line = |text: &str| text.replace('\n', "\\n");
+        write!(
+            f,
+            "{}\n  where: {}",
+            one_line(&self.what),
+            one_line(&self.file)
+        )?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
         if !self.key.is_empty() {
-            write!(f, ", key {}", self.key)?;
+            write!(f, ", key {}", one_line(&self.key))?;
         }
         write!(f, "\n  what to do: {}", self.remedy)
     }

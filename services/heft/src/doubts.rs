@@ -9,7 +9,7 @@ use recording::{Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
-use crate::measurable;
+use crate::measurable::{self, Measured};
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -21,8 +21,8 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
-    /// Index and bit of each signal, and how often each, by its bit, was larger than any measurement.
-    measured: Vec<(usize, u32)>,
+    /// How often each signal, by its bit, was larger than any measurement.
+    measured: Vec<Measured>,
     beyond: [usize; 32],
 }
 
@@ -87,7 +87,7 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
-            measured: recording::measured::<L::Sensors>().collect(),
+            measured: measurable::measured::<L::Sensors>(|signal| L::largest(description, signal)),
             beyond: [0; 32],
         }
     }
@@ -111,19 +111,15 @@ impl<L: Look> Doubts<L> {
 
     /// Says what may be wrong.
     pub fn tell(&self) {
-        if let Some(hint) = time_hint(&self.times, self.rate) {
-            eprintln!("{hint}");
-        }
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {
                 let name = signal.name;
                 eprintln!(
-                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale"
+                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
                 );
             }
         }
-        self.look.tell();
     }
 
     /// Whether these rows can give a result: most were taken, and something was measured.
@@ -146,11 +142,13 @@ impl<L: Look> Doubts<L> {
         Ok(())
     }
 
-    /// What is surely wrong with a result: what was read is damaged, or it is of another machine.
+    /// What is surely wrong with a result: what was read is damaged, its times are in another unit or many of them are
+    /// refused, or it is of another machine.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
-        self.look
-            .fault()
+        time_fault(&self.times, self.rate)
+            .or_else(|| refused_often(self.refused, self.rows))
+            .or_else(|| self.look.fault())
             .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
     }
 }
@@ -158,17 +156,36 @@ impl<L: Look> Doubts<L> {
 /// No sensor is slower, and none faster \[s\].
 const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
 
-/// Words on times that seem to be in another unit.
-fn time_hint(times: &[f64], rate: f64) -> Option<String> {
-    if let Some((step, unit)) = recording::time_unit(times, rate) {
-        return Some(format!(
-            "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
-        ));
-    }
-    let step = recording::usual_step(times).filter(|step| !STEPS.contains(step))?;
+/// Why the times cannot be seconds, or the sensors cannot be as fast as described.
+fn time_fault(times: &[f64], rate: f64) -> Option<String> {
+    let (step, remedy) = match recording::time_unit(times, rate) {
+        Some((step, unit)) => (
+            step,
+            format!(
+                "is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map; else state sensors.rate"
+            ),
+        ),
+        None => (
+            recording::usual_step(times).filter(|step| !STEPS.contains(step))?,
+            "check the unit of the time".into(),
+        ),
+    };
     Some(format!(
-        "the rows are {step} s apart, and sensors.rate is {rate} Hz: check the unit of the time"
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz\n  what to do: {remedy}"
     ))
+}
+
+/// A result from which more than one row in so many is missing is in doubt.
+const REFUSED_ONE_IN: usize = 10;
+
+/// Why too few rows were taken for a result without a doubt.
+fn refused_often(refused: usize, rows: usize) -> Option<String> {
+    (REFUSED_ONE_IN * refused > rows).then(|| {
+        format!(
+            "{refused} of {rows} rows were refused, more than one in {REFUSED_ONE_IN}: their time is missing or does not increase\n  \
+             what to do: give the times with more digits, and sort the rows by time"
+        )
+    })
 }
 
 /// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
@@ -190,16 +207,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_row_in_ten_may_be_refused() {
+        assert_eq!(refused_often(10, 100), None);
+        assert!(refused_often(11, 100).is_some_and(|words| words.contains("11 of 100 rows")));
+    }
+
+    #[test]
     fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
         let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
-        assert!(time_hint(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
-        assert!(time_hint(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
+        assert!(time_fault(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
+        assert!(time_fault(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
         for step in [0.001, 0.01, 0.1, 1.0] {
-            assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
+            assert_eq!(time_fault(&every(step), 100.0), None, "{step} s");
         }
-        assert_eq!(time_hint(&[], 100.0), None);
+        assert_eq!(time_fault(&[], 100.0), None);
         for step in [1e-11, 864.0] {
-            let hint = time_hint(&every(step), 100.0).expect("a hint");
+            let hint = time_fault(&every(step), 100.0).expect("a hint");
             assert!(hint.contains("check the unit of the time"), "{hint}");
         }
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
+use recording::OneLine;
+
 use crate::out::Plain;
 
 /// A command ended without doing what it should.
@@ -21,7 +23,10 @@ impl Failure {
         remedy: impl fmt::Display,
     ) -> Self {
         Self {
-            message: format!("{what}\n  where: {place}\n  what to do: {remedy}"),
+            message: format!(
+                "{what}\n  where: {}\n  what to do: {remedy}",
+                OneLine(place)
+            ),
             status: 2,
         }
     }
@@ -49,7 +54,7 @@ impl Failure {
             );
         }
         let remedy = match error.kind() {
-            std::io::ErrorKind::InvalidData => "name a text file",
+            std::io::ErrorKind::InvalidData => "name a text file, and save it in UTF-8",
             std::io::ErrorKind::IsADirectory => "name a file, not a folder",
             _ => "check the path, the permissions and the free space",
         };

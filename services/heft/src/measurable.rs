@@ -3,16 +3,27 @@
 use messages::Value;
 use recording::Sensors;
 
+/// Index and bit of a signal, and its largest value that is a measurement.
+pub type Measured = (usize, u32, f64);
+
 /// Beyond this, in SI units, nothing is a measurement: five times the largest pressure.
 const LIMIT: f64 = 1e9;
 
-/// Bits of the numbers of a sample that are larger than any measurement; `measured` are those of [`recording::measured`], looked up
-/// once.
-pub fn beyond<S: Sensors>(sample: &S, measured: &[(usize, u32)]) -> u32 {
-    let valid = sample.bits_of("valid");
-    let large = measured.iter().filter(|(index, _)| {
-        let number = sample.get(*index).map_or(0.0, Value::as_f64);
-        number.abs() > LIMIT
+/// The signals of a machine that are numbers; `largest` says where one's estimators take a larger value for missing.
+pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measured> {
+    let measured = recording::measured::<S>().map(|(index, bit)| {
+        let limit = largest(S::FIELDS[index].name).map_or(LIMIT, |limit| limit.min(LIMIT));
+        (index, bit, limit)
     });
-    large.fold(0, |bits, (_, bit)| bits | bit) & valid
+    measured.collect()
+}
+
+/// Bits of the numbers of a sample that are larger than any measurement.
+pub fn beyond<S: Sensors>(sample: &S, measured: &[Measured]) -> u32 {
+    let valid = sample.bits_of("valid");
+    let large = measured.iter().filter(|(index, _, limit)| {
+        let number = sample.get(*index).map_or(0.0, Value::as_f64);
+        number.abs() > *limit
+    });
+    large.fold(0, |bits, (_, bit, _)| bits | bit) & valid
 }

@@ -9,7 +9,7 @@ mod remote;
 mod rows;
 mod shard;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, Read};
@@ -31,6 +31,8 @@ pub const NAME: &str = "machine";
 const MOST_MACHINES: usize = 100_000;
 /// What is said of the others: they are left out, so that made-up names end nobody's estimates.
 const TOO_MANY: &str = "is of a machine beyond the first 100 000";
+/// So many of them are named where all have the same lack.
+const MOST_NAMED: usize = 10;
 /// Longest name \[bytes\].
 const LONGEST_NAME: usize = 200;
 
@@ -217,7 +219,27 @@ impl<'a, S: Sensors> Router<'a, S> {
             self.send(number);
             self.refused += self.decoders[number].0.refused();
         }
+        self.tell_empty();
         Ok((self.samples, self.refused))
+    }
+
+    /// Names the columns that held no value in any row of a machine.
+    fn tell_empty(&self) {
+        let mut machines: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for (name, number) in &self.numbers {
+            for words in self.decoders[*number].0.empty() {
+                machines.entry(words).or_default().push(name);
+            }
+        }
+        for (words, mut names) in machines {
+            names.sort_unstable();
+            let (all, first) = (names.len(), names.len().min(MOST_NAMED));
+            let more = match all - first {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            eprintln!("{words}: machine {}{more}", names[..first].join(", "));
+        }
     }
 
     fn take(&mut self, line: &[u8]) -> Result<(), Failure> {

@@ -21,6 +21,14 @@ pub fn text(file: &Path) -> Result<String, Failure> {
             "name a machine file, a text in TOML of some kilobytes",
         ));
     }
+    // A disk that was full leaves a file with nothing in it; /dev/null is meant.
+    if text.trim().is_empty() && file.is_file() {
+        return Err(Failure::input(
+            "the machine file is empty",
+            file.display(),
+            "get it anew, or leave it out for the reference machine; `heft check --print` writes one",
+        ));
+    }
     Ok(text)
 }
 
@@ -29,9 +37,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_device_without_end_is_refused_and_an_empty_one_read() {
+    fn a_device_without_end_and_a_file_of_nothing_are_refused() {
         let endless = text(Path::new("/dev/zero")).expect_err("too large");
         assert!(endless.to_string().contains("100000 bytes"), "{endless}");
         assert_eq!(text(Path::new("/dev/null")).expect("empty"), "");
+        let left = tempfile::NamedTempFile::new().expect("a file");
+        let error = text(left.path()).expect_err("nothing in it");
+        assert!(error.to_string().contains("is empty"), "{error}");
     }
 }

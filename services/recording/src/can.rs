@@ -14,7 +14,7 @@ mod tokens;
 
 pub use decoder::Decoder;
 pub use frame::{Frame, MAX_DATA};
-pub(crate) use frame::{Line, parse};
+pub(crate) use frame::{Line, parse, text};
 pub(crate) use left_out::LeftOut;
 pub(crate) use log::Log;
 pub use outgoing::Outgoing;

@@ -2,7 +2,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use crate::Plain;
+use crate::OneLine;
 
 /// Why a file could not be read or written. Prints as three lines: what, where, what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,9 +85,9 @@ impl fmt::Display for Error {
         write!(
             f,
             "{}\n  where: {}\n  what to do: {}",
-            Plain(&self.what),
-            Plain(&self.place),
-            Plain(&self.remedy)
+            OneLine(&self.what),
+            OneLine(&self.place),
+            OneLine(&self.remedy)
         )
     }
 }

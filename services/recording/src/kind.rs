@@ -5,8 +5,9 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
-use crate::can::parse;
+use crate::can::{self, Line, parse};
 use crate::packed::GZIP;
+use crate::wide;
 
 /// What samples are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,11 +28,9 @@ const PACKED: &str = "gz";
 
 /// First bytes of an MCAP file.
 const MCAP: &[u8] = b"\x89MCAP";
-/// Byte order marks of text in two bytes a character.
-const WIDE: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 15] = [
+const FOREIGN: [(&[u8], &str, &str); 33] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -44,24 +43,33 @@ const FOREIGN: [(&[u8], &str, &str); 15] = [
     ),
     (b"PAR1", "a Parquet file", PYTHON),
     (b"ARROW1", "an Arrow file", PYTHON),
+    (b"FEA1", "a Feather file", PYTHON),
+    (b"Obj\x01", "an Avro file", PYTHON),
+    (b"\x93NUMPY", "an array of NumPy", PYTHON),
     (b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON),
     (
         b"MATLAB",
         "a MATLAB file",
         "write a table: writetable(T, 'data.csv')",
     ),
+    (b"TDSm", "a TDMS file of LabVIEW", EXPORT),
+    (b"ULog", "a log of PX4 (ULog)", EXPORT),
     (
         b"MDF ",
         "an MDF file",
         "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: export them as CSV",
     ),
-    (
-        b"UnFinMF",
-        "an MDF file that was not finished",
-        "export it as CSV with the tool that wrote it",
-    ),
+    (b"UnFinMF", "an MDF file that was not finished", EXPORT),
     (b"LOGG", "a CAN log of Vector (BLF)", CAN),
-    (b"date ", "a CAN log of Vector (ASC)", CAN),
+    (DATE, "a CAN log of Vector (ASC)", CAN),
+    (b"base hex", "a CAN log of Vector (ASC)", CAN),
+    (b"base dec", "a CAN log of Vector (ASC)", CAN),
+    (b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN),
+    (
+        b"***BUSMASTER",
+        "a CAN log of BUSMASTER",
+        "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)",
+    ),
     (
         b"#ROSBAG",
         "a bag of ROS 1",
@@ -73,13 +81,34 @@ const FOREIGN: [(&[u8], &str, &str); 15] = [
         "convert a bag to MCAP: ros2 bag convert",
     ),
     (
+        b"version https://git-lfs",
+        "the name of a file in Git LFS, not the file",
+        "fetch it: git lfs pull",
+    ),
+    (b"%PDF", "a PDF", EXPORT),
+    (b"{\\rtf", "a text of a word processor", EXPORT),
+    (b"<!DOCTYPE", PAGE, DOWNLOAD),
+    (b"<html", PAGE, DOWNLOAD),
+    (b"<?xml", "XML", EXPORT),
+    (
         b"\x28\xb5\x2f\xfd",
         "packed by zstd",
         "unpack it: zstd -d FILE",
     ),
+    (
+        b"\x04\x22\x4d\x18",
+        "packed by lz4",
+        "unpack it: lz4 -d FILE",
+    ),
     (b"BZh", "packed by bzip2", "unpack it: bunzip2 -k FILE"),
     (b"\xfd7zXZ", "packed by xz", "unpack it: unxz -k FILE"),
+    (b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE"),
+    (b"Rar!", "packed by RAR", "unpack it: unrar x FILE"),
 ];
+const DATE: &[u8] = b"date ";
+const PAGE: &str = "a page, perhaps of a login";
+const DOWNLOAD: &str = "download the file itself";
+const EXPORT: &str = "export it as CSV with the tool that wrote it";
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
 const CAN: &str =
     "convert it to a log of candump: `can_logconvert FILE OUT.log` (pip install python-can)";
@@ -132,18 +161,31 @@ impl Kind {
             return Ok(Self::Recording);
         }
         let place = || path.display().to_string();
-        let text = head.trim_ascii_start();
-        if let Some((_, what, remedy)) = FOREIGN.iter().find(|(magic, ..)| head.starts_with(magic))
-        {
+        let begin = behind_comments(&head);
+        let is_foreign = |(magic, ..): &&(&[u8], _, _)| {
+            let is_so = head.starts_with(magic) || begin.starts_with(magic);
+            // A table may begin with a date too.
+            is_so && !(*magic == DATE && is_parted(begin))
+        };
+        if let Some((_, what, remedy)) = FOREIGN.iter().find(is_foreign) {
             return Err(Error::new(
                 format!("this is {what}, which heft does not read"),
                 place(),
                 *remedy,
             ));
         }
-        if named == Some(Self::Log) {
-            return Ok(Self::Log);
+        if head.starts_with(&GZIP) {
+            return Ok(named.unwrap_or(Self::Table));
         }
+        let head = wide::head(head);
+        if is_no_text(&head) {
+            return Err(Error::new(
+                "this is no text, and of no kind that heft knows by its first bytes",
+                place(),
+                "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+            ));
+        }
+        let text = head.trim_ascii_start();
         if text.starts_with(b"{") || text.starts_with(b"[{") {
             return Err(Error::new(
                 "this is JSON, which heft does not read",
@@ -151,22 +193,44 @@ impl Kind {
                 PYTHON,
             ));
         }
-        if named.is_some() || head.starts_with(&GZIP) {
-            return Ok(Self::Table);
-        }
-        let is_wide = WIDE.iter().any(|mark| head.starts_with(mark));
-        if head.contains(&0) && !is_wide {
-            return Err(Error::new(
-                "the kind of file is not known from its name or its first bytes",
-                place(),
-                "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
-            ));
-        }
-        let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
-        match parse(&String::from_utf8_lossy(line)) {
-            Some(_) if !line.is_empty() => Ok(Self::Log),
-            _ => Ok(Self::Table),
-        }
+        Ok(of_text(text, named))
+    }
+}
+
+/// Whether these bytes are a program, a picture or the like. A file may be filled up with zeros.
+fn is_no_text(head: &[u8]) -> bool {
+    let filled = head.iter().rev().take_while(|b| **b == 0).count();
+    let text = &head[..head.len() - filled];
+    // Colours of a terminal are text.
+    let is_strange = |b: &&u8| b.is_ascii_control() && !b.is_ascii_whitespace() && **b != 0x1b;
+    STRANGE * text.iter().filter(is_strange).count() > text.len()
+}
+
+/// One control character in fewer than so many is no text; a strange name has one.
+const STRANGE: usize = 20;
+
+/// A text without blanks and comments (`//`) above it.
+fn behind_comments(text: &[u8]) -> &[u8] {
+    let text = text.trim_ascii_start();
+    match text.iter().position(|b| *b == b'\n') {
+        Some(end) if text.starts_with(b"//") => behind_comments(&text[end..]),
+        _ => text,
+    }
+}
+
+/// Whether the first line has separators.
+fn is_parted(text: &[u8]) -> bool {
+    let mut line = text.iter().take_while(|b| **b != b'\n');
+    line.any(|b| b",;\t|".contains(b))
+}
+
+/// A table or a log, by its lines: a frame makes a log; separators and no frame make a table.
+fn of_text(text: &[u8], named: Option<Kind>) -> Kind {
+    let is_frame = |line: &[u8]| matches!(parse(&can::text(line)), Some(Line::Frame { .. }));
+    match named {
+        _ if text.split(|b| *b == b'\n').any(is_frame) => Kind::Log,
+        Some(Kind::Log) if !is_parted(text) => Kind::Log,
+        _ => Kind::Table,
     }
 }
 
@@ -194,6 +258,9 @@ mod tests {
             );
         }
         assert_eq!(of("a.csv.gz", &GZIP).ok(), Some(Kind::Table));
+        assert_eq!(of("a.log", b"t,speed\n0,1\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a.csv", b"date time;speed\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a", b"t\n\0\0\0\0\0\0").ok(), Some(Kind::Table));
         assert_eq!(of("a", b"\xff\xfet\0;\0a\0\n\0").ok(), Some(Kind::Table));
     }
 
@@ -202,6 +269,10 @@ mod tests {
         let frame = b"(1700000000.000000) can0 123#0011223344556677\n";
         assert_eq!(of("trace", frame).ok(), Some(Kind::Log));
         assert_eq!(of("a.log", frame).ok(), Some(Kind::Log));
+        assert_eq!(
+            of("a.txt", &[b"# day 1\n", &frame[..]].concat()).ok(),
+            Some(Kind::Log)
+        );
         assert_eq!(of("a.log.gz", &GZIP).ok(), Some(Kind::Log));
         let named_so = of("a.log", b"LOGG\x90\0").expect_err("BLF");
         assert!(named_so.what.contains("BLF"), "{named_so}");
@@ -228,12 +299,19 @@ mod tests {
             (b"PAR1\0", "Parquet", "Python"),
             (b"MDF     4.10", "MDF", "can_logconvert"),
             (b"LOGG\x90", "Vector", "can_logconvert"),
+            (
+                b"// version 9\nbase hex  timestamps absolute\n",
+                "Vector",
+                "can_logconvert",
+            ),
+            (b"date Sam Sep 30\n", "Vector", "can_logconvert"),
+            (b"\n<html>", "a page", "download"),
             (b"{\"t\": 0}", "JSON", "CSV"),
         ] {
             let error = of("a.csv", content).expect_err("not read").to_string();
             assert!(error.contains(what) && error.contains(remedy), "{error}");
         }
         let error = of("a", b"\x7fELF\0\0").expect_err("a program").to_string();
-        assert!(error.contains("not known"), "{error}");
+        assert!(error.contains("no text"), "{error}");
     }
 }

@@ -41,6 +41,7 @@ mod time_unit;
 mod topics;
 mod unit;
 mod whole;
+mod wide;
 mod wire;
 mod writer;
 
@@ -54,7 +55,7 @@ pub use output::Output;
 pub use parts::{
     files_by_age, is_being_written, is_part_of, next_part, part, part_number, recordings, reserve,
 };
-pub use plain::{Plain, steers};
+pub use plain::{OneLine, Plain, steers};
 pub use reader::{Lacks, Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use scan::has_chunk_at;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::Error;
-use crate::can::{Decoder, LeftOut, Line, parse};
+use crate::can::{self, Decoder, LeftOut, Line, parse};
 use crate::csv::{self, Cells, Columns, Dialect};
 use crate::map::Map;
 use crate::packed::GZIP;
@@ -93,7 +93,7 @@ impl<S: Sensors> LineDecoder<S> {
         }
         match &mut self.kind {
             Kind::Frames(decoder) => {
-                let text = String::from_utf8_lossy(line);
+                let text = can::text(line);
                 let mut said = parse(&text);
                 if let Some(Line::Frame { frame, timed }) = &mut said {
                     self.frames += 1;
@@ -152,6 +152,10 @@ impl<S: Sensors> LineDecoder<S> {
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
             let is_whole = record.len() == columns.width();
+            if !is_whole && csv::comment(line).is_some() {
+                self.rows -= 1;
+                return;
+            }
             if !is_whole || columns.take(record).is_err() {
                 self.refuse("is no row of the table");
             }
@@ -356,7 +360,13 @@ impl NameColumn {
         let (cells, names) = head(header, dialect, &self.input)?;
         let at = names.iter().position(|n| n == self.name).ok_or_else(|| {
             let what = format!("there is no column {}", self.name);
-            let remedy = format!("add it; the table has {}", names.join(", "));
+            let remedy = match names.len() {
+                1 => format!(
+                    "delete what stands above the header; the first line is {}",
+                    csv::listed(&names)
+                ),
+                _ => format!("add it; the table has {}", csv::listed(&names)),
+            };
             Error::new(what, format!("{}:1", self.input), remedy)
         })?;
         self.found = Some((cells, at));

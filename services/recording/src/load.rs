@@ -25,7 +25,7 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     if !damage.is_empty() {
         return Err(Error::new(
             "the recording is damaged",
-            damage.join("\n         "),
+            damage.join("; "),
             "`heft recover` writes a copy of what is whole; decide whether that is enough",
         ));
     }
@@ -149,6 +149,18 @@ pub fn open<S: Sensors>(
     let path = path.as_ref();
     let place = || path.display().to_string();
     match (Kind::of(path)?, map) {
+        (Kind::Table, Some(map)) if map.columns.is_empty() => Err(Error::new(
+            "the signal map names no columns, and this is a table",
+            place(),
+            match map.has_can() {
+                true => {
+                    "give a log of candump: `can_logconvert FILE OUT.log` (pip install python-can) makes one of frames; or name columns under [columns]"
+                }
+                false => {
+                    "name them under [columns] (`heft map FILE` writes a first map), or leave out --map"
+                }
+            },
+        )),
         (Kind::Table, _) => table::<S>(path, map),
         (Kind::Log, Some(map)) => log::<S>(path, map),
         (Kind::Recording, None) => recorded::<S>(path),

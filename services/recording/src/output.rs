@@ -72,7 +72,7 @@ impl Output {
         self.out.flush().map_err(fail)?;
         if let Some(beside) = &self.beside {
             self.out.get_ref().sync_all().map_err(fail)?;
-            std::fs::rename(&beside.0, &self.path).map_err(fail)?;
+            std::fs::rename(beside.path(), &self.path).map_err(fail)?;
         }
         Ok(())
     }
@@ -87,9 +87,43 @@ impl Output {
     }
 }
 
+/// A file that is removed when this ends, or when a signal ends the process, unless it is kept.
+#[derive(Debug)]
+pub(crate) struct Unfinished(PathBuf);
+
+impl Unfinished {
+    pub(crate) fn new(path: PathBuf) -> Self {
+        UNFINISHED
+            .lock()
+            .iter_mut()
+            .for_each(|all| all.push(path.clone()));
+        Self(path)
+    }
+
+    /// It is whole.
+    pub(crate) fn keep(self) {
+        self.forget();
+        std::mem::forget(self);
+    }
+
+    fn forget(&self) {
+        UNFINISHED
+            .lock()
+            .iter_mut()
+            .for_each(|all| all.retain(|other| *other != self.0));
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+        self.forget();
+    }
+}
+
 /// A file beside a result, for as long as this lives.
 #[derive(Debug)]
-pub struct Beside(PathBuf);
+pub struct Beside(Unfinished);
 
 impl Beside {
     /// A new one, empty, beside `result`.
@@ -103,13 +137,8 @@ impl Beside {
             match File::create_new(&name) {
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
                 file => {
-                    let beside = Self(name.into());
                     let file = file?;
-                    UNFINISHED
-                        .lock()
-                        .iter_mut()
-                        .for_each(|all| all.push(beside.0.clone()));
-                    return Ok((beside, file));
+                    return Ok((Self(Unfinished::new(name.into())), file));
                 }
             }
         }
@@ -119,17 +148,7 @@ impl Beside {
     /// Its name.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.0
-    }
-}
-
-impl Drop for Beside {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-        UNFINISHED
-            .lock()
-            .iter_mut()
-            .for_each(|all| all.retain(|other| *other != self.0));
+        &self.0.0
     }
 }
 

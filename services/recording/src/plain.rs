@@ -30,6 +30,15 @@ impl<T: Display> Display for Plain<T> {
     }
 }
 
+/// The same on one line: line breaks are written out too (`\n`), as a file's name may hold them.
+pub struct OneLine<T>(pub T);
+
+impl<T: Display> Display for OneLine<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Plain(self.0.to_string().replace('\n', "\\n")).fmt(f)
+    }
+}
+
 /// Writes on with these characters written out.
 struct Writing<'a, 'b>(&'a mut Formatter<'b>);
 
@@ -51,7 +60,7 @@ impl Write for Writing<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::Plain;
+    use super::{OneLine, Plain};
 
     #[test]
     fn what_steers_a_terminal_or_turns_its_text_is_written_out() {
@@ -60,5 +69,6 @@ mod tests {
         assert_eq!(shown, "a\\u{1b}[31mred\\u{7}.csv\tok\n\\u{9b}2J ± m²");
         let turned = Plain("swing\u{202e}vsc.\u{200b}x\u{feff}é").to_string();
         assert_eq!(turned, "swing\\u{202e}vsc.\\u{200b}x\\u{feff}é");
+        assert_eq!(OneLine("a\nb\x1b").to_string(), "a\\nb\\u{1b}");
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::copy::copy;
 use crate::file::{self, ClaimError};
+use crate::output::Unfinished;
 use crate::parts::JOINED;
 use crate::reader::{Part, Reader};
 use crate::writer::{RECORD, failure, options, with_sum};
@@ -153,36 +154,35 @@ pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
 
 /// Copies a recording that is one whole file, with all that heft does not know in it.
 fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
-    let file = claim(path)?;
+    let (mut file, unfinished) = claim(path)?;
     let copied = reader.files().next().map_or(Ok(()), |from| {
-        let mut file = &file;
         std::io::copy(&mut File::open(from)?, &mut file)?;
         file.sync_all()
     });
-    copied.map_err(|e| {
-        let _ = std::fs::remove_file(path); // the error that is returned matters more
-        Error::system("write beside the recording", path, &e)
-    })
+    copied.map_err(|e| Error::system("write beside the recording", path, &e))?;
+    unfinished.keep();
+    Ok(())
 }
 
 /// Takes the name of a file that does not exist yet.
-fn claim(path: &Path) -> Result<File, Error> {
-    file::take(path).map_err(|e| match e {
+fn claim(path: &Path) -> Result<(File, Unfinished), Error> {
+    let file = file::take(path).map_err(|e| match e {
         ClaimError::System(e) => Error::system("write beside the recording", path, &e),
         ClaimError::Exists => Error::new(
             "this file exists already; it is not overwritten",
             path.display().to_string(),
             "choose another name with -o",
         ),
-    })
+    })?;
+    Ok((file, Unfinished::new(path.to_owned())))
 }
 
 /// Writes every whole message into a new file, with the metadata of the run and a note.
 fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
-    let file = claim(path)?;
-    fill(reader, path, file, note).inspect_err(|_| {
-        let _ = std::fs::remove_file(path); // the error that is returned matters more
-    })
+    let (file, unfinished) = claim(path)?;
+    let messages = fill(reader, path, file, note)?;
+    unfinished.keep();
+    Ok(messages)
 }
 
 fn fill(reader: &Reader, path: &Path, file: File, note: &Metadata) -> Result<u64, Error> {

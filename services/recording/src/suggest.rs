@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use messages::Machine;
 
 use crate::can::dbc::Dbc;
-use crate::can::{LeftOut, Line, parse};
+use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
@@ -46,7 +46,17 @@ pub fn suggest(
     let file = match kind {
         Kind::Table => Foreign::Table,
         Kind::Log => Foreign::Log(dbc),
-        Kind::Recording => Foreign::Topics(Box::new(list::open(path)?)),
+        Kind::Recording => {
+            let reader = list::open(path)?;
+            if reader.metadata().contains_key("heft.version") {
+                return Err(Error::new(
+                    "this is a recording of heft, which needs no signal map",
+                    path.display().to_string(),
+                    "give it as it is: heft estimate, loads, report, replay",
+                ));
+            }
+            Foreign::Topics(Box::new(reader))
+        }
     };
     let machines = machine.map_or(Machine::ALL.to_vec(), |machine| vec![machine]);
     let guesses = machines
@@ -113,7 +123,7 @@ fn frames(path: &Path) -> Result<Frames, Error> {
             Err(e) if !counts.is_empty() && e.kind() == ErrorKind::UnexpectedEof => break,
             line => line.map_err(failed)?,
         };
-        let text = String::from_utf8_lossy(&line);
+        let text = can::text(&line);
         let mut said = parse(&text);
         if let Some(Line::Frame { frame, timed }) = &mut said {
             // A map needs no times.

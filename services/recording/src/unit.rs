@@ -40,14 +40,19 @@ pub(crate) const UNITS: &[Unit] = &[
     unit("day", "s", 86400.0, &["days"]),
     unit("rad", "rad", 1.0, &["radian", "radians"]),
     unit("mrad", "rad", 1e-3, &[]),
-    unit("deg", "rad", PI / 180.0, &["degree", "degrees", "°", "º"]),
+    unit(
+        "deg",
+        "rad",
+        PI / 180.0,
+        &["degree", "degrees", "degs", "°", "º"],
+    ),
     unit("turn", "rad", TAU, &["rev", "turns"]),
-    unit("rad/s", "rad/s", 1.0, &["rad/sec", "rads", "1/s"]),
+    unit("rad/s", "rad/s", 1.0, &["rad/sec", "rads", "radps", "1/s"]),
     unit(
         "deg/s",
         "rad/s",
         PI / 180.0,
-        &["deg/sec", "degree/s", "°/s", "°/sec", "º/s", "dps"],
+        &["deg/sec", "degree/s", "°/s", "°/sec", "º/s", "dps", "degps"],
     ),
     unit(
         "rpm",
@@ -132,6 +137,62 @@ pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
         .or_else(|| UNITS.iter().find(|u| plain(u.name) == wanted))
 }
 
+/// The unit that a name tells of what is measured in `si`: in brackets, or by the words behind it (`boom_deg`, `gyro.z_deg_s`,
+/// `BoomAngleDeg`). The degrees of an angular velocity are degrees a second.
+pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
+    units_of(name).into_iter().find_map(|unit| {
+        let a_second = || find(&format!("{}/s", unit.name)).filter(|_| unit.si == "rad");
+        Some(unit)
+            .filter(|unit| unit.si == si)
+            .or_else(|| a_second().filter(|unit| unit.si == si))
+    })
+}
+
+/// The unit that a name tells, where that is of something else than `si`. A letter alone may mean anything.
+pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
+    let tells = |unit: &&Unit| bracketed(name).is_some() || unit.name.len() > 1 || unit.name == "%";
+    let unit = units_of(name).into_iter().find(tells)?;
+    of_name(name, si).is_none().then_some(unit.name)
+}
+
+/// What stands in the last brackets of a name.
+fn bracketed(name: &str) -> Option<&str> {
+    let (_, text) = name.rsplit_once(['[', '('])?;
+    Some(text.trim_end_matches([']', ')']))
+}
+
+/// The units that the end of a name may mean, the longest first.
+fn units_of(name: &str) -> Vec<&'static Unit> {
+    if let Some(text) = bracketed(name) {
+        return guess(text).into_iter().collect();
+    }
+    let words = words(name);
+    // A name is more than its unit.
+    let lengths = (1..words.len().min(4)).rev();
+    let end = |length: usize| {
+        let end = words[words.len() - length..].iter().copied();
+        let end: Vec<&str> = end.filter(|w| !w.eq_ignore_ascii_case("per")).collect();
+        ["", "/"].map(|between| guess(&end.join(between)))
+    };
+    lengths.flat_map(end).flatten().collect()
+}
+
+/// The words of a name: between signs and blanks, and where a capital begins one.
+fn words(name: &str) -> Vec<&str> {
+    let (mut words, mut begin, mut before) = (Vec::new(), 0, ' ');
+    for (at, c) in name.char_indices() {
+        let is_sign = matches!(c, '_' | '.' | '-' | ' ' | ':');
+        if is_sign || before.is_lowercase() && c.is_uppercase() {
+            words.push(&name[begin..at]);
+            begin = if is_sign { at + c.len_utf8() } else { at };
+        }
+        before = c;
+    }
+    words.push(&name[begin..]);
+    words.retain(|word| !word.is_empty());
+    words
+}
+
 /// The units of a dimension, each once.
 pub(crate) fn of(si: &str) -> String {
     let mut all: Vec<&Unit> = Vec::new();
@@ -180,6 +241,35 @@ mod tests {
         for text in ["", "°C", "L/h", "counts", "mPa s"] {
             assert_eq!(guess(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn the_end_of_a_name_tells_its_unit() {
+        for (name, si, unit) in [
+            ("swing.rate_deg", "rad/s", "deg/s"),
+            ("SwingRateDegPerSec", "rad/s", "deg/s"),
+            ("swing_rate_deg_per_s", "rad/s", "deg/s"),
+            ("gyro_z_deg_s", "rad/s", "deg/s"),
+            ("omega_rad_s", "rad/s", "rad/s"),
+            ("speed_m_s", "m/s", "m/s"),
+            ("speed_km_h", "m/s", "km/h"),
+            ("BoomAngleDeg", "rad", "deg"),
+            ("swing torque [kNm]", "N m", "kNm"),
+            ("swing_torque_N_m", "N m", "Nm"),
+            ("SwingTorqueKNm", "N m", "kN m"),
+            ("wheel_rpm", "rad/s", "rpm"),
+            ("mass_t", "kg", "t"),
+        ] {
+            assert_eq!(of_name(name, si).map(|u| u.name), Some(unit), "{name}");
+            assert_eq!(foreign(name, si), None, "{name}");
+        }
+        for name in ["deg", "speed", "arm_A", "swing_velocity_t", "boom (left)"] {
+            assert_eq!(of_name(name, "rad"), None, "{name}");
+            assert_eq!(foreign(name, "rad"), None, "{name}");
+        }
+        assert_eq!(foreign("boom_pos_mm", "rad"), Some("mm"));
+        assert_eq!(foreign("slope_pct", "rad"), Some("%"));
+        assert_eq!(foreign("swing_moment_bar", "N m"), Some("bar"));
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub use load::payload::{self, Payload};
 pub use method::Method;
 pub use physics::{axle_loads, cg_model, wheel_dynamics};
 pub use reason::Reason;
-pub use sample::{Columns, Sample};
+pub use sample::{Columns, Sample, largest};
 pub use settings::{LoadTransfer, Machine, MustBe, Prior, Sensors, Settings, SettingsError};
 
 /// Rated payload in machine masses, half of what tips a loader (ISO 14397-1): .29 to .33 for machines of 5 to 25 t (makers' sheets).

@@ -1,5 +1,7 @@
 //! One row of loader signals, and which of them the source has at all.
 
+use super::keys::Description;
+
 /// One row of signals; `None` is a missing sample, a value that is not finite counts as missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -80,6 +82,29 @@ const FORCE_LIMIT: f64 = 10.0;
 const PULL_LIMIT: f64 = 3.0;
 /// Beyond this factor of the machine's mass a mass is no measurement.
 const MASS_LIMIT: f64 = 20.0;
+
+/// The largest value of a signal that counts: a larger one is missing. None where any counts, or the mass of the machine
+/// decides.
+#[must_use]
+pub fn largest(signal: &str, described: &Description) -> Option<f64> {
+    let weight = described.machine.mass * super::physics::wheel_dynamics::GRAVITY;
+    match signal {
+        "speed" => Some(SPEED_LIMIT),
+        "front_wheel_speed" | "rear_wheel_speed" => Some(WHEEL_SPEED_LIMIT),
+        "front_torque" | "rear_torque" => {
+            Some(PULL_LIMIT * weight * described.machine.wheel_radius)
+        }
+        "slope" => Some(SLOPE_LIMIT),
+        "acceleration" => Some(ACCELERATION_LIMIT),
+        "mass" => Some(described.machine.mass * MASS_LIMIT),
+        "spade_force_x" | "spade_force_z" => Some(FORCE_LIMIT * weight),
+        "articulation" => Some(ARTICULATION_LIMIT),
+        "yaw_rate" => Some(YAW_LIMIT),
+        "lift_angle" | "tilt_angle" => Some(ANGLE_LIMIT),
+        pressure if pressure.ends_with("_pressure") => Some(PRESSURE_LIMIT),
+        _ => None,
+    }
+}
 
 impl Sample {
     /// The sample without values that no machine of this mass [kg] and wheel radius [m] can have.

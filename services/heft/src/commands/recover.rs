@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::failure::Failure;
+use crate::signals;
 
 /// `heft recover`
 #[derive(Debug, Args)]
@@ -19,6 +20,7 @@ pub struct RecoverArgs {
 
 /// `heft recover`
 pub fn recover(args: &RecoverArgs) -> Result<(), Failure> {
+    signals::leave_nothing()?;
     let recovered = recording::recover(&args.file, args.output.as_deref())?;
     println!("{}: {recovered}", args.file.display());
     if recovered.messages == 0 {

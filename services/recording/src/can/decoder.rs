@@ -198,7 +198,8 @@ impl<S: Sensors> Decoder<S> {
                 "record with candump -L or -ta, which tell microseconds: the times of -td are differences, and whole seconds are too coarse",
             ));
         }
-        if 2 * early > frames {
+        // Of the differences of `candump -td` at least every second is smaller than the largest.
+        if 5 * early > 2 * frames {
             return Err(Error::new(
                 format!("{early} of {frames} frames are earlier than one before them"),
                 log,

@@ -1,5 +1,7 @@
 //! A CAN frame, and its line in what `candump` prints.
 
+use std::borrow::Cow;
+
 use crate::time;
 
 /// Longest data field of a frame (CAN FD).
@@ -79,6 +81,24 @@ pub(crate) enum Line<'a> {
     Nothing,
     /// So many frames were lost while the log was recorded (`-d`).
     Dropped(u64),
+}
+
+/// A line as a text, without the colours of `candump -c`.
+pub(crate) fn text(line: &[u8]) -> Cow<'_, str> {
+    const BEGIN: &str = "\x1b[";
+    let text = String::from_utf8_lossy(line);
+    if !text.contains(BEGIN) {
+        return text;
+    }
+    let mut parts = text.split(BEGIN);
+    let first = parts.next().unwrap_or_default().to_owned();
+    let rest = parts.map(|part| {
+        let is_colour = |c: char| c.is_ascii_digit() || c == ';';
+        part.trim_start_matches(is_colour)
+            .strip_prefix('m')
+            .unwrap_or(part)
+    });
+    Cow::Owned(rest.fold(first, |all, part| all + part))
 }
 
 /// Reads a line of `candump`: the log form (`-L`, `-l`), and the form for people with its times (`-t a`,
@@ -280,6 +300,17 @@ mod tests {
             raw
         );
         assert_eq!(raw.data(), [0, 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77]);
+    }
+
+    #[test]
+    fn colours_are_no_part_of_a_frame() {
+        let line = b"\x1b[34m (1700000000.000001)  can0  123   [2]  01 FF\x1b[0m\n";
+        let said = text(line);
+        assert_eq!(said, " (1700000000.000001)  can0  123   [2]  01 FF\n");
+        assert!(matches!(
+            parse(&said),
+            Some(Line::Frame { timed: true, .. })
+        ));
     }
 
     #[test]

@@ -3,15 +3,16 @@
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use super::{Decoder, LeftOut, Line, parse};
+use super::{Decoder, LeftOut, Line, parse, text};
 use crate::map::Map;
+use crate::packed::{self, Content};
 use crate::signal::{Row, Sensors};
-use crate::{Error, Lacks, MAX_LINE, packed};
+use crate::{Error, Lacks, MAX_LINE};
 
 /// The rows of a log, one after the other.
 pub(crate) struct Log<S: Sensors> {
     path: PathBuf,
-    file: BufReader<Box<dyn Read>>,
+    file: BufReader<Content>,
     decoder: Decoder<S>,
     line: Vec<u8>,
     number: u64,
@@ -73,7 +74,7 @@ impl<S: Sensors> Log<S> {
     }
 
     fn take(&mut self) -> Result<(), Error> {
-        let text = String::from_utf8_lossy(&self.line);
+        let text = text(&self.line);
         let line = parse(&text);
         let log = self.path.display();
         if line.is_none() && !text.ends_with('\n') && self.line.len() < MAX_LINE {

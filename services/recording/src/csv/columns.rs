@@ -60,7 +60,7 @@ impl NoNumber {
     /// That in a cell of this column.
     pub(super) fn of(cell: &[u8], column: &str, is_time: bool) -> Self {
         Self {
-            text: dialect::text(cell),
+            text: dialect::text(cell).chars().take(SHOWN).collect(),
             column: column.to_owned(),
             is_time,
             is_header: dialect::text(cell) == column,
@@ -374,20 +374,70 @@ fn require<S: Sensors>(
     Ok(())
 }
 
+/// Whether a header names an identifier and the data of a frame.
+fn is_frames(header: &[String]) -> bool {
+    let is_one_of = |names: &[&str]| {
+        let mut header = header.iter().map(|name| name.to_lowercase());
+        header.any(|name| names.contains(&name.as_str()))
+    };
+    is_one_of(&[
+        "id",
+        "can id",
+        "canid",
+        "can_id",
+        "id (hex)",
+        "identifier",
+        "arbitration_id",
+    ]) && is_one_of(&[
+        "data",
+        "data (hex)",
+        "dlc",
+        "len",
+        "length",
+        "d0",
+        "d1",
+        "db0",
+        "data0",
+        "byte0",
+    ])
+}
+
+/// So much of a cell is shown [characters], and so many names of a header.
+const SHOWN: usize = 40;
+
+/// The names of a header.
+pub(crate) fn listed(header: &[String]) -> String {
+    let first = &header[..header.len().min(SHOWN)];
+    let names = first.iter().map(|name| name.chars().take(SHOWN).collect());
+    let more = match header.len() - first.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    names.collect::<Vec<String>>().join(", ") + &more
+}
+
 /// None of these columns is there.
 pub(super) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
-    let similar = config::nearest(names[0], header.iter().map(String::as_str));
+    let named = header.iter().filter(|name| !name.is_empty());
+    let similar = config::nearest(names[0], named.map(String::as_str));
     let remedy = match similar {
         _ if header.len() < 2 => format!(
             "separate the columns by , ; | or tabs, and delete what stands above their names, or mark it by #; the first line is {}",
-            header.concat().chars().take(80).collect::<String>()
+            header.concat().chars().take(2 * SHOWN).collect::<String>()
         ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
             "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one); the file has {}",
-            header.join(", ")
+            listed(header)
         ),
     };
+    if is_frames(header) {
+        return Error::new(
+            "this is a table of CAN frames",
+            format!("{file}:1"),
+            "save it as a log of candump (SavvyCAN and python-can's can_logconvert do), and give that with its DBC file in a signal map",
+        );
+    }
     let what = format!("there is no column {} ({of})", names.join(" or "));
     Error::new(what, format!("{file}:1"), remedy)
 }

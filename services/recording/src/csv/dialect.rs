@@ -82,22 +82,6 @@ pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
     }
 }
 
-/// The bytes of a table as UTF-8 without a byte order mark; UTF-16 with one is converted.
-pub(crate) fn utf8(bytes: Vec<u8>) -> Vec<u8> {
-    let wide = |make: fn([u8; 2]) -> u16| {
-        let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
-        let units = units.map(|pair| make([pair[0], pair[1]]));
-        let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
-        text.collect::<String>().into_bytes()
-    };
-    match bytes.as_slice() {
-        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
-        [0xef, 0xbb, 0xbf, rest @ ..] => rest.to_vec(),
-        _ => bytes,
-    }
-}
-
 /// A text that is UTF-8, or else Latin-1.
 pub(crate) fn text(bytes: &[u8]) -> String {
     let latin = || bytes.iter().map(|b| char::from(*b)).collect();
@@ -228,21 +212,5 @@ mod tests {
             assert!(number.is_some_and(f64::is_nan), "{word}");
         }
         assert_eq!(english.number(b"nothing"), None);
-    }
-
-    #[test]
-    fn both_orders_of_utf16_are_read() {
-        let text = "t;ü\n";
-        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
-        assert_eq!(
-            utf8([&[0xff, 0xfe], little.as_slice()].concat()),
-            text.as_bytes()
-        );
-        assert_eq!(
-            utf8([&[0xfe, 0xff], big.as_slice()].concat()),
-            text.as_bytes()
-        );
-        assert_eq!(utf8(b"\xef\xbb\xbft".to_vec()), b"t");
     }
 }

@@ -111,6 +111,12 @@ impl Front {
             match kinds.take(line) {
                 Line::Comment => after_mark = comment(line).map_or(at, end_of),
                 Line::Header(dialect) => {
+                    if let Some(preface) = preface(line, &head[at + line.len()..]) {
+                        // What stands above may use another separator.
+                        kinds = Lines::default();
+                        lines = self::lines(head, at + line.len() + preface);
+                        continue;
+                    }
                     let units = match lines.next().map(|(_, line)| kinds.take(line)) {
                         Some(Line::Units(units)) => Some(units),
                         _ => None,
@@ -134,6 +140,35 @@ impl Front {
         }
         None
     }
+}
+
+/// Lines above a header that are looked for it.
+const MOST_ABOVE: usize = 100;
+
+/// How many bytes below `first` the header stands, where `first` is none: words on the logger have fewer cells than the names,
+/// which have a row of as many numbers below them.
+fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
+    let all: Vec<_> = lines(below, 0).take(MOST_ABOVE).collect();
+    all.windows(2).enumerate().find_map(|(last, pair)| {
+        let dialect = Dialect::of(pair[0].1);
+        let width = cells(pair[0].1, dialect).len();
+        let number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
+        let is_words = |line: &[u8]| {
+            let cells = cells(line, dialect);
+            cells.len() == width && !cells.iter().any(number)
+        };
+        let row = cells(pair[1].1, dialect);
+        let is_row = width > 1 && row.len() == width && row.iter().any(number);
+        if !is_row || !is_words(pair[0].1) || cells(first, dialect).len() >= width {
+            return None;
+        }
+        // Units may stand below the names.
+        let words = all[..=last]
+            .iter()
+            .rev()
+            .take_while(|(_, line)| is_words(line));
+        words.last().map(|(at, _)| *at)
+    })
 }
 
 /// The lines of a text that are not blank, each with where it begins.
@@ -208,6 +243,23 @@ mod tests {
         assert_eq!(of("# t,speed\n0,1\n"), ("t,speed".to_owned(), b',', None));
         assert_eq!(of("# a, comment\nt,speed\n0,1\n").0, "t,speed");
         assert!(Front::of(b"\n \n# only words\n").is_none());
+    }
+
+    #[test]
+    fn words_of_a_logger_stand_above_the_header() {
+        for front in [
+            "Device;ABC\nSerial;12\n\n",
+            "Logger v3\n",
+            "Date: 1,5\nA,B\n",
+        ] {
+            let (header, separator, units) =
+                of(&format!("{front}t;speed;x\ns;m/s;\n0;1;2\n1;1;2\n"));
+            assert_eq!((header.as_str(), separator), ("t;speed;x", b';'), "{front}");
+            assert!(units.is_some(), "{front}");
+        }
+        // A header that lacks a name is one all the same.
+        assert_eq!(of("t,speed\n0,1,2\n1,1,2\n").0, "t,speed");
+        assert_eq!(of("t,speed\ns,m/s\n0,1\n").0, "t,speed");
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub(crate) fn header(
         return Err(Error::new(
             "this is no table: it holds bytes that are no text",
             place(),
-            "give a table in UTF-8 (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+            "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)",
         ));
     }
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);

@@ -1,15 +1,15 @@
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::cells::{Record, Records};
-use super::columns::{Columns, NoNumber, absent};
-use super::dialect::{self, Dialect};
-use super::front::Front;
+use super::columns::{Columns, NoNumber, absent, listed};
+use super::dialect::Dialect;
+use super::front::{Front, comment};
 use super::header::{check_units, header};
 use crate::Error;
 use crate::map::Map;
-use crate::packed::{self, GZIP};
+use crate::packed;
 use crate::signal::{Row, Sensors};
 use crate::unit;
 
@@ -25,7 +25,11 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     let (mut at, mut factors) = ([0; 3], [1.0; 3]);
     for ((at, factor), (name, si)) in at.iter_mut().zip(&mut factors).zip(NAMES) {
         let found = header.iter().position(|h| h == name);
-        *at = found.ok_or_else(|| absent(&[name], "weighing", &header, &table.file))?;
+        // There is no map of it.
+        *at = found.ok_or_else(|| Error {
+            remedy: format!("add or rename it; the file has {}", listed(&header)),
+            ..absent(&[name], "weighing", &header, &table.file)
+        })?;
         *factor = table.factor(*at, name, si)?;
     }
     let mut rows = Vec::new();
@@ -57,21 +61,13 @@ struct Table {
     path: PathBuf,
     file: String,
     dialect: Dialect,
-    storage: Storage,
+    is_packed: bool,
+    /// Whether the bytes of the text are those of the file.
+    is_plain: bool,
     /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
     /// Units in a row of their own below the header, a text for each column.
     units: Option<Vec<String>>,
-}
-
-/// How the text lies in the file.
-enum Storage {
-    /// As it is: read as it goes.
-    Plain,
-    /// Packed by gzip: unpacked as it goes.
-    Packed,
-    /// The content where it was UTF-16.
-    Converted(Vec<u8>),
 }
 
 /// The lines below the header.
@@ -83,26 +79,12 @@ const HEAD: u64 = 1 << 18;
 impl Table {
     fn open(path: &Path) -> Result<Self, Error> {
         let failed = |e| Error::system("read the data", path, &e);
-        let mut magic = Vec::new();
-        let mut opened = File::open(path).map_err(failed)?;
-        let begin = opened.by_ref().take(2).read_to_end(&mut magic);
-        begin.map_err(failed)?;
-        let mut storage = if magic == GZIP {
-            Storage::Packed
-        } else {
-            Storage::Plain
-        };
         let mut head = Vec::new();
         let mut content = packed::open(path).map_err(failed)?;
         match content.by_ref().take(HEAD).read_to_end(&mut head) {
             // A packed file that was cut off within its head still has a head.
             Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => return Err(failed(e)),
             _ => {}
-        }
-        if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-            content.read_to_end(&mut head).map_err(failed)?;
-            head = dialect::utf8(head);
-            storage = Storage::Converted(head.clone());
         }
         let file = path.display().to_string();
         let Some(front) = Front::of(&head) else {
@@ -120,7 +102,8 @@ impl Table {
             file,
             preface: front.start,
             units: front.units,
-            storage,
+            is_packed: content.is_packed,
+            is_plain: content.is_plain,
         })
     }
 
@@ -148,14 +131,10 @@ impl Table {
     /// The content from byte `start`.
     fn content(&self, start: usize) -> Result<Box<dyn Read>, Error> {
         let failed = |e| Error::system("read the data", &self.path, &e);
-        if let Storage::Converted(bytes) = &self.storage {
-            let rest = bytes.get(start..).unwrap_or_default();
-            return Ok(Box::new(Cursor::new(rest.to_vec())));
-        }
         let mut content = packed::open(&self.path).map_err(failed)?;
         let before = &mut content.by_ref().take(start as u64);
         std::io::copy(before, &mut std::io::sink()).map_err(failed)?;
-        Ok(content)
+        Ok(Box::new(content))
     }
 
     /// The records, the last line above the samples taken, and the header.
@@ -178,20 +157,18 @@ impl Table {
 
     /// Whether this says that a packed file ends early.
     fn is_cut(&self, error: &io::Error) -> bool {
-        matches!(self.storage, Storage::Packed) && error.kind() == io::ErrorKind::UnexpectedEof
+        self.is_packed && error.kind() == io::ErrorKind::UnexpectedEof
     }
 
     /// Whether a line end closes the last row.
     fn is_closed(&self) -> Result<bool, Error> {
         let failed = |e| Error::system("read the data", &self.path, &e);
-        let last = match &self.storage {
-            Storage::Plain => last_byte(&self.path).map_err(failed)?,
-            Storage::Converted(text) => text.last().copied(),
-            // To where it ends there is no way but through it; nor is there in a pipe.
-            Storage::Packed => {
-                let bytes = BufReader::new(self.content(0)?).bytes();
-                bytes.last().transpose().map_err(failed)?
-            }
+        let last = if self.is_plain {
+            last_byte(&self.path).map_err(failed)?
+        } else {
+            // To where it ends there is no way but through it.
+            let bytes = BufReader::new(self.content(0)?).bytes();
+            bytes.last().transpose().map_err(failed)?
         };
         Ok(last == Some(b'\n'))
     }
@@ -296,6 +273,9 @@ impl<S: Sensors> TableRows<S> {
         if more {
             let (record, start) = (self.records.record(), self.records.start());
             let width = self.columns.width();
+            if record.len() != width && record.get(0).is_some_and(|cell| comment(cell).is_some()) {
+                return Ok(());
+            }
             if let Err(error) = check_width(record, width, || table.line(start), &table.file) {
                 let is_short = record.len() < width;
                 return if is_short {

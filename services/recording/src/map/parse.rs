@@ -69,11 +69,15 @@ impl Parser<'_> {
                 ("can", Some(table)) => map.can = Some(self.can(table, line)?),
                 ("topics", Some(table)) => map.topics = Some(self.topics(table, line)?),
                 _ => {
-                    let remedy = hint(
-                        name,
-                        ["columns", "can", "topics"].into_iter(),
-                        "the tables are",
-                    );
+                    let remedy = match name {
+                        "machine" | "sensors" | "prior" | "estimator" => {
+                            "this is of a machine file: give that with --config".into()
+                        }
+                        _ => {
+                            let tables = ["columns", "can", "topics"].into_iter();
+                            hint(name, tables, "the tables are")
+                        }
+                    };
                     return Err(self.error(line, format!("a map has no table [{name}]"), remedy));
                 }
             }
@@ -228,7 +232,10 @@ impl Parser<'_> {
     fn unit(&self, fields: &dyn TableLike, name: &str) -> Result<&'static Unit, Error> {
         unit::find(name).ok_or_else(|| {
             let names = unit::UNITS.iter().map(|u| u.name);
-            let remedy = hint(name, names, "the units are");
+            let remedy = match unit::guess(name) {
+                Some(meant) => format!("did you mean {}?", meant.name),
+                None => hint(name, names, "the units are"),
+            };
             self.error(
                 self.line(fields, "unit"),
                 format!("unknown unit {name}"),

@@ -125,6 +125,11 @@ const WORDS: &[(&str, &str)] = &[
     ("btm", "head"),
     ("bottom", "head"),
     ("prs", "press"),
+    // Short words of English.
+    ("trq", "torque"),
+    ("spd", "speed"),
+    ("whl", "wheel"),
+    ("bkt", "bucket"),
 ];
 
 /// A name in small letters with its words in English.
@@ -168,6 +173,10 @@ mod tests {
             ("boom_head_pressure", "BoomCyl_CapEnd_Press"),
             ("arm_head_pressure", "StickCyl Bottom Prs"),
             ("lift_rod_pressure", "HoistCyl Rod Press"),
+            ("swing_torque", "SwingTrq"),
+            ("lift_angle", "LiftArmAng"),
+            ("tilt_angle", "tilt_ang_deg"),
+            ("front_wheel_speed", "FrontWhlSpd"),
             ("arm_rod_pressure", "Stieldruck stangenseitig"),
         ] {
             assert_eq!(

@@ -202,9 +202,9 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ),
     (
         "lift_angle",
-        &[&["lift", "angle"], &["lift", "arm"], &["boom", "angle"]],
+        &[&["lift", "ang"], &["lift", "arm"], &["boom", "ang"]],
     ),
-    ("tilt_angle", &[&["tilt", "angle"], &["bucket", "angle"]]),
+    ("tilt_angle", &[&["tilt", "ang"], &["bucket", "ang"]]),
     (
         "lift_head_pressure",
         &[

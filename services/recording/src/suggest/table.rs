@@ -39,11 +39,10 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         };
         let si = unit_of::<S>(&signal);
         let name = quoted(&header[at]);
-        if let Some(unit) = foreign(&named, si) {
-            let _ = writeln!(
-                out,
-                "# {signal} = {name}  # its unit is {unit}, which is none of {si}"
-            );
+        if let Some(unit) = unit::foreign(&named, si) {
+            let (line, is_usable) = of_another_unit(&signal, &name, unit, si);
+            out += &line;
+            found.extend(is_usable.then_some(signal));
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
@@ -98,10 +97,26 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     })
 }
 
+/// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
+fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
+    match (unit, si) {
+        ("%", "rad") => (
+            format!(
+                "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
+            ),
+            true,
+        ),
+        _ => (
+            format!("# {signal} = {name}  # its unit is {unit}, which is none of {si}\n"),
+            false,
+        ),
+    }
+}
+
 /// The columns that are none of the signals, as a comment.
 fn rest(names: &[&str], taken: &[usize]) -> String {
     let rest: Vec<&str> = (0..names.len())
-        .filter(|at| !taken.contains(at))
+        .filter(|at| !taken.contains(at) && !names[*at].is_empty())
         .map(|at| names[at])
         .collect();
     match rest.is_empty() {
@@ -144,7 +159,7 @@ struct Guess {
 
 /// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values.
 fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
-    if let Some(unit) = named(name).filter(|u| u.si == si) {
+    if let Some(unit) = unit::of_name(name, si) {
         let unit = Some(unit).filter(|u| u.factor != 1.0);
         let reason = "unit by the column's name".into();
         return Guess { unit, reason };
@@ -238,22 +253,4 @@ fn mass(values: &[f64]) -> Guess {
         unit,
         reason: format!("up to {largest}: {word}?"),
     }
-}
-
-/// The unit that a column's name tells: in brackets, or behind the last underscore.
-fn named(name: &str) -> Option<&'static Unit> {
-    let suffix = name.rsplit_once('_').map(|(_, u)| u);
-    bracketed(name).or(suffix).and_then(unit::guess)
-}
-
-/// The unit in the brackets of a name, where it is of something else.
-fn foreign(name: &str, si: &str) -> Option<&'static str> {
-    let unit = bracketed(name).and_then(unit::guess)?;
-    (unit.si != si).then_some(unit.name)
-}
-
-/// What stands in the last brackets of a name.
-fn bracketed(name: &str) -> Option<&str> {
-    let (_, text) = name.rsplit_once(['[', '('])?;
-    Some(text.trim_end_matches([']', ')']))
 }

@@ -13,6 +13,7 @@ use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
 use crate::suggest::suggestion::{Suggestion, missing};
+use crate::unit;
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
@@ -132,7 +133,10 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     let (mut found_all, mut taken) = (Vec::new(), Vec::new());
     for signal in signals {
         let find = |label: fn(&Place) -> &str| {
-            let fits = |place: &&Place| place.unit.is_none_or(|unit| unit == signal.unit);
+            let fits = |place: &&Place| match place.unit {
+                Some(unit) => unit == signal.unit,
+                None => unit::foreign(&place.label, signal.unit).is_none(),
+            };
             let labels = places
                 .iter()
                 .map(|p| Some(p).filter(fits).map_or("", label));
@@ -145,13 +149,19 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
             Some(at) => ("", places[at].line.as_str()),
             None => ("# ", "topic = \"/...\", field = \"...\""),
         };
+        let named = found.and_then(|at| unit::of_name(&places[at].label, signal.unit));
+        let named = named.filter(|unit| unit.factor != 1.0);
+        let converts = named.map_or(String::new(), |unit| format!(", unit = \"{}\"", unit.name));
         let guess = found.map_or("", |_| "by its name: check it; ");
         let unit = match signal.unit {
             "" => "a number".to_owned(),
             unit => format!("[{unit}]; other units by unit = ..."),
         };
         let name = &signal.name;
-        let _ = writeln!(text, "{mark}{name} = {{ {line} }}  # {guess}{unit}");
+        let _ = writeln!(
+            text,
+            "{mark}{name} = {{ {line}{converts} }}  # {guess}{unit}"
+        );
     }
     Suggestion {
         text,

@@ -62,7 +62,7 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let _ = write!(
         body,
         "<section class=\"words\"><h2>Each {name}</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
-         else the last one, ± half the 95 % interval. <code>heft loads</code> counts loads and leaves empty swings out.</p></section>",
+         else the last one, ± half the 95 % interval. <code>heft loads</code> counts loads and leaves out each empty {name}.</p></section>",
         table(1, &head, &rows),
         together(&primary.estimates, &found),
         primary.method()

@@ -8,6 +8,7 @@ use crate::excavator::grid::LONG_GAP;
 use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::joints;
 use crate::excavator::jump::Jump;
+use crate::excavator::keys::Description;
 use crate::excavator::quantisation::Quantisation;
 use crate::excavator::settings::Sensors;
 use crate::excavator::steady::Steady;
@@ -20,6 +21,19 @@ const INCLINATION_LIMIT: f64 = 0.8;
 const TORQUE_LIMIT: f64 = 2e7;
 /// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
 const PRESSURE_LIMIT: f64 = 2e8;
+
+/// The largest value of a signal that counts: a larger one is missing. None where any counts.
+#[must_use]
+pub fn largest(signal: &str, described: &Description) -> Option<f64> {
+    match signal {
+        "swing_velocity" => Some(described.sensors.swing_velocity_limit),
+        "swing_torque" => Some(TORQUE_LIMIT),
+        "boom_angle" | "arm_angle" | "bucket_angle" => Some(described.sensors.angle_limit),
+        "pitch" | "roll" => Some(INCLINATION_LIMIT),
+        pressure if pressure.ends_with("_pressure") => Some(PRESSURE_LIMIT),
+        _ => None,
+    }
+}
 
 /// A row that counts.
 #[derive(Debug, Clone, Copy)]
@@ -96,6 +110,8 @@ impl Screen {
         let set_back = tick == Tick::SetBack;
         if set_back {
             self.swing_angle = SwingAngle::default();
+            // The joints had all the time to be elsewhere.
+            self.jumps = [Jump::default(); 3];
         }
         let followed = self
             .swing_angle

@@ -9,7 +9,7 @@ use recording::{Reader, Sensors};
 use super::args::CalibrateArgs;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
-use crate::measurable;
+use crate::measurable::{self, Measured};
 
 fn is_recording(file: &Path) -> bool {
     recording::Kind::by_name(file) == Some(recording::Kind::Recording)
@@ -36,7 +36,7 @@ pub fn samples<S: Sensors>(
 ) -> Result<Vec<S>, Failure> {
     let rows = recording::load::<S>(file, map_for(file, map))?;
     let mut samples: Vec<S> = rows.into_iter().map(|(sample, _)| sample).collect();
-    let measured: Vec<_> = recording::measured::<S>().collect();
+    let measured = measurable::measured::<S>(|_| None);
     let left_out: usize = samples.iter_mut().map(|s| leave_out(s, &measured)).sum();
     if left_out > 0 {
         let file = file.display();
@@ -47,7 +47,7 @@ pub fn samples<S: Sensors>(
 }
 
 /// Takes out what no sensor says; how many numbers that were.
-fn leave_out<S: Sensors>(sample: &mut S, measured: &[(usize, u32)]) -> usize {
+fn leave_out<S: Sensors>(sample: &mut S, measured: &[Measured]) -> usize {
     let beyond = measurable::beyond(sample, measured);
     if let Some(index) = S::index("valid") {
         let valid = sample.bits_of("valid") & !beyond;

@@ -3,16 +3,16 @@
 use config::Description;
 use recording::Sensors;
 
-/// Looks at samples, and says at the end what is strange about them.
+/// Looks at samples, and says at the end why they cannot be of the machine.
 pub trait Look {
     /// What the sensors of the machine measure.
     type Sensors: Sensors;
     /// For a description.
     fn of(description: &Description) -> Self;
+    /// The largest value of a signal that the estimators take; none where they take any.
+    fn largest(description: &Description, signal: &str) -> Option<f64>;
     /// Takes a sample.
     fn add(&mut self, sample: &Self::Sensors);
-    /// Says so.
-    fn tell(&self) {}
     /// Why data and description cannot be of one machine, and what to do.
     fn fault(&self) -> Option<String> {
         None

@@ -27,13 +27,11 @@ impl Boom {
         }
     }
 
-    pub(super) fn tell(&self) {
-        if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
-            // On standard output the estimates may stand.
-            eprintln!(
-                "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
-                 turn it with `sign = -1` in a signal map (up is positive)"
-            );
-        }
+    pub(super) fn fault(&self) -> Option<String> {
+        (self.all >= Self::FEWEST && 10 * self.down > 9 * self.all).then(|| {
+            "boom_angle seems to have the other sign, or another zero: the boom points into the ground while the machine swings\n  \
+             what to do: in the signal map `sign = -1`, or `offset` (up from the horizontal is positive)"
+                .into()
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Are data and description of one machine?
 
 use config::Description;
-use estimation::excavator::{Geometry, Mismatch, Plausible};
+use estimation::excavator::{Geometry, Mismatch, Plausible, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
@@ -34,6 +34,13 @@ impl Look for Fits {
         }
     }
 
+    fn largest(description: &Description, signal: &str) -> Option<f64> {
+        match description {
+            Description::Excavator(described) => largest(signal, described),
+            _ => None,
+        }
+    }
+
     fn add(&mut self, s: &ExcavatorSensors) {
         self.boom.add(s);
         if let Some(plausible) = &mut self.plausible {
@@ -41,12 +48,10 @@ impl Look for Fits {
         }
     }
 
-    fn tell(&self) {
-        self.boom.tell();
-    }
-
     fn fault(&self) -> Option<String> {
-        let mismatch = self.plausible.as_ref()?.mismatch()?;
+        let Some(mismatch) = self.plausible.as_ref().and_then(Plausible::mismatch) else {
+            return self.boom.fault();
+        };
         let remedy = remedy(mismatch, self.mass);
         Some(format!("{mismatch}\n  what to do: {remedy}"))
     }

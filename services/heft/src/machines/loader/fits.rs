@@ -1,7 +1,7 @@
 //! Are the data in the units and signs that are meant?
 
 use config::Description;
-use estimation::loader::Carriage;
+use estimation::loader::{Carriage, largest};
 use messages::LoaderSensors;
 
 use crate::commands::estimate::look::Look;
@@ -38,6 +38,13 @@ impl Look for Fits {
 
     fn of(_: &Description) -> Self {
         Self::default()
+    }
+
+    fn largest(description: &Description, signal: &str) -> Option<f64> {
+        match description {
+            Description::Loader(described) => largest(signal, described),
+            _ => None,
+        }
     }
 
     fn add(&mut self, s: &LoaderSensors) {
