@@ -209,3 +209,31 @@ fn messages_of_one_time_are_refused() {
     write(|k| k * 10_000_000);
     assert_eq!(read().expect("rows").len(), 299);
 }
+
+#[test]
+fn a_map_names_what_is_silent_in_the_first_message_and_names_that_are_no_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("own.mcap");
+    let mut writer = mcap::Writer::new(std::fs::File::create(&path).expect("a file")).expect("new");
+    let channel = writer.add_channel(0, "/own", "json", &Default::default());
+    let channel = channel.expect("a channel");
+    for k in 0..50_u64 {
+        let rate = if k == 0 { "NaN" } else { "2.0" };
+        let text = format!("{{\"swing rate [deg/s]\": {rate}, \"torque_kNm\": 1.5}}");
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: k as u32,
+            log_time: 10_000_000 * k,
+            publish_time: 10_000_000 * k,
+        };
+        let written = writer.write_to_known_channel(&header, text.as_bytes());
+        written.expect("written");
+    }
+    writer.finish().expect("written");
+    let first = suggest(&path, &[], Some(Machine::Excavator)).expect("readable");
+    let map = Map::parse(&first.text, "map.toml").expect("a map");
+    let rows = load::<ExcavatorSensors>(&path, Some(&map)).expect("readable");
+    let (sensors, _) = rows.last().expect("rows");
+    assert!((sensors.swing_velocity - 2.0_f64.to_radians()).abs() < 1e-12);
+    assert!((sensors.swing_torque - 1500.0).abs() < 1e-9);
+}

@@ -53,12 +53,33 @@ impl Codec {
     /// A message as a tree; `None` if it is not whole.
     pub(crate) fn decode(&self, message: &[u8]) -> Option<Node> {
         match self {
-            Self::Json => serde_json::from_slice(message).ok().map(json),
+            Self::Json => serde_json::from_slice(message)
+                .or_else(|_| serde_json::from_slice(&finite(message)))
+                .ok()
+                .map(json),
             Self::Cdr(types) => types.cdr(message),
             Self::Ros1(types) => types.ros1(message),
             Self::Protobuf(types) => types.decode(message),
         }
     }
+}
+
+/// JSON without the words that are none, but that Python and JavaScript libraries write for missing numbers: they become null.
+fn finite(message: &[u8]) -> Vec<u8> {
+    const WORDS: [&[u8]; 3] = [b"NaN", b"-Infinity", b"Infinity"];
+    let (mut out, mut rest, mut is_text) = (Vec::with_capacity(message.len()), message, false);
+    while let Some(first) = rest.first() {
+        let word = WORDS.iter().find(|word| !is_text && rest.starts_with(word));
+        let taken = match (word, first) {
+            (Some(word), _) => word.len(),
+            (None, b'\\') => 2.min(rest.len()),
+            (None, _) => 1,
+        };
+        is_text ^= *first == b'"';
+        out.extend_from_slice(word.map_or(&rest[..taken], |_| b"null"));
+        rest = &rest[taken..];
+    }
+    out
 }
 
 fn json(value: serde_json::Value) -> Node {
@@ -73,5 +94,21 @@ fn json(value: serde_json::Value) -> Node {
             let fields = fields.into_iter().map(|(name, v)| (name.into(), json(v)));
             Node::Record(fields.collect())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_none_is_missing_and_the_others_stay() {
+        let message = br#"{"a NaN": NaN, "b": 1.5, "c": [-Infinity, 2], "d": "\"NaN"}"#;
+        let node = Codec::Json.decode(message).expect("whole");
+        let mut numbers = Vec::new();
+        node.numbers("", &mut |path, x| numbers.push((path.to_owned(), x)));
+        assert_eq!(numbers, [("b".into(), 1.5), ("c[1]".into(), 2.0)]);
+        assert_eq!(node.field("d"), Some(&Node::Text("\"NaN".into())));
+        assert_eq!(Codec::Json.decode(b"{\"a\": nonsense}"), None);
     }
 }

@@ -1,6 +1,6 @@
 //! What a file of others holds: its topics with their numbers, as the first lines of a map.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -17,13 +17,18 @@ use crate::unit;
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
+/// So many messages of a topic are looked at.
+const LOOKED_AT: u64 = 100;
 
 /// A topic of a file.
 struct Topic {
     kind: String,
     messages: u64,
-    /// Why its messages cannot be read, or the numbers of one of them.
+    /// Of those that were looked at, messages that are not whole.
+    broken: u64,
+    /// Why its messages cannot be read, or the numbers of the first of them: a sensor may be silent in one.
     numbers: Result<Vec<(String, f64)>, String>,
+    seen: HashSet<String>,
     /// Names of places in lists of one of them.
     names: Vec<String>,
 }
@@ -74,7 +79,10 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
             let is_there = numbers.iter().any(|(path, _)| path.starts_with(list));
             all.extend(topic.names.iter().filter(|_| is_there).map(of_joint));
         }
-        let by_field = |(path, _): &(String, f64)| place(None, path.clone(), path, String::new());
+        let by_field = |(path, _): &(String, f64)| {
+            // Quotes are of the path, not of the name.
+            place(None, path.replace('"', ""), path, String::new())
+        };
         all.extend(numbers.iter().map(by_field));
     }
     all
@@ -110,6 +118,9 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         match topic.numbers {
             Err(why) => {
                 let _ = writeln!(text, "#     cannot be read: {why}");
+            }
+            Ok(_) if topic.broken > 0 && topic.broken == topic.messages.min(LOOKED_AT) => {
+                text += "#     cannot be read: none of its messages is whole\n";
             }
             Ok(numbers) => {
                 for (path, value) in numbers.iter().take(MOST) {
@@ -182,6 +193,8 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
             topics.entry(channel.topic.clone()).or_insert(Topic {
                 kind: format!("{kind}{}", channel.encoding),
                 messages: 0,
+                broken: 0,
+                seen: HashSet::new(),
                 numbers: match &codec {
                     Ok(_) => Ok(Vec::new()),
                     Err(why) => Err(why.clone()),
@@ -198,13 +211,20 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
             topic.messages += 1;
             if let (Ok(numbers), Some(Some(codec))) =
                 (&mut topic.numbers, codecs.get(&head.channel))
-                && numbers.is_empty()
-                && let Some(node) = codec.decode(data)
+                && topic.messages <= LOOKED_AT
             {
+                let Some(node) = codec.decode(data) else {
+                    topic.broken += 1;
+                    return true;
+                };
                 node.numbers("", &mut |path, value| {
-                    numbers.push((path.to_owned(), value))
+                    if topic.seen.insert(path.to_owned()) {
+                        numbers.push((path.to_owned(), value));
+                    }
                 });
-                topic.names = names(&node);
+                if topic.names.is_empty() {
+                    topic.names = names(&node);
+                }
             }
             true
         });

@@ -21,20 +21,36 @@ pub(crate) enum Step {
     Index(usize),
 }
 
-/// The steps of a path such as `wrench.force.x` or `axes[2]`; none if it is no path.
+/// The steps of a path such as `wrench.force.x`, `axes[2]` or `"swing rate [deg/s]".value`; none if it is no path.
 pub(crate) fn path(text: &str) -> Option<Vec<Step>> {
-    let mut steps = Vec::new();
-    for part in text.split('.') {
-        let (name, mut rest) = part.split_at(part.find('[').unwrap_or(part.len()));
-        (!name.is_empty() && !name.contains(']')).then_some(())?;
+    let (mut steps, mut rest) = (Vec::new(), text);
+    loop {
+        let (name, after) = match rest.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"')?,
+            None => rest.split_at(rest.find(['.', '[']).unwrap_or(rest.len())),
+        };
+        let is_quoted = rest.starts_with('"');
+        (is_quoted || !name.is_empty() && !name.contains([']', '"'])).then_some(())?;
         steps.push(Step::Field(name.to_owned()));
-        while !rest.is_empty() {
-            let (index, after) = rest.strip_prefix('[')?.split_once(']')?;
+        rest = after;
+        while let Some(index) = rest.strip_prefix('[') {
+            let (index, after) = index.split_once(']')?;
             steps.push(Step::Index(index.parse().ok()?));
             rest = after;
         }
+        if rest.is_empty() {
+            return Some(steps);
+        }
+        rest = rest.strip_prefix('.')?;
     }
-    Some(steps)
+}
+
+/// A field's name as it stands in a path.
+fn in_path(name: &str) -> String {
+    match name.is_empty() || name.contains(['.', '[', ']', '"']) {
+        true => format!("\"{name}\""),
+        false => name.to_owned(),
+    }
 }
 
 impl Node {
@@ -117,7 +133,7 @@ impl Node {
             Self::Record(fields) => {
                 for (name, node) in fields {
                     let dot = if before.is_empty() { "" } else { "." };
-                    node.numbers(&format!("{before}{dot}{name}"), found);
+                    node.numbers(&format!("{before}{dot}{}", in_path(name)), found);
                 }
             }
             Self::List(list) => {
@@ -150,7 +166,17 @@ mod tests {
                 field("c")
             ])
         );
-        for wrong in ["", "a..b", "a[", "a[x]", "[1]", "a]b"] {
+        let quoted = path("a.\"rate [deg/s].x\"[1].b");
+        let steps = [
+            field("a"),
+            field("rate [deg/s].x"),
+            Step::Index(1),
+            field("b"),
+        ];
+        assert_eq!(quoted, Some(steps.to_vec()));
+        for wrong in [
+            "", "a..b", "a[", "a[x]", "[1]", "a]b", "\"a", "\"a\"b", "a.",
+        ] {
             assert_eq!(path(wrong), None, "{wrong}");
         }
     }
