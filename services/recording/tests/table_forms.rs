@@ -122,7 +122,7 @@ fn what_is_no_table_is_named_as_what_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let plain = format!("{HEADER}\n{}\n", rows().join("\n"));
     for (content, what, remedy) in [
-        (b"t\0\x01\x02;\0\xff\n1;2\n".to_vec(), "no text", "UTF-8"),
+        (b"t\0\x01\x02;\0\xff\n1;2\n".to_vec(), "no text", ".csv"),
         (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
         (b"BZh91AY".to_vec(), "packed by bzip2", "bunzip2"),
         (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
