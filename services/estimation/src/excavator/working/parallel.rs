@@ -39,6 +39,8 @@ pub(super) struct ParallelFilter {
     /// Pressures that begin to weigh may be wrong, too.
     may_be_joined: bool,
     idle: bool,
+    /// A torque has told something: before, both filters know the same.
+    driven: bool,
 }
 
 impl ParallelFilter {
@@ -54,6 +56,7 @@ impl ParallelFilter {
             },
             may_be_joined: !calibrated,
             idle: true,
+            driven: false,
         }
     }
 
@@ -88,6 +91,7 @@ impl ParallelFilter {
         gate: f64,
         other: Option<(Innovation, f64)>,
     ) {
+        self.driven = true;
         self.filter.predict(input, width, least, &mut None);
         if let Some((velocity, variance)) = measured {
             let own = self.filter.correct(velocity, variance, gate, &mut None);
@@ -136,8 +140,16 @@ impl ParallelFilter {
         odds / (1.0 + odds)
     }
 
+    /// Whether a torque has told something.
+    pub(super) fn is_driven(&self) -> bool {
+        self.driven
+    }
+
     /// Variances that the mixture adds to those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
     pub(super) fn variances(&self, payload: f64, inertia: f64, now: &Inertia) -> [f64; 2] {
+        if !self.driven {
+            return [0.0; 2];
+        }
         let x = &self.filter.x;
         let (_, own) = self.filter.combination(&super::filter::inertia_row(now));
         let heavier = self.filter.inertia(now, x[M]) - inertia;

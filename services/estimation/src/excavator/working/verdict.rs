@@ -126,6 +126,8 @@ impl Working {
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
+        // Without a torque beside them the pressures' span and zero take up what the seals do.
+        let weighed_twice = self.parallel.is_driven();
         for (i, least, wanders) in [
             (
                 FRICTION,
@@ -147,7 +149,7 @@ impl Working {
             (ZERO, 0.0, false),
         ] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
-            if stated <= 0.0 {
+            if stated <= 0.0 || [SPAN, ZERO].contains(&i) && !weighed_twice {
                 continue;
             }
             let learnt = (1.0 - p[i][i] / stated).max(0.0);
