@@ -18,10 +18,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faer::Mat;
-use rayon::prelude::*;
 
 use crate::algebra;
 use crate::model::{Innovation, Model};
+use crate::parallel;
 
 /// Innovations beyond this many standard deviations are weakened, as in the estimators.
 pub const GATE: f64 = 4.0;
@@ -179,24 +179,20 @@ impl<M: Model> Task<'_, M> {
     /// The cost at a place.
     pub fn cost(&self, place: &[f64]) -> f64 {
         let values = values(self.model, place);
-        let costs: Vec<f64> = self
-            .blocks
-            .par_iter()
-            .map(|&block| {
-                let mut innovations = Vec::new();
-                self.model.innovations(block, &values, &mut innovations);
-                innovations.iter().map(|i| 0.5 * contribution(i)).sum()
-            })
-            .collect();
+        let costs: Vec<f64> = parallel::map(self.blocks.len(), |at| {
+            let mut innovations = Vec::new();
+            self.model
+                .innovations(self.blocks[at], &values, &mut innovations);
+            innovations.iter().map(|i| 0.5 * contribution(i)).sum()
+        });
         costs.iter().sum::<f64>() + 0.5 * place.iter().map(|x| x * x).sum::<f64>()
     }
 
     /// The information of every block at a place.
     pub fn information(&self, place: &[f64]) -> Vec<Information> {
-        self.blocks
-            .par_iter()
-            .map(|&block| information(self.model, block, place, self.fixed))
-            .collect()
+        parallel::map(self.blocks.len(), |at| {
+            information(self.model, self.blocks[at], place, self.fixed)
+        })
     }
 }
 

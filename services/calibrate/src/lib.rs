@@ -20,6 +20,7 @@
 //! | [`loader`] | drives of a loader |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
+//! | [`parallel`] | blocks and seeds on all cores |
 
 pub mod agreement;
 pub mod algebra;
@@ -33,6 +34,7 @@ pub mod loader;
 pub mod model;
 pub mod outcome;
 pub mod output;
+pub mod parallel;
 pub mod parameter;
 
 pub use model::{Innovation, Model};

@@ -1,10 +1,14 @@
-//! Seeds in parallel, with a progress bar.
+//! Seeds in parallel, with a line that counts them.
+
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use calibrate::parallel;
 
 use crate::{Error, Options};
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
 
-/// The results of `run` for the seeds 1 to `options.seeds`, in their order. The bar on stderr shows only on a terminal.
+/// The results of `run` for the seeds 1 to `options.seeds`, in their order. The line on stderr shows only on a terminal.
 ///
 /// # Errors
 /// The first error of a run; [`Error::NoSeeds`] if no seed was run.
@@ -13,12 +17,19 @@ pub fn seeds<T: Send>(
     label: &str,
     run: impl Fn(u64) -> Result<T, Error> + Sync,
 ) -> Result<Vec<T>, Error> {
-    let bar = bar(options.seeds as u64, label);
-    let results = (1..=options.seeds as u64)
-        .into_par_iter()
-        .map(|seed| run(seed).inspect(|_| bar.inc(1)))
-        .collect::<Result<Vec<_>, _>>()?;
-    bar.finish_and_clear();
+    let (count, failed) = (Count::new(options.seeds, label), AtomicBool::new(false));
+    let results = parallel::map(options.seeds, |at| {
+        // After an error no seed is begun.
+        let runs = !failed.load(Ordering::Relaxed);
+        runs.then(|| {
+            let result = run(at as u64 + 1);
+            failed.fetch_or(result.is_err(), Ordering::Relaxed);
+            count.one();
+            result
+        })
+    });
+    count.clear();
+    let results: Vec<T> = results.into_iter().flatten().collect::<Result<_, _>>()?;
     if results.is_empty() {
         Err(Error::NoSeeds)
     } else {
@@ -26,11 +37,43 @@ pub fn seeds<T: Send>(
     }
 }
 
-fn bar(length: u64, label: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:40} {bar:30} {pos}/{len} seeds, {eta} left");
-    ProgressBar::new(length)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        .with_message(label.to_owned())
+/// How many seeds are done.
+struct Count<'a> {
+    label: &'a str,
+    all: usize,
+    done: AtomicUsize,
+    start: Instant,
+    is_shown: bool,
+}
+
+impl<'a> Count<'a> {
+    fn new(all: usize, label: &'a str) -> Self {
+        Self {
+            label,
+            all,
+            done: AtomicUsize::new(0),
+            start: Instant::now(),
+            is_shown: std::io::stderr().is_terminal(),
+        }
+    }
+
+    fn one(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if self.is_shown {
+            let each = self.start.elapsed().as_secs_f64() / done as f64;
+            let left = each * (self.all - done) as f64;
+            eprint!(
+                "\r{:40} {done}/{} seeds, {left:.0} s left\x1b[K",
+                self.label, self.all
+            );
+        }
+    }
+
+    fn clear(&self) {
+        if self.is_shown {
+            eprint!("\r\x1b[K");
+        }
+    }
 }
 
 #[cfg(test)]

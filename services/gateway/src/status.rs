@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Largest status that is read [bytes].
+/// Largest status that is read \[bytes\].
 pub const LARGEST: usize = 8192;
 /// Most streams of a machine.
 const STREAMS: usize = 64;

@@ -20,7 +20,7 @@ const MANY: usize = 10;
 /// What is an alarm.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
-    /// A machine that runs and was not trusted for so long [min]
+    /// A machine that runs and was not trusted for so many minutes
     #[arg(long, default_value_t = 30.0, value_name = "MIN")]
     pub untrusted_after: f64,
 }

@@ -20,7 +20,7 @@ use super::Shared;
 
 /// Samples that may wait for Zenoh.
 pub(super) const QUEUE: usize = 16_384;
-/// Longest time that can be asked for [s].
+/// Longest time that can be asked for \[s\].
 pub const LONGEST: f64 = 600.0;
 /// Bytes of one message.
 const BATCH: usize = 60_000;

@@ -56,7 +56,7 @@ pub struct GatewayArgs {
     /// Send every sample of the sensors too, for a site that estimates by itself
     #[arg(long)]
     pub samples: bool,
-    /// How long a run that is over goes on answering for what did not arrive [s]
+    /// For how many seconds a run that is over goes on answering for what did not arrive
     #[arg(long, default_value_t = 20.0, value_name = "S")]
     pub linger: f64,
 }

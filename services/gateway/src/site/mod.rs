@@ -6,7 +6,7 @@
 //! `heft serve` is a process of its own, which shares the machines among processes, one a core, and replaces one that
 //! dies. What a machine is called there is its name and the start of its run: a new run begins with nothing known.
 //! A sample goes on at most once: one that is lost on the way is counted here, the estimators see the time that is missing,
-//! and the label of the first estimate behind the gap says so. An estimate is sent once, and again for whoever asks: [`kept`].
+//! and the label of the first estimate behind the gap says so. An estimate is sent once, and again for whoever asks: `kept`.
 
 mod answers;
 mod child;
@@ -51,7 +51,7 @@ pub struct ServeArgs {
     /// Method; the headline one if absent
     #[arg(long)]
     pub method: Option<String>,
-    /// At most one estimate a machine in so much of its time [s]; every one if 0
+    /// At most one estimate a machine in so many seconds of its time; every one if 0
     #[arg(long, value_name = "S", default_value_t = 1.0)]
     pub every: f64,
     /// The program heft; beside this one, or in the search path, if absent

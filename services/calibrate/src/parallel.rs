@@ -1,0 +1,66 @@
+//! The same work for many things at once, on all cores.
+
+use std::cell::Cell;
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+thread_local! {
+    /// Whether this thread does a part of some work: parts of that part are done in turn.
+    static AT_WORK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// What `make` makes of 0 to `count`, in that order.
+pub fn map<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let workers = thread::available_parallelism().map_or(1, usize::from);
+    let workers = workers.min(count);
+    if workers < 2 || AT_WORK.get() {
+        return (0..count).map(make).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let work = || {
+        AT_WORK.set(true);
+        let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        let numbers = numbers.take_while(|at| *at < count);
+        let made: Vec<(usize, T)> = numbers.map(|at| (at, make(at))).collect();
+        AT_WORK.set(false);
+        made
+    };
+    let mut all = thread::scope(|scope| {
+        let others: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
+        let mut all = work();
+        for other in others {
+            all.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        all
+    });
+    all.sort_by_key(|(at, _)| *at);
+    all.into_iter().map(|(_, made)| made).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_keep_their_order_in_work_within_work_too() {
+        let squares = |count: usize| (0..count).map(|at| at * at).collect::<Vec<_>>();
+        assert_eq!(map(100, |at| at * at), squares(100));
+        assert_eq!(map(0, |at| at), []);
+        let nested = map(20, |count| map(count, |at| at * at));
+        assert_eq!(nested, (0..20).map(squares).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn nothing_is_made_twice() {
+        let made = AtomicUsize::new(0);
+        map(1000, |_| made.fetch_add(1, Ordering::Relaxed));
+        assert_eq!(made.into_inner(), 1000);
+    }
+
+    #[test]
+    #[should_panic = "the seventh"]
+    fn a_panic_is_told() {
+        map(20, |at| assert!(at != 7, "the seventh"));
+    }
+}
