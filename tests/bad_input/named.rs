@@ -470,3 +470,22 @@ fn what_a_logger_writes_where_it_has_no_sample_is_counted() {
         assert!(both(&output).contains(&words), "{}", both(&output));
     }
 }
+
+#[test]
+fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "x");
+    for (content, words) in [
+        (
+            &b"(0.0) can0 123#0011\n"[..],
+            "a CAN log needs a signal map",
+        ),
+        (b"\xa3\x95\x80\x01\x02\x03abc\x04\n", "this is no text"),
+    ] {
+        fs::write(&file, content).expect("writable");
+        for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+            assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+            assert!(both(&output).contains(words), "{}", both(&output));
+        }
+    }
+}
