@@ -193,7 +193,16 @@ impl Kind {
     }
 }
 
-/// What is said of it.
+/// Frames say nothing by themselves.
+pub(crate) fn no_map(place: &str) -> Error {
+    Error::new(
+        "a CAN log needs a signal map",
+        place,
+        "give one with --map; it names the DBC file and the signals",
+    )
+}
+
+/// What is said of a program, a picture or the like.
 pub(crate) fn no_text(place: impl Into<String>) -> Error {
     Error::new(
         "this is no text, and of no kind that heft knows by its first bytes",

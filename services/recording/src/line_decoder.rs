@@ -6,7 +6,6 @@ use crate::Error;
 use crate::can::{self, Decoder, LeftOut, Line, parse};
 use crate::csv::{self, Cells, Columns, Dialect};
 use crate::kind;
-use crate::load::no_map;
 use crate::map::Map;
 use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
@@ -287,7 +286,7 @@ fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String
         ));
     }
     if matches!(parse(&can::text(line)), Some(Line::Frame { .. })) {
-        return Err(no_map(input));
+        return Err(kind::no_map(input));
     }
     if kind::is_no_text(line) && !line.contains(&0) {
         return Err(kind::no_text(input));
