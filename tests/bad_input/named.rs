@@ -470,3 +470,67 @@ fn what_a_logger_writes_where_it_has_no_sample_is_counted() {
         assert!(both(&output).contains(&words), "{}", both(&output));
     }
 }
+
+#[test]
+fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "x");
+    for (content, words) in [
+        (
+            &b"(0.0) can0 123#0011\n"[..],
+            "a CAN log needs a signal map",
+        ),
+        (b"\xa3\x95\x80\x01\x02\x03abc\x04\n", "this is no text"),
+    ] {
+        fs::write(&file, content).expect("writable");
+        for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {
+            assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+            assert!(both(&output).contains(words), "{}", both(&output));
+        }
+    }
+}
+
+#[test]
+fn a_loader_s_units_and_size_are_doubted_too() {
+    let text = fs::read_to_string(golden("machines/loader_1_5t_sound.csv")).expect("golden");
+    let dir = tempfile::tempdir().expect("a folder");
+    let [file, out] = ["day.csv", "out.csv"].map(|name| path_in(dir.path(), name));
+    for (class, column, by, words) in [
+        ("5t", "speed", 1.0, None),
+        ("5t", "speed", 3.6, Some("unit = \"km/h\"")),
+        ("5t", "torque", 1e-3, Some("unit = \"kNm\"")),
+        ("5t", "torque", -1.0, Some("sign = -1")),
+        ("20t", "speed", 1.0, Some("a loader of about 5")),
+    ] {
+        let mut lines = text.lines();
+        let header = lines.next().expect("a header");
+        let is_meant = |name: &str| name == column || column == "torque" && name.ends_with(column);
+        let meant: Vec<bool> = header.split(',').map(is_meant).collect();
+        let rows = lines.map(|row| {
+            let cells = row.split(',').zip(&meant).map(|(cell, meant)| match meant {
+                true => (by * cell.parse::<f64>().expect("a number")).to_string(),
+                false => cell.to_owned(),
+            });
+            cells.collect::<Vec<_>>().join(",") + "\n"
+        });
+        let table = header.replace("true_", "was_") + "\n" + &rows.collect::<String>();
+        fs::write(&file, table).expect("writable");
+        let output = run(&[
+            "estimate",
+            &file,
+            "--machine",
+            "loader",
+            "--class",
+            class,
+            "-o",
+            &out,
+        ]);
+        let expected = i32::from(words.is_some());
+        assert_eq!(output.status.code(), Some(expected), "{}", both(&output));
+        assert!(
+            both(&output).contains(words.unwrap_or("")),
+            "{}",
+            both(&output)
+        );
+    }
+}

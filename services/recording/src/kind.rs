@@ -179,11 +179,7 @@ impl Kind {
         }
         let head = wide::head(head);
         if is_no_text(&head) {
-            return Err(Error::new(
-                "this is no text, and of no kind that heft knows by its first bytes",
-                place(),
-                "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
-            ));
+            return Err(no_text(place()));
         }
         let text = head.trim_ascii_start();
         if text.starts_with(b"{") || text.starts_with(b"[{") {
@@ -197,8 +193,26 @@ impl Kind {
     }
 }
 
+/// Frames say nothing by themselves.
+pub(crate) fn no_map(place: &str) -> Error {
+    Error::new(
+        "a CAN log needs a signal map",
+        place,
+        "give one with --map; it names the DBC file and the signals",
+    )
+}
+
+/// What is said of a program, a picture or the like.
+pub(crate) fn no_text(place: impl Into<String>) -> Error {
+    Error::new(
+        "this is no text, and of no kind that heft knows by its first bytes",
+        place,
+        "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+    )
+}
+
 /// Whether these bytes are a program, a picture or the like. A file may be filled up with zeros.
-fn is_no_text(head: &[u8]) -> bool {
+pub(crate) fn is_no_text(head: &[u8]) -> bool {
     let filled = head.iter().rev().take_while(|b| **b == 0).count();
     let text = &head[..head.len() - filled];
     // Colours of a terminal are text.

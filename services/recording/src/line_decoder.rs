@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::Error;
 use crate::can::{self, Decoder, LeftOut, Line, parse};
 use crate::csv::{self, Cells, Columns, Dialect};
+use crate::kind;
 use crate::map::Map;
 use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
@@ -283,6 +284,12 @@ fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String
             input,
             "unpack it on its way: zcat FILE | heft ...",
         ));
+    }
+    if matches!(parse(&can::text(line)), Some(Line::Frame { .. })) {
+        return Err(kind::no_map(input));
+    }
+    if kind::is_no_text(line) && !line.contains(&0) {
+        return Err(kind::no_text(input));
     }
     let mut cells = Cells::new(dialect);
     let header = csv::header(cells.split(line), dialect, input, || input.to_owned())?;

@@ -6,7 +6,7 @@ use messages::Message;
 
 use crate::signal::{Row, Sensors};
 use crate::topics::TopicRows;
-use crate::{Error, Kind, Lacks, Map, Reader, can, csv};
+use crate::{Error, Kind, Lacks, Map, Reader, can, csv, kind};
 
 /// Reads the samples of a machine from a table, a recording or a CAN log, which needs a map.
 ///
@@ -164,11 +164,7 @@ pub fn open<S: Sensors>(
         (Kind::Table, _) => table::<S>(path, map),
         (Kind::Log, Some(map)) => log::<S>(path, map),
         (Kind::Recording, None) => recorded::<S>(path),
-        (Kind::Log, None) => Err(Error::new(
-            "a CAN log needs a signal map",
-            place(),
-            "give one with --map; it names the DBC file and the signals",
-        )),
+        (Kind::Log, None) => Err(kind::no_map(&place())),
         (Kind::Recording, Some(map)) if map.has_topics() => topics::<S>(path, map),
         (Kind::Recording, Some(_)) => Err(Error::new(
             "the signal map names no topics",

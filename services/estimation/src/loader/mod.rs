@@ -45,6 +45,7 @@ pub mod weigh;
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
 pub use input::carriage::Carriage;
+pub use input::plausible::{Mismatch, Plausible};
 pub use lift_arm::{LiftKnown, LiftMoment, Lifts};
 pub use load::payload::{self, Payload};
 pub use method::Method;

@@ -6,10 +6,12 @@
 //! | `stuck` | a sensor whose value never changes |
 //! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `inputs` | inputs between rows |
+//! | `plausible` | whether units, signs and machine are those that are meant |
 //! | `carriage` | how the bucket is carried, which shows signs that are wrong |
 
 pub(super) mod carriage;
 pub(super) mod inclinometer;
 pub(super) mod inputs;
+pub(super) mod plausible;
 pub(super) mod steady;
 pub(super) mod stuck;
