@@ -106,7 +106,13 @@ fn estimates(machine: &str, input: &Path, map: Option<&Path>) -> String {
         text(&out),
     ];
     arguments.extend(map.iter().flat_map(|map| ["--map", text(map)]));
-    run_ok(&arguments);
+    // What is in doubt is estimated all the same.
+    let output = run(&arguments);
+    assert!(
+        output.status.code().is_some_and(|code| code < 2),
+        "{}",
+        both(&output)
+    );
     std::fs::read_to_string(&out).expect("estimates")
 }
 
@@ -166,7 +172,13 @@ fn a_trucks_log_on_standard_input_gives_the_bits_of_its_file() {
     let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/truck.toml");
     let out = tempfile::tempdir().expect("a folder");
     let output = piped("loader", &log, Some(&map), out.path());
-    assert!(output.status.success(), "{}", both(&output));
+    // The map takes the engine's torque for the wheels', which the truck's mass contradicts.
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    assert!(
+        both(&output).contains("those at the motor"),
+        "{}",
+        both(&output)
+    );
     let file = estimates("loader", &log, Some(&map));
     assert_same("loader", &out.path().join("run.mcap"), &file, false);
 }

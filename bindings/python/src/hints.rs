@@ -1,14 +1,21 @@
 //! Warnings beside the estimates: data that seem to be in other units, or of another machine.
 
 use config::Description;
-use estimation::excavator::{Geometry, Plausible};
+use estimation::excavator::{self, Geometry};
+use estimation::loader;
 use messages::Envelope;
 
 /// Looks at the rows on their way.
 pub struct Hints {
-    plausible: Option<Plausible>,
+    plausible: Plausible,
     times: Vec<f64>,
     rate: f64,
+}
+
+/// Compares data and machine.
+enum Plausible {
+    Excavator(excavator::Plausible),
+    Loader(loader::Plausible),
 }
 
 /// Times that are looked at: enough to know their step.
@@ -17,8 +24,13 @@ const TIMES: usize = 1000;
 impl Hints {
     pub fn new(description: &Description) -> Self {
         let plausible = match description {
-            Description::Excavator(d) => Some(Plausible::new(Geometry::of(d))),
-            Description::Loader(_) => None,
+            Description::Excavator(d) => {
+                Plausible::Excavator(excavator::Plausible::new(Geometry::of(d)))
+            }
+            Description::Loader(d) => Plausible::Loader(loader::Plausible::new(
+                d.machine.mass,
+                d.machine.wheel_radius,
+            )),
         };
         Self {
             plausible,
@@ -32,22 +44,29 @@ impl Hints {
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
-        if let (Some(plausible), Envelope::ExcavatorSensors(s)) = (&mut self.plausible, sample) {
-            plausible.push(&steps::excavator::sample(s));
+        match (&mut self.plausible, sample) {
+            (Plausible::Excavator(plausible), Envelope::ExcavatorSensors(s)) => {
+                plausible.push(&steps::excavator::sample(s));
+            }
+            (Plausible::Loader(plausible), Envelope::LoaderSensors(s)) => {
+                plausible.push(&steps::loader::sample(s));
+            }
+            _ => {}
         }
     }
 
     /// In words, as `heft estimate` says them.
     pub fn words(&self) -> Vec<String> {
-        let mismatch = self.plausible.as_ref().and_then(Plausible::mismatch);
+        let mismatch = match &self.plausible {
+            Plausible::Excavator(plausible) => plausible.mismatch().map(|m| m.to_string()),
+            Plausible::Loader(plausible) => plausible.mismatch().map(|m| m.to_string()),
+        };
         let rate = self.rate;
         let unit = recording::time_unit(&self.times, rate).map(|(step, unit)| {
             format!(
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
-        unit.into_iter()
-            .chain(mismatch.map(|m| m.to_string()))
-            .collect()
+        unit.into_iter().chain(mismatch).collect()
     }
 }

@@ -91,6 +91,12 @@ def test_data_in_other_units_are_spoken_of():
     data = pandas.read_csv(GOLDEN / "excavator_input_constant.csv")
     with pytest.warns(heft.HeftWarning, match="in degrees per second"):
         heft.estimate(data.assign(swing_velocity=np.degrees(data["swing_velocity"])), "excavator")
+    data = pandas.read_csv(GOLDEN / "loader_input_S4_tierB.csv")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.estimate(data, "loader")
+    with pytest.warns(heft.HeftWarning, match="in km/h"):
+        heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
 
 
 def test_missing_values_are_missing_samples():

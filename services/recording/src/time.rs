@@ -54,7 +54,7 @@ impl Dates {
 
     fn clock(&mut self, text: &str) -> Option<i64> {
         const DAY: i64 = 86_400_000_000_000;
-        let clock = (text.matches(':').count() == 2).then(|| of_day(text))??;
+        let clock = (text.matches(':').count() >= 2).then(|| of_day(text))??;
         // A clock that was set by less is no midnight.
         self.midnights += i64::from(clock < self.last - DAY / 2);
         self.last = clock;
@@ -81,7 +81,7 @@ pub(crate) fn date(text: &str) -> Option<i64> {
         .checked_add(of_day(clock)?)
 }
 
-/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]`, also of a clock of twelve hours with its AM or PM.
+/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM.
 fn of_day(clock: &str) -> Option<i64> {
     let upper = clock.to_ascii_uppercase();
     let half = |mark| Some(upper.strip_suffix(mark)?.trim_end());
@@ -93,6 +93,12 @@ fn of_day(clock: &str) -> Option<i64> {
     let mut parts = clock.split(':');
     let (hour, minute) = (digits(parts.next()?)?, digits(parts.next()?)?);
     let second = seconds(parts.next().unwrap_or("0"))?;
+    // Some write a colon before the milliseconds too.
+    let below = match parts.next() {
+        Some(digits) => fraction(digits).filter(|_| matches!(digits.len(), 3 | 6))?,
+        None => 0,
+    };
+    let second = second.checked_add(below)?;
     let in_day = hours.contains(&hour)
         && (0..60).contains(&minute)
         && (0..61_000_000_000).contains(&second)
@@ -108,8 +114,9 @@ fn of_day(clock: &str) -> Option<i64> {
 
 /// The clock without its zone, and the zone's minutes ahead of UTC.
 fn zone(clock: &str) -> Option<(&str, i64)> {
-    if let Some(clock) = clock.strip_suffix('Z') {
-        return Some((clock, 0));
+    let utc = ["Z", "UTC", "GMT"].into_iter();
+    if let Some(clock) = utc.filter_map(|name| clock.strip_suffix(name)).next() {
+        return Some((clock.trim_end(), 0));
     }
     let Some(at) = clock.rfind(['+', '-']) else {
         return Some((clock, 0));
@@ -124,7 +131,7 @@ fn zone(clock: &str) -> Option<(&str, i64)> {
         digits(minutes)?
     };
     let minutes = (hours * 60).checked_add(minutes)?;
-    (minutes <= 1440).then_some((clock, if ahead { minutes } else { -minutes }))
+    (minutes <= 1440).then_some((clock.trim_end(), if ahead { minutes } else { -minutes }))
 }
 
 /// Days from 1970-01-01 (the proleptic Gregorian calendar, after H. Hinnant).
@@ -191,6 +198,9 @@ mod tests {
             "2014/04/10 21:30:09.47",
             "2014-04-10 09:30:09.47 PM",
             "10.04.2014 9:30:09,47pm",
+            "2014-04-10 23:30:09.47 +0200",
+            "2014-04-10 21:30:09.47 UTC",
+            "2014-04-10 21:30:09:470",
         ] {
             assert_eq!(nanoseconds(text), instant, "{text}");
         }
@@ -216,10 +226,11 @@ mod tests {
             ("00:00:00.5", 2.0),
             ("23:59:59", 86_400.5),
             ("23:59:58", 86_399.5),
+            ("23:59:58:250", 86_399.75),
         ] {
             assert_eq!(dates.seconds(text), Some(seconds), "{text}");
         }
-        for text in ["12:30", "1:2:3:4", "25:00:00", "1,5"] {
+        for text in ["12:30", "1:2:3:4", "01:02:03:04", "25:00:00", "1,5"] {
             assert_eq!(dates.seconds(text), None, "{text}");
         }
     }
