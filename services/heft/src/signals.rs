@@ -14,8 +14,9 @@ use crate::failure::Failure;
 /// What a signal ends from now on leaves no file in the making behind. A signal that is ignored stays ignored.
 pub fn leave_nothing() -> Result<(), Failure> {
     before_the_end(&[SIGINT, SIGTERM, SIGHUP], |signal| {
-        recording::output::abandon();
-        let _ = signal_hook::low_level::emulate_default_handler(signal);
+        recording::output::abandon(|| {
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        });
     })
 }
 

@@ -6,18 +6,22 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use crate::Error;
 
 /// The files in the making, for one who ends without an end of their own.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes every file that is in the making: for a command that a signal ends, in which nothing is dropped.
-pub fn abandon() {
-    for beside in UNFINISHED.lock().iter().flat_map(|all| all.iter()) {
-        let _ = std::fs::remove_file(beside);
+/// Removes every file that is in the making, and then does what ends the process: for a command that a signal ends, in which nothing
+/// is dropped.
+pub fn abandon(end: impl FnOnce()) {
+    // None is begun behind their back: whoever begins one waits for this.
+    let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.iter() {
+        let _ = std::fs::remove_file(path);
     }
+    end();
 }
 
 /// A file in the making. It is written beside its place and moved there by [`Output::finish`]; one
@@ -92,12 +96,15 @@ impl Output {
 pub(crate) struct Unfinished(PathBuf);
 
 impl Unfinished {
-    pub(crate) fn new(path: PathBuf) -> Self {
-        UNFINISHED
-            .lock()
-            .iter_mut()
-            .for_each(|all| all.push(path.clone()));
-        Self(path)
+    /// A file of this name, which `make` creates.
+    pub(crate) fn create<F, E>(
+        path: PathBuf,
+        make: impl FnOnce(&Path) -> Result<F, E>,
+    ) -> Result<(Self, F), E> {
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = make(&path)?;
+        unfinished.push(path.clone());
+        Ok((Self(path), file))
     }
 
     /// It is whole.
@@ -107,10 +114,8 @@ impl Unfinished {
     }
 
     fn forget(&self) {
-        UNFINISHED
-            .lock()
-            .iter_mut()
-            .for_each(|all| all.retain(|other| *other != self.0));
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        unfinished.retain(|other| *other != self.0);
     }
 }
 
@@ -134,12 +139,9 @@ impl Beside {
         for number in 0.. {
             let mut name = result.as_os_str().to_owned();
             name.push(format!(".partial-{}-{number}", std::process::id()));
-            match File::create_new(&name) {
+            match Unfinished::create(name.into(), |name| File::create_new(name)) {
                 Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
-                file => {
-                    let file = file?;
-                    return Ok((Self(Unfinished::new(name.into())), file));
-                }
+                created => return created.map(|(unfinished, file)| (Self(unfinished), file)),
             }
         }
         Err(ErrorKind::AlreadyExists.into())

@@ -166,7 +166,8 @@ fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
 
 /// Takes the name of a file that does not exist yet.
 fn claim(path: &Path) -> Result<(File, Unfinished), Error> {
-    let file = file::take(path).map_err(|e| match e {
+    let claimed = Unfinished::create(path.to_owned(), file::take);
+    let (unfinished, file) = claimed.map_err(|e| match e {
         ClaimError::System(e) => Error::system("write beside the recording", path, &e),
         ClaimError::Exists => Error::new(
             "this file exists already; it is not overwritten",
@@ -174,7 +175,7 @@ fn claim(path: &Path) -> Result<(File, Unfinished), Error> {
             "choose another name with -o",
         ),
     })?;
-    Ok((file, Unfinished::new(path.to_owned())))
+    Ok((file, unfinished))
 }
 
 /// Writes every whole message into a new file, with the metadata of the run and a note.
