@@ -104,6 +104,8 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
         // Row i ends at column i.
         const { assert!(N <= 4 * BLOCK) }
         match i / BLOCK {
+            // A small root is reflected whole: choosing costs more.
+            _ if N <= 2 * BLOCK => self.reflect_leading(N, i, std, into),
             0 => self.reflect_leading(N.min(BLOCK), i, std, into),
             1 => self.reflect_leading(N.min(2 * BLOCK), i, std, into),
             2 => self.reflect_leading(N.min(3 * BLOCK), i, std, into),

@@ -126,9 +126,7 @@ impl Working {
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
-        // Without a torque beside them the pressures' span and zero take up what the seals do.
-        let weighed_twice = self.parallel.is_driven();
-        for (i, least, wanders) in [
+        let constants = [
             (
                 FRICTION,
                 OIL_TEMPERATURE_SHARE * self.described[FRICTION],
@@ -147,9 +145,12 @@ impl Working {
             (LINKS, 0.0, false),
             (SPAN, 0.0, false),
             (ZERO, 0.0, false),
-        ] {
+        ];
+        // Without a torque beside them the pressures' span and zero take up what the seals do.
+        let weighed_once = if self.parallel.is_driven() { 0 } else { 2 };
+        for &(i, least, wanders) in &constants[..constants.len() - weighed_once] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
-            if stated <= 0.0 || [SPAN, ZERO].contains(&i) && !weighed_twice {
+            if stated <= 0.0 {
                 continue;
             }
             let learnt = (1.0 - p[i][i] / stated).max(0.0);
