@@ -27,17 +27,14 @@ fn treated(folder: &Path, column: &str, treat: impl Fn(usize, f64) -> String) ->
 }
 
 fn estimate(input: &str, folder: &Path) -> Output {
+    estimate_of("excavator", input, folder, &["--class", "13t"])
+}
+
+/// The same of a machine, with other options.
+fn estimate_of(machine: &str, input: &str, folder: &Path, options: &[&str]) -> Output {
     let out = path_in(folder, "out.csv");
-    run(&[
-        "estimate",
-        input,
-        "--machine",
-        "excavator",
-        "--class",
-        "13t",
-        "-o",
-        &out,
-    ])
+    let args = ["estimate", input, "--machine", machine, "-o", &out];
+    run(&[&args[..], options].concat())
 }
 
 /// `heft run` of the same on standard input.
@@ -389,14 +386,16 @@ fn a_clock_that_is_set_back_an_hour_is_no_joint_that_jumps() {
 #[test]
 fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
     let dir = tempfile::tempdir().expect("a folder");
-    let [map, machine, topics, empty] = ["map", "machine", "topics", "empty"]
-        .map(|name| path_in(dir.path(), &format!("{name}.toml")));
+    let names = ["map", "machine", "geometry", "topics", "empty"];
+    let [map, machine, geometry, topics, empty] =
+        names.map(|name| path_in(dir.path(), &format!("{name}.toml")));
     fs::write(
         &map,
         "[columns]\nboom_angle = { column = \"boom_angle\", unit = \"°\" }\n",
     )
     .expect("writable");
-    fs::write(&machine, "[geometry]\nboom_length = 5.7\n").expect("writable");
+    fs::write(&machine, "[machine]\noperating_mass = 13000\n").expect("writable");
+    fs::write(&geometry, "[geometry]\nboom_length = 5.7\n").expect("writable");
     fs::write(
         &topics,
         "[topics]\nrate = 100\n[topics.signals]\nspeed = { topic = \"/a\", field = \"b\" }\n",
@@ -411,45 +410,19 @@ fn a_map_for_a_machine_file_and_a_map_of_something_else_are_named() {
         both(&output)
     );
     let input = golden("machines/excavator_1_13t_level.csv");
-    let out = path_in(dir.path(), "out.csv");
+    let input = input.to_str().expect("a path");
     for (option, file, words) in [
         ("--config", &map, "give that with --map"),
         ("--map", &map, "did you mean deg?"),
-        ("--config", &machine, "did you mean [machine.geometry]?"),
+        ("--config", &geometry, "did you mean [machine.geometry]?"),
         ("--map", &topics, "names no columns"),
         ("--config", &empty, "the machine file is empty"),
+        ("--map", &machine, "give that with --config"),
     ] {
-        let input = input.to_str().expect("a path");
-        let args = [
-            "estimate",
-            input,
-            "--machine",
-            "excavator",
-            "-o",
-            &out,
-            option,
-            file,
-        ];
-        let output = run(&args);
+        let output = estimate_of("excavator", input, dir.path(), &[option, file]);
         assert_eq!(output.status.code(), Some(2), "{}", both(&output));
         assert!(both(&output).contains(words), "{}", both(&output));
     }
-    fs::write(&machine, "[machine]\noperating_mass = 13000\n").expect("writable");
-    let output = run(&[
-        "estimate",
-        input.to_str().expect("a path"),
-        "--machine",
-        "excavator",
-        "-o",
-        &out,
-        "--map",
-        &machine,
-    ]);
-    assert!(
-        both(&output).contains("give that with --config"),
-        "{}",
-        both(&output)
-    );
 }
 
 #[test]
@@ -494,7 +467,7 @@ fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
 fn a_loader_s_units_and_size_are_doubted_too() {
     let text = fs::read_to_string(golden("machines/loader_1_5t_sound.csv")).expect("golden");
     let dir = tempfile::tempdir().expect("a folder");
-    let [file, out] = ["day.csv", "out.csv"].map(|name| path_in(dir.path(), name));
+    let file = path_in(dir.path(), "day.csv");
     for (class, column, by, words) in [
         ("5t", "speed", 1.0, None),
         ("5t", "speed", 3.6, Some("unit = \"km/h\"")),
@@ -515,16 +488,7 @@ fn a_loader_s_units_and_size_are_doubted_too() {
         });
         let table = header.replace("true_", "was_") + "\n" + &rows.collect::<String>();
         fs::write(&file, table).expect("writable");
-        let output = run(&[
-            "estimate",
-            &file,
-            "--machine",
-            "loader",
-            "--class",
-            class,
-            "-o",
-            &out,
-        ]);
+        let output = estimate_of("loader", &file, dir.path(), &["--class", class]);
         let expected = i32::from(words.is_some());
         assert_eq!(output.status.code(), Some(expected), "{}", both(&output));
         assert!(

@@ -21,8 +21,8 @@ pub struct Doubts<L> {
     refused: usize,
     /// Whether any signal had a value.
     is_measured: bool,
-    /// How often each signal, by its bit, was larger than any measurement.
     measured: Vec<Measured>,
+    /// How often each signal, by its bit, was larger than any measurement.
     beyond: [usize; 32],
 }
 

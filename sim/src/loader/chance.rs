@@ -94,9 +94,8 @@ impl Draw {
 
     /// Of a fault, which few machines have, one way or the other.
     fn broken(&mut self, of: fn(&Effects) -> f64) -> f64 {
-        let least = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::min);
-        let most = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
-        let gain = self.0.uniform(least.min(-most), most.max(-least));
+        let largest = CASES.iter().map(|c| of(&c.2).abs()).fold(0.0, f64::max);
+        let gain = self.0.uniform(-largest, largest);
         if self.0.chance(SELDOM) { gain } else { 0.0 }
     }
 
