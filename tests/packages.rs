@@ -111,3 +111,21 @@ fn the_units_of_a_fleet_listen_on_this_host_alone() {
         Some("/var/lib/heft-fleet/fleet.sqlite")
     );
 }
+
+#[test]
+fn the_types_for_python_know_every_reason() {
+    let types = include_str!("../bindings/python/python/heft/_estimator.pyi");
+    for (name, reasons) in [
+        ("ExcavatorReason", messages::EXCAVATOR_REASONS),
+        ("LoaderReason", messages::LOADER_REASONS),
+    ] {
+        let known = types.lines().find(|line| line.starts_with(name));
+        let known = known.expect("a type for each machine");
+        for (reason, _) in reasons {
+            assert!(
+                known.contains(&format!("\"{reason}\"")),
+                "{name} lacks {reason}: bindings/python/build writes the types anew"
+            );
+        }
+    }
+}

@@ -53,6 +53,9 @@ impl fmt::Display for Refusal {
             #[cfg(not(feature = "std"))]
             Self::Settings(error) => match error {
                 SettingsError::OutOfRange { key, .. } => write!(f, "{key} is outside its range"),
+                SettingsError::Correlations => {
+                    f.write_str("machine.*_correlation contradict each other")
+                }
                 SettingsError::MissingColumn { method, column } => {
                     write!(f, "the method {method} needs the column {column}")
                 }

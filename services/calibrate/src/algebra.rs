@@ -72,6 +72,15 @@ pub fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     finite.then_some(inverse)
 }
 
+/// `L^-1 matrix` where `covariance` is `L L'`; none unless it is positive definite.
+#[must_use]
+pub fn whitened(covariance: &Mat<f64>, matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    let factor = covariance.llt(Side::Lower).ok()?;
+    let mut whitened = matrix.clone();
+    factor.L().solve_lower_triangular_in_place(&mut whitened);
+    Some(whitened)
+}
+
 /// Singular values, largest first, each with its direction in the space of the columns.
 #[must_use]
 pub fn directions(matrix: &Mat<f64>) -> Vec<(f64, Vec<f64>)> {
@@ -107,5 +116,16 @@ mod tests {
         assert!((found[0] - 1.0).abs() < 1e-12 && (found[1] - 2.0).abs() < 1e-12);
         let same = Mat::from_fn(4, 2, |i, _| i as f64);
         assert!(directions(&same)[1].0 < 1e-12);
+    }
+
+    #[test]
+    fn what_is_whitened_has_the_products_of_the_inverse() {
+        let covariance = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 0.5 });
+        let matrix = Mat::from_fn(3, 2, |i, j| (1 + i * 2 + j) as f64);
+        let white = whitened(&covariance, &matrix).unwrap();
+        let expected = matrix.transpose() * inverse(&covariance).unwrap() * &matrix;
+        let difference = white.transpose() * &white - expected;
+        assert!(difference.norm_max() < 1e-12);
+        assert!(whitened(&Mat::zeros(3, 3), &matrix).is_none());
     }
 }

@@ -19,6 +19,8 @@ use crate::service;
 
 /// A killed process is gone within a millisecond, unless the kernel itself holds it.
 const KILL_LIMIT: Duration = Duration::from_millis(200);
+/// The status of a process that panicked; a thread has it until it ends.
+const PANICKED: u8 = 101;
 
 /// One life of a service.
 pub enum Life {
@@ -130,8 +132,6 @@ fn thread(
     plan: &Plan,
 ) -> Result<Life, Failure> {
     let (domain, plan) = (domain.clone(), plan.clone());
-    let status = Arc::new(AtomicU8::new(0));
-    let its = Arc::clone(&status);
     // What a process says of itself beside everything that it logs.
     let span = tracing::error_span!(
         "process",
@@ -141,16 +141,44 @@ fn thread(
         domain = domain.name(),
         restarts
     );
-    let thread = std::thread::Builder::new()
-        .name(stage.name.to_owned())
-        .spawn(move || {
-            let _process = span.entered();
-            // As the main function of a process.
-            if let Err(failure) = service::run(stage, restarts, control, &domain, &plan) {
+    let body = move || {
+        let _process = span.entered();
+        // As the main function of a process.
+        match service::run(stage, restarts, control, &domain, &plan) {
+            Ok(()) => 0,
+            Err(failure) => {
                 eprintln!("heft: {failure}");
-                its.store(failure.status, Ordering::Release);
+                failure.status
             }
-        })
-        .map_err(|e| cannot_start(stage, &e))?;
+        }
+    };
+    spawned(stage.name, body).map_err(|e| cannot_start(stage, &e))
+}
+
+/// A thread with the status that it returns.
+fn spawned(name: &str, body: impl FnOnce() -> u8 + Send + 'static) -> std::io::Result<Life> {
+    let status = Arc::new(AtomicU8::new(PANICKED));
+    let its = Arc::clone(&status);
+    let thread = std::thread::Builder::new()
+        .name(name.to_owned())
+        .spawn(move || its.store(body(), Ordering::Release))?;
     Ok(Life::Thread(thread, status))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(body: impl FnOnce() -> u8 + Send + 'static) -> Option<i32> {
+        let mut life = spawned("test", body).expect("a thread");
+        life.kill_and_wait();
+        life.ended()?.code()
+    }
+
+    #[test]
+    fn a_thread_that_panics_did_not_end_well() {
+        assert_eq!(status(|| panic!("a fault")), Some(i32::from(PANICKED)));
+        assert_eq!(status(|| 0), Some(0));
+        assert_eq!(status(|| 2), Some(2));
+    }
 }

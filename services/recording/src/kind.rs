@@ -30,7 +30,7 @@ const PACKED: &str = "gz";
 const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 33] = [
+const FOREIGN: [(&[u8], &str, &str); 34] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -69,6 +69,11 @@ const FOREIGN: [(&[u8], &str, &str); 33] = [
         b"***BUSMASTER",
         "a CAN log of BUSMASTER",
         "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)",
+    ),
+    (
+        b"VERSION \"",
+        "a DBC file",
+        "give the log that it describes, and the DBC beside it: `heft map LOG --dbc FILE`",
     ),
     (
         b"#ROSBAG",
@@ -169,7 +174,7 @@ impl Kind {
         };
         if let Some((_, what, remedy)) = FOREIGN.iter().find(is_foreign) {
             return Err(Error::new(
-                format!("this is {what}, which heft does not read"),
+                format!("this is {what}, which heft does not read as data"),
                 place(),
                 *remedy,
             ));
@@ -319,6 +324,7 @@ mod tests {
                 "can_logconvert",
             ),
             (b"date Sam Sep 30\n", "Vector", "can_logconvert"),
+            (b"VERSION \"\"\n\nNS_ :\n", "DBC", "--dbc"),
             (b"\n<html>", "a page", "download"),
             (b"{\"t\": 0}", "JSON", "CSV"),
         ] {

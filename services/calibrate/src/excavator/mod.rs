@@ -321,7 +321,17 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
         Role::Gain => d.number("sensors.swing_torque_gain_std").unwrap_or(0.0),
-        _ => 0.0,
+        Role::Friction
+        | Role::Efficiency
+        | Role::Inertia
+        | Role::Links
+        | Role::Delay
+        | Role::MotionNoise
+        | Role::TorqueNoise
+        | Role::Payload(_)
+        | Role::UpperMoment
+        | Role::Across(_)
+        | Role::Along(_) => 0.0,
     };
     let parameters = swings.roles.iter().zip(&swings.parameters);
     parameters

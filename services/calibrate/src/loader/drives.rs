@@ -175,7 +175,13 @@ impl Drives {
                 Role::Height(l) if *l == load => g.height = value,
                 Role::Reach(l) if *l == load => g.ratio = self.loaded(g.mass, values, value).0,
                 Role::Lift(l) if *l == load => g.height = self.loaded(g.mass, values, value).1,
-                _ => {}
+                // Of another load, or of the slopes alone.
+                Role::Mass(_)
+                | Role::Ratio(_)
+                | Role::Height(_)
+                | Role::Reach(_)
+                | Role::Lift(_)
+                | Role::Mark(_) => {}
             }
         }
         g

@@ -61,8 +61,6 @@ impl Outcome {
         };
         let wider = |roles: [Role; 2]| self.std(roles[0]).max(self.std(roles[1]));
         let std = match role {
-            // Of a recording, or of the fit alone.
-            role if role.is_nuisance() => return,
             Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => return,
             Role::Mass(_) | Role::Height(_) | Role::Rolling => None,
             Role::Stiffness => Some(("prior.slip_stiffness_std", q.std.max(GROUND * q.value))),
@@ -103,7 +101,18 @@ impl Outcome {
                 Some((key, q.std.max(FOLLOWS_STD)))
             }
             Role::SpeedDelay => Some(("sensors.speed_delay_std", q.std.max(DELAY_STD))),
-            _ => return,
+            // Of a recording, or of the fit alone.
+            Role::Friction
+            | Role::TorqueDelay
+            | Role::Relaxation
+            | Role::WheelScatter
+            | Role::SpeedScatter
+            | Role::ForceScatter
+            | Role::MotionScatter
+            | Role::WayScatter
+            | Role::Mark(_)
+            | Role::Reach(_)
+            | Role::Lift(_) => return,
         };
         pen.value(&self.drives.parameters[i].key, q);
         if let Some((key, std)) = std {

@@ -9,6 +9,7 @@ use super::estimators::Setup;
 use super::information::{Bound, Knowledge};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use calibrate::algebra::directions;
 use faer::Mat;
 use serde_json::{Value, json};
 use sim::excavator::{Exact, Scenario, Sensors};
@@ -194,12 +195,13 @@ fn regression() -> Result<Regression, Error> {
         ][column]
             / total
     });
-    let svd = regressor
-        .thin_svd()
-        .map_err(|e| Error::refused(format!("{e:?}")))?;
+    let directions = directions(&regressor);
+    let Some((_, null)) = directions.last() else {
+        return Err(Error::refused("the regressor has no singular values"));
+    };
     Ok(Regression {
-        singular_values: svd.S().column_vector().iter().copied().collect(),
-        null_vector: (0..3).map(|row| svd.V()[(row, 2)]).collect(),
+        singular_values: directions.iter().map(|(s, _)| *s).collect(),
+        null_vector: null.clone(),
     })
 }
 

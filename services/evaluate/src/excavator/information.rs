@@ -14,8 +14,8 @@
 //! last inertia is the parameter, its earlier values follow by the walk taken backward.
 
 use crate::Error;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
+use calibrate::algebra;
+use faer::Mat;
 use sim::excavator::Exact;
 
 /// Velocity noise [rad/s], torque noise [N m], friction width of the plant [rad/s].
@@ -84,25 +84,21 @@ impl Knowledge {
             Ok(()) => last_factor * PAYLOAD_STD / last.truth.inertia,
             Err(_) => LOG_INERTIA_STD,
         };
-        let svd = whitened
-            .thin_svd()
-            .map_err(|e| Error::refused(format!("{e:?}")))?;
-        let singular_values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        // Variance of the first parameter: its row of V over the squared singular values.
-        let variance = |prior: f64| -> f64 {
-            let terms = singular_values.iter().enumerate();
-            terms
-                .map(|(i, s)| svd.V()[(0, i)].powi(2) / (s * s + prior))
-                .sum()
+        let directions = algebra::directions(&whitened);
+        let Some(&(largest, _)) = directions.first() else {
+            return Err(Error::refused("the information has no singular values"));
         };
-        let determined = singular_values
-            .iter()
-            .all(|s| *s > 1e-9 * singular_values[0]);
+        // Variance of the first parameter: its part of each direction over the squared singular value.
+        let variance = |prior: f64| -> f64 {
+            let terms = directions.iter();
+            terms.map(|(s, v)| v[0].powi(2) / (s * s + prior)).sum()
+        };
+        let determined = directions.iter().all(|(s, _)| *s > 1e-9 * largest);
         let percent = |variance: f64| 100.0 * unit * variance.sqrt();
         Ok(Bound {
             with_prior: percent(variance(1.0)),
             data_alone: determined.then(|| percent(variance(0.0))),
-            singular_values,
+            singular_values: directions.iter().map(|(s, _)| *s).collect(),
         })
     }
 
@@ -161,12 +157,8 @@ fn whitened(
     for i in 0..size {
         covariance[(i, i)] += VELOCITY_STD * VELOCITY_STD;
     }
-    let root = covariance
-        .llt(Side::Lower)
-        .map_err(|e| Error::refused(format!("{e:?}")))?;
-    let mut sensitivity = columns(parameters);
-    solve_lower_triangular_in_place(root.L(), sensitivity.as_mut(), Par::Seq);
-    Ok(sensitivity)
+    algebra::whitened(&covariance, &columns(parameters))
+        .ok_or_else(|| Error::refused("the covariance of the velocities has no root"))
 }
 
 /// The change of the velocity at every sample that an unknown makes.

@@ -10,9 +10,9 @@
 
 use std::fmt::Write;
 
+use calibrate::algebra::inverse;
 use estimation::loader::{Estimate, LoadTransfer};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use serde_json::json;
 use sim::loader::{GRAVITY, Row, Run, Scenario};
 
@@ -96,10 +96,9 @@ impl Means {
     /// Change of the estimated ratio per acceleration [s^2/m].
     fn slope(&self) -> f64 {
         let normal = Mat::from_fn(3, 3, |i, j| self.normal[i][j]);
-        let right = Mat::from_fn(3, 1, |i, _| self.right[i]);
-        normal
-            .llt(Side::Lower)
-            .map_or(f64::NAN, |factor| factor.solve(&right)[(1, 0)])
+        inverse(&normal).map_or(f64::NAN, |inverse| {
+            (0..3).map(|j| inverse[(1, j)] * self.right[j]).sum()
+        })
     }
 }
 
