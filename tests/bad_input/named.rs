@@ -464,6 +464,84 @@ fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
 }
 
 #[test]
+fn a_table_gives_the_same_estimates_however_its_cells_and_dates_are_written() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = treated(dir.path(), "t", |_, t| format!("{t:.2}"));
+    let estimates = |input: &str| {
+        let output = estimate(input, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        fs::read_to_string(dir.path().join("out.csv")).expect("estimates")
+    };
+    let expected = estimates(&table);
+    let text = fs::read_to_string(&table).expect("the table");
+    let aligned = text.replace(',', "   ").replace('\n', " \r\n  ");
+    for (name, other) in [("blanks", aligned), ("same", text)] {
+        let file = path_in(dir.path(), name);
+        fs::write(&file, other).expect("writable");
+        assert!(estimates(&file) == expected, "{name}");
+        assert_eq!(piped(&file, dir.path()).status.code(), Some(0), "{name}");
+    }
+    for day in ["2026-11-26", "11/26/2026", "26/11/2026", "26-Nov-2026"] {
+        let dated = treated(dir.path(), "t", |_, t| {
+            format!("{day} 01:{:02}:{:05.2}", (t / 60.0) as u32, t % 60.0)
+        });
+        assert!(estimates(&dated) == expected, "{day}");
+    }
+    let dated = treated(dir.path(), "t", |_, t| format!("12/11/2026 01:02:{t:05.2}"));
+    for output in [estimate(&dated, dir.path()), piped(&dated, dir.path())] {
+        let said = both(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("may begin with its day or with its month"),
+            "{said}"
+        );
+        assert!(said.contains("write the year first"), "{said}");
+    }
+}
+
+#[test]
+fn a_slope_in_percent_is_mapped_as_a_grade() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "day.csv");
+    let header = "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque";
+    for (name, most, line) in [
+        (
+            "slope_pct",
+            5.0,
+            "column = \"slope_pct\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "grade [%]",
+            5.0,
+            "column = \"grade [%]\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "slope",
+            60.0,
+            "column = \"slope\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "slope",
+            12.0,
+            "values beyond 0.61 rad: deg? A grade in % has",
+        ),
+        ("slope", 0.2, "slope = \"slope\""),
+    ] {
+        let rows = (0..200).map(|i| {
+            let t = 0.01 * f64::from(i);
+            format!("{t},1,2,2,100,100,{}\n", most * (8.0 * t).sin())
+        });
+        fs::write(
+            &file,
+            format!("{header},{name}\n{}", rows.collect::<String>()),
+        )
+        .expect("writable");
+        let map = run_ok(&["map", &file, "--machine", "loader"]);
+        assert!(map.contains(line), "{name} {most}: {map}");
+    }
+}
+
+#[test]
 fn a_loader_s_units_and_size_are_doubted_too() {
     let text = fs::read_to_string(golden("machines/loader_1_5t_sound.csv")).expect("golden");
     let dir = tempfile::tempdir().expect("a folder");

@@ -3,7 +3,7 @@
 use config::Description;
 use estimation::excavator::{self, Geometry};
 use estimation::loader;
-use messages::Envelope;
+use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
 
 /// Looks at the rows on their way.
 pub struct Hints {
@@ -44,14 +44,17 @@ impl Hints {
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
-        match (&mut self.plausible, sample) {
-            (Plausible::Excavator(plausible), Envelope::ExcavatorSensors(s)) => {
-                plausible.push(&steps::excavator::sample(s));
+        match &mut self.plausible {
+            Plausible::Excavator(plausible) => {
+                if let Some(sample) = ExcavatorSensors::inside(sample) {
+                    plausible.push(&steps::excavator::sample(sample));
+                }
             }
-            (Plausible::Loader(plausible), Envelope::LoaderSensors(s)) => {
-                plausible.push(&steps::loader::sample(s));
+            Plausible::Loader(plausible) => {
+                if let Some(sample) = LoaderSensors::inside(sample) {
+                    plausible.push(&steps::loader::sample(sample));
+                }
             }
-            _ => {}
         }
     }
 

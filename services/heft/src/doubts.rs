@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
-use config::Description;
+use config::{Description, Keyed};
 use messages::{Envelope, Message};
 use recording::{Lacks, Sensors};
 
@@ -14,7 +14,8 @@ use crate::parts;
 
 /// Looks at the rows of an input.
 pub struct Doubts<L> {
-    look: L,
+    /// Of the machine that is described.
+    look: Option<L>,
     rate: f64,
     times: Vec<f64>,
     rows: usize,
@@ -80,14 +81,15 @@ const LOOKED_AT: usize = 1000;
 impl<L: Look> Doubts<L> {
     /// For a description.
     pub fn of(description: &Description) -> Self {
+        let described = L::Described::inside(description);
         Self {
-            look: L::of(description),
+            look: described.map(L::of),
             rate: description.rate(),
             times: Vec::new(),
             rows: 0,
             refused: 0,
             is_measured: false,
-            measured: measurable::measured::<L::Sensors>(|signal| L::largest(description, signal)),
+            measured: measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal)),
             beyond: [0; 32],
         }
     }
@@ -106,7 +108,9 @@ impl<L: Look> Doubts<L> {
                 *count += (beyond >> bit & 1) as usize;
             }
         }
-        self.look.add(sample);
+        if let Some(look) = &mut self.look {
+            look.add(sample);
+        }
     }
 
     /// Says what may be wrong.
@@ -148,7 +152,7 @@ impl<L: Look> Doubts<L> {
         parts::tell_lacks(lacks)?;
         time_fault(&self.times, self.rate)
             .or_else(|| refused_often(self.refused, self.rows))
-            .or_else(|| self.look.fault())
+            .or_else(|| self.look.as_ref().and_then(L::fault))
             .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
     }
 }

@@ -157,8 +157,17 @@ impl<S: Sensors> LineDecoder<S> {
                 self.rows -= 1;
                 return;
             }
-            if !is_whole || columns.take(record).is_err() {
-                self.refuse("is no row of the table");
+            if !is_whole {
+                let (cells, width) = (record.len(), columns.width());
+                self.refuse(&format!(
+                    "is no row of the table: it has {cells} cells, the header {width}"
+                ));
+            } else if let Err(cell) = columns.take(record) {
+                let column = cell.column.clone();
+                let Error { what, remedy, .. } = cell.at(self.count as usize, &self.input);
+                self.refuse(&format!(
+                    "is no row of the table: column {column}: {what}; {remedy}"
+                ));
             }
         }
     }

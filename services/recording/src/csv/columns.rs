@@ -8,7 +8,7 @@ use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
-use crate::time::Dates;
+use crate::time::{self, Dates};
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -68,8 +68,10 @@ impl NoNumber {
     }
 
     /// As an error.
-    pub(super) fn at(self, line: usize, file: &str) -> Error {
+    pub(crate) fn at(self, line: usize, file: &str) -> Error {
+        let is_ambiguous = self.is_time && time::is_ambiguous(&self.text);
         let remedy = match () {
+            () if is_ambiguous => "write the year first, as in 2026-11-21 16:00:00.25",
             () if self.is_header => {
                 "the header stands here once more: make a file of each recording, or delete the line"
             }
@@ -81,8 +83,12 @@ impl NoNumber {
             }
             () => "write a number, or leave the cell empty where the sample is missing",
         };
+        let what = match is_ambiguous {
+            true => "may begin with its day or with its month",
+            false => "is no number",
+        };
         Error::new(
-            format!("\"{}\" is no number", self.text),
+            format!("\"{}\" {what}", self.text),
             format!("{file}:{line}, column {}", self.column),
             remedy,
         )
@@ -422,7 +428,7 @@ pub(super) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
     let similar = config::nearest(names[0], named.map(String::as_str));
     let remedy = match similar {
         _ if header.len() < 2 => format!(
-            "separate the columns by , ; | or tabs, and delete what stands above their names, or mark it by #; the first line is {}",
+            "separate the columns by , ; | or tabs (by blanks only where names and cells have none), and delete what stands above their names, or mark it by #; the first line is {}",
             header.concat().chars().take(2 * SHOWN).collect::<String>()
         ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),

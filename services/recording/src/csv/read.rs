@@ -402,7 +402,7 @@ fn check_width(
         return Err(Error::new(
             format!("the row has {} cells, the header {width}", record.len()),
             format!("{file}:{}", line()),
-            "complete the row, or delete it",
+            "complete the row, or delete it; where blanks separate, a missing sample is NaN",
         ));
     }
     Ok(())
