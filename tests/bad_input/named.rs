@@ -500,6 +500,138 @@ fn a_table_gives_the_same_estimates_however_its_cells_and_dates_are_written() {
 }
 
 #[test]
+fn what_exports_do_to_a_table_is_named_with_what_to_do() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = treated(dir.path(), "t", |_, t| format!("{t:.2}"));
+    let text = fs::read_to_string(&table).expect("the table");
+    let german = text.replace(',', ";").replace('.', ",");
+    let thousands = treated(dir.path(), "swing_torque", |_, x| match x.abs() as u32 {
+        all @ 1000.. => format!("{}.{:03}", all / 1000, all % 1000),
+        all => all.to_string(),
+    });
+    let thousands = fs::read_to_string(thousands).expect("the table");
+    let thousands = thousands.lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(|cell| cell.replace('.', ",")).collect();
+        cells[2] = cells[2].replace(',', ".");
+        cells.join(";") + "\n"
+    });
+    let (header, rows) = text.split_once('\n').expect("rows");
+    let names: Vec<&str> = header.split(',').rev().collect();
+    let half = rows.len() / 2 + rows[rows.len() / 2..].find('\n').expect("a row") + 1;
+    let hole = "\0".repeat(4096);
+    for (content, words) in [
+        (
+            text.replace(".", ","),
+            "where commas are decimal marks, separate the columns by ;",
+        ),
+        (
+            thousands.collect(),
+            "column swing_torque has numbers like 12.345",
+        ),
+        (
+            text.replacen(',', ";", header.matches(',').count()),
+            "separated by ';'",
+        ),
+        (
+            format!(
+                "{header}\n{}{}\n{}",
+                &rows[..half],
+                names.join(","),
+                &rows[half..]
+            ),
+            "the header stands here once more",
+        ),
+        (
+            format!("{header}\n{}{hole}\n{}", &rows[..half], &rows[half..]),
+            "it holds bytes of zero, as after a loss of power",
+        ),
+        (
+            format!("{header}\n{}{hole}{}", &rows[..half], &rows[half..]),
+            "it holds bytes of zero, as after a loss of power",
+        ),
+        (
+            text.lines()
+                .map(|line| format!("\"{}\"\n", line.replace(',', "\",\"").replace('.', ",")))
+                .collect(),
+            "write it with a decimal point",
+        ),
+    ] {
+        let file = path_in(dir.path(), "odd.csv");
+        fs::write(&file, content).expect("writable");
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", both(&output));
+        assert!(both(&output).contains(words), "{words}: {}", both(&output));
+    }
+    for (content, words) in [
+        (german, ""),
+        (text.replacen('\n', ",\n", 1), ""),
+        (format!("\u{feff}\u{feff}{text}"), ""),
+        (text.replacen('\n', "\ns,-,-,-,-,-,-,-,-\n", 1), ""),
+        (
+            text.replacen("swing_torque", "\"swing\ntorque\"", 1),
+            "the column swing\\ntorque is not used",
+        ),
+    ] {
+        let file = path_in(dir.path(), "odd.csv");
+        fs::write(&file, content).expect("writable");
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+}
+
+#[test]
+fn frames_in_tables_of_other_tools_and_a_bus_without_a_name_are_named() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "frames.csv");
+    for header in [
+        "Time,Channel,ID,Flags,DLC,Data0,Data1",
+        "Line,Abs Time(Sec),Description,Arb ID,Remote,B1,B2",
+    ] {
+        let row = vec!["1"; header.split(',').count()].join(",");
+        fs::write(&file, format!("Logger 3.1\n{header}\n{row}\n{row}\n")).expect("writable");
+        for args in [["map", &file], ["estimate", &file]] {
+            let output = run(&[&args[..], &["--machine", "excavator"]].concat());
+            assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+            let words = "this is a table of CAN frames";
+            assert!(both(&output).contains(words), "{}", both(&output));
+        }
+    }
+    let map = path_in(dir.path(), "map.toml");
+    fs::write(&map, "[can]\ndbc = []\n").expect("writable");
+    let output = run(&["run", "excavator", "--input", "can:", "--map", &map]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("no CAN interface is named"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn times_in_digits_of_the_clock_are_named_and_so_is_a_gap() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| {
+        let t = 3000.0 + 10.0 * t;
+        format!(
+            "{:02}{:02}{:05.2}",
+            (t / 3600.0) as u32,
+            (t / 60.0) as u32 % 60,
+            t % 60.0
+        )
+    });
+    in_doubt(&file, dir.path(), "seem to be written as hhmmss");
+    let file = treated(dir.path(), "t", |_, t| match t > 10.0 {
+        true => (t + 3600.0).to_string(),
+        false => t.to_string(),
+    });
+    let output = estimate(&file, dir.path());
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    let words = "the times have a gap of more than 10 s, the longest of 3600 s";
+    assert!(both(&output).contains(words), "{}", both(&output));
+}
+
+#[test]
 fn a_slope_in_percent_is_mapped_as_a_grade() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = path_in(dir.path(), "day.csv");

@@ -9,6 +9,7 @@ use recording::{Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
+use crate::gaps::Gaps;
 use crate::measurable::{self, Measured};
 use crate::parts;
 
@@ -18,6 +19,7 @@ pub struct Doubts<L> {
     look: Option<L>,
     rate: f64,
     times: Vec<f64>,
+    gaps: Gaps,
     rows: usize,
     refused: usize,
     /// Whether any signal had a value.
@@ -86,6 +88,7 @@ impl<L: Look> Doubts<L> {
             look: described.map(L::of),
             rate: description.rate(),
             times: Vec::new(),
+            gaps: Gaps::default(),
             rows: 0,
             refused: 0,
             is_measured: false,
@@ -98,6 +101,7 @@ impl<L: Look> Doubts<L> {
     pub fn add(&mut self, sample: &L::Sensors, is_refused: bool) {
         self.rows += 1;
         self.refused += usize::from(is_refused);
+        self.gaps.see(sample.stamp().time);
         if self.times.len() < LOOKED_AT {
             self.times.push(sample.stamp().time);
         }
@@ -115,6 +119,9 @@ impl<L: Look> Doubts<L> {
 
     /// Says what may be wrong.
     pub fn tell(&self) {
+        if let Some(words) = self.gaps.words() {
+            eprintln!("{words}");
+        }
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {
@@ -151,6 +158,7 @@ impl<L: Look> Doubts<L> {
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
         time_fault(&self.times, self.rate)
+            .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
             .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))

@@ -15,6 +15,7 @@ mod failure;
 mod fault;
 mod fleet;
 mod fleet_run;
+mod gaps;
 mod group;
 mod image;
 mod life;

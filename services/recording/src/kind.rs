@@ -27,10 +27,10 @@ const RECORDING: &str = "mcap";
 const PACKED: &str = "gz";
 
 /// First bytes of an MCAP file.
-const MCAP: &[u8] = b"\x89MCAP";
+pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 33] = [
+const FOREIGN: [(&[u8], &str, &str); 36] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -65,6 +65,9 @@ const FOREIGN: [(&[u8], &str, &str); 33] = [
     (b"base hex", "a CAN log of Vector (ASC)", CAN),
     (b"base dec", "a CAN log of Vector (ASC)", CAN),
     (b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN),
+    (b"\xd4\xc3\xb2\xa1", CAPTURE, RECORD),
+    (b"\x4d\x3c\xb2\xa1", CAPTURE, RECORD),
+    (b"\n\r\r\n", CAPTURE, RECORD),
     (
         b"***BUSMASTER",
         "a CAN log of BUSMASTER",
@@ -106,6 +109,8 @@ const FOREIGN: [(&[u8], &str, &str); 33] = [
     (b"Rar!", "packed by RAR", "unpack it: unrar x FILE"),
 ];
 const DATE: &[u8] = b"date ";
+const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
+const RECORD: &str = "record the bus with candump -L, and give that log";
 const PAGE: &str = "a page, perhaps of a login";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
@@ -321,6 +326,8 @@ mod tests {
             (b"date Sam Sep 30\n", "Vector", "can_logconvert"),
             (b"\n<html>", "a page", "download"),
             (b"{\"t\": 0}", "JSON", "CSV"),
+            (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),
+            (b"\n\r\r\n\x1c\0\0\0", "Wireshark", "candump -L"),
         ] {
             let error = of("a.csv", content).expect_err("not read").to_string();
             assert!(error.contains(what) && error.contains(remedy), "{error}");

@@ -152,16 +152,11 @@ impl<S: Sensors> LineDecoder<S> {
         self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
-            let is_whole = record.len() == columns.width();
-            if !is_whole && csv::comment(line).is_some() {
-                self.rows -= 1;
-                return;
-            }
-            if !is_whole {
-                let (cells, width) = (record.len(), columns.width());
-                self.refuse(&format!(
-                    "is no row of the table: it has {cells} cells, the header {width}"
-                ));
+            if let Some((what, remedy)) = columns.misfit(record) {
+                match csv::comment(line) {
+                    Some(_) => self.rows -= 1,
+                    None => self.refuse(&format!("is no row of the table: {what}; {remedy}")),
+                }
             } else if let Err(cell) = columns.take(record) {
                 let column = cell.column.clone();
                 let Error { what, remedy, .. } = cell.at(self.count as usize, &self.input);
@@ -395,7 +390,8 @@ impl NameColumn {
         let text = String::from_utf8_lossy(record.get(*at)?).into_owned();
         // A quote that is left open, or a line end inside of one, is half a name.
         let is_whole = !text.chars().any(|c| c.is_control() || c == '"');
-        (is_whole && !text.is_empty()).then_some(text)
+        // Nor is the header once more a machine.
+        (is_whole && !text.is_empty() && text != self.name).then_some(text)
     }
 }
 

@@ -99,11 +99,11 @@ impl Front {
     /// That of a text which begins like this; nothing where there is nothing in it.
     pub(super) fn of(head: &[u8]) -> Option<Self> {
         let mark: &[u8] = b"\xef\xbb\xbf";
-        let begin = if head.starts_with(mark) {
-            mark.len()
-        } else {
-            0
-        };
+        // Joined files have several.
+        let marks = head
+            .chunks_exact(mark.len())
+            .take_while(|bytes| *bytes == mark);
+        let begin = mark.len() * marks.count();
         let (mut kinds, mut after_mark) = (Lines::default(), begin);
         let mut lines = lines(head, begin);
         while let Some((at, line)) = lines.next() {
@@ -237,7 +237,11 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .iter()
         .map(|cell| dialect::text(cell).trim().to_owned())
         .collect();
-    let plain = |text: &String| text.trim_matches(['[', ']', '(', ')']).trim().to_owned();
+    let plain = |text: &String| {
+        let text = text.trim_matches(['[', ']', '(', ')']).trim();
+        // A dash stands where there is no unit.
+        text.trim_matches('-').to_owned()
+    };
     let has_number = below
         .iter()
         .any(|cell| !cell.is_empty() && dialect.number(cell).is_some_and(f64::is_finite));
@@ -247,8 +251,12 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .filter(|text| unit::guess(text).is_some())
         .count();
     let written = texts.iter().filter(|text| !text.is_empty()).count();
-    (below.len() == header.len() && !has_number && known > 0 && 2 * known >= written)
-        .then_some(texts)
+    // Words between blanks may be units too: all of them must be.
+    let enough = match dialect.separator {
+        BLANK => known == written,
+        _ => 2 * known >= written,
+    };
+    (below.len() == header.len() && !has_number && known > 0 && enough).then_some(texts)
 }
 
 #[cfg(test)]
@@ -270,6 +278,7 @@ mod tests {
             "# logger v3\n# machine 14 t\n",
             "% x, y\n\n",
             "\u{feff}",
+            "\u{feff}\u{feff}",
             "sep=;\r\n",
             "// a\n",
         ] {
@@ -336,7 +345,8 @@ mod tests {
         let units = |row: &str| of(&format!("t,swing,boom,note\n{row}\n0,1,2,3\n")).2;
         let found = ["s", "rpm", "deg", ""].map(str::to_owned).to_vec();
         assert_eq!(units("s,rpm,deg,"), Some(found.clone()));
-        assert_eq!(units("[s],[rpm],[deg],"), Some(found));
+        assert_eq!(units("[s],[rpm],[deg],"), Some(found.clone()));
+        assert_eq!(units("s,rpm,deg,-"), Some(found));
         for row in ["0,1,2,3", ",,,", "NaN,,,", "s,1,2,3", "a,b,c,d", "s,rpm"] {
             assert_eq!(units(row), None, "{row}");
         }

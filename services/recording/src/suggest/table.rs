@@ -90,6 +90,10 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         };
         found.push(signal);
     }
+    if found.len() < 2 && csv::is_frames(&header) {
+        let file = path.display().to_string();
+        return Err(csv::absent(&["t"], S::MACHINE.name(), &header, &file));
+    }
     let mut missing = missing::<S>(&found);
     if !found.iter().any(|signal| signal == "t") {
         missing.insert(0, &["t"]);
