@@ -14,7 +14,7 @@ pub struct Hints {
 
 /// Compares data and machine.
 enum Plausible {
-    Excavator(excavator::Plausible),
+    Excavator(Box<excavator::Plausible>),
     Loader(loader::Plausible),
 }
 
@@ -25,7 +25,7 @@ impl Hints {
     pub fn new(description: &Description) -> Self {
         let plausible = match description {
             Description::Excavator(d) => {
-                Plausible::Excavator(excavator::Plausible::new(Geometry::of(d)))
+                Plausible::Excavator(Box::new(excavator::Plausible::new(Geometry::of(d))))
             }
             Description::Loader(d) => Plausible::Loader(loader::Plausible::new(
                 d.machine.mass,

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::Error;
 use crate::can::{self, Line, parse};
+use crate::csv;
 use crate::packed::GZIP;
 use crate::wide;
 
@@ -248,7 +249,7 @@ fn of_text(text: &[u8], named: Option<Kind>) -> Kind {
     let is_frame = |line: &[u8]| matches!(parse(&can::text(line)), Some(Line::Frame { .. }));
     match named {
         _ if text.split(|b| *b == b'\n').any(is_frame) => Kind::Log,
-        Some(Kind::Log) if !is_parted(text) => Kind::Log,
+        Some(Kind::Log) if !is_parted(text) && !csv::is_by_blanks(text) => Kind::Log,
         _ => Kind::Table,
     }
 }
@@ -278,6 +279,8 @@ mod tests {
         }
         assert_eq!(of("a.csv.gz", &GZIP).ok(), Some(Kind::Table));
         assert_eq!(of("a.log", b"t,speed\n0,1\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a.log", b"t speed\n0 1\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a.log", b"no frame\nno table\n").ok(), Some(Kind::Log));
         assert_eq!(of("a.csv", b"date time;speed\n").ok(), Some(Kind::Table));
         assert_eq!(of("a", b"t\n\0\0\0\0\0\0").ok(), Some(Kind::Table));
         assert_eq!(of("a", b"\xff\xfet\0;\0a\0\n\0").ok(), Some(Kind::Table));

@@ -152,11 +152,10 @@ impl<S: Sensors> LineDecoder<S> {
         self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
-            if let Some((what, remedy)) = columns.misfit(record) {
-                match csv::comment(line) {
-                    Some(_) => self.rows -= 1,
-                    None => self.refuse(&format!("is no row of the table: {what}; {remedy}")),
-                }
+            if columns.is_comment(record) {
+                self.rows -= 1;
+            } else if let Some((what, remedy)) = columns.misfit(record) {
+                self.refuse(&format!("is no row of the table: {what}; {remedy}"));
             } else if let Err(cell) = columns.take(record) {
                 let column = cell.column.clone();
                 let Error { what, remedy, .. } = cell.at(self.count as usize, &self.input);

@@ -111,7 +111,7 @@ fn parts(day: &str) -> Option<(char, [&str; 3])> {
 /// Month and day, which stand before the year in either order.
 fn month_and_day(a: &str, b: &str, order: &mut Option<Order>) -> Option<[i64; 2]> {
     let named = |month: &&str| b.len() == 3 && b.eq_ignore_ascii_case(month);
-    if let Some(month) = MONTHS.iter().position(|m| named(&m)) {
+    if let Some(month) = MONTHS.iter().position(named) {
         return Some([month as i64 + 1, digits(a)?]);
     }
     let (a, b) = (digits(a)?, digits(b)?);

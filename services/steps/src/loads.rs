@@ -137,20 +137,25 @@ impl LoadCounter {
     /// What would weigh a load and is not there, and what to do, in words.
     #[must_use]
     pub fn lacks(&self) -> Option<&'static str> {
-        match (self.machine, self.is_described, self.measured) {
-            (Machine::Loader, _, [false, false]) => Some(
-                "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
-            ),
-            (Machine::Loader, false, [true, false]) => Some(
-                "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config)",
-            ),
-            (Machine::Excavator, false, [true, _]) => Some(
-                "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
-            ),
-            (Machine::Excavator, _, [false, _]) => Some(
-                "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
-            ),
-            _ => None,
+        match self.machine {
+            Machine::Loader => match (self.is_described, self.measured) {
+                (_, [false, false]) => Some(
+                    "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
+                ),
+                (false, [true, false]) => Some(
+                    "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config)",
+                ),
+                (true, [true, false]) | (_, [_, true]) => None,
+            },
+            Machine::Excavator => match (self.is_described, self.measured) {
+                (false, [true, _]) => Some(
+                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
+                ),
+                (_, [false, _]) => Some(
+                    "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
+                ),
+                (true, [true, _]) => None,
+            },
         }
     }
 

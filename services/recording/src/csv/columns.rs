@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::cells::Record;
 use super::dialect::{self, BLANK, Dialect};
+use super::front::comment;
 use super::marks::{self, Marks};
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
@@ -221,6 +222,12 @@ impl<S: Sensors> Columns<S> {
     /// Names of the columns.
     pub(crate) fn header(&self) -> &[String] {
         &self.header
+    }
+
+    /// Whether a line has other cells than the header and is a comment.
+    pub(crate) fn is_comment(&self, record: &Record) -> bool {
+        let is_odd = record.len() != self.header.len();
+        is_odd && record.get(0).is_some_and(|cell| comment(cell).is_some())
     }
 
     /// Whether a row lacks cells: one of the columns up to the last that has a name.

@@ -78,10 +78,14 @@ fn is_missing(cell: &[u8]) -> bool {
 
 /// The separator in Excel's first line `sep=;`.
 pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
-    match line.trim_ascii().to_ascii_lowercase().as_slice() {
-        [b's', b'e', b'p', b'=', separator] => Some(*separator),
-        // A tab goes with the blanks at the end.
-        b"sep=" => Some(b'\t'),
+    let (name, said) = line.trim_ascii_start().split_at_checked(4)?;
+    if !name.eq_ignore_ascii_case(b"sep=") {
+        return None;
+    }
+    match said.trim_ascii() {
+        [separator] => Some(*separator),
+        [] if said.starts_with(&[BLANK]) => Some(BLANK),
+        [] => Some(b'\t'),
         _ => None,
     }
 }
@@ -113,6 +117,8 @@ mod tests {
             ("t|speed, wheels|slope", b'|'),
             ("sep=;", b';'),
             ("sep=\t", b'\t'),
+            ("SEP=\r\n", b'\t'),
+            ("sep= \r\n", BLANK),
         ] {
             assert_eq!(
                 Dialect::of(header.as_bytes()).separator,

@@ -86,6 +86,11 @@ pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
     Some(text[mark.len()..].trim_ascii_start())
 }
 
+/// Whether a text begins like a table whose columns are separated by blanks.
+pub(crate) fn is_by_blanks(head: &[u8]) -> bool {
+    Front::of(head).is_some_and(|front| front.dialect.separator == BLANK)
+}
+
 /// The front of a table.
 pub(super) struct Front {
     /// Bytes before the header.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent, listed};
 use super::dialect::Dialect;
-use super::front::{Front, comment};
+use super::front::Front;
 use super::header::{check_units, header};
 use crate::Error;
 use crate::kind;
@@ -283,10 +283,10 @@ impl<S: Sensors> TableRows<S> {
         let table = &self.table;
         if more {
             let (record, start) = (self.records.record(), self.records.start());
+            if self.columns.is_comment(record) {
+                return Ok(());
+            }
             if let Some((what, remedy)) = self.columns.misfit(record) {
-                if record.get(0).is_some_and(|cell| comment(cell).is_some()) {
-                    return Ok(());
-                }
                 let place = format!("{}:{}", table.file, table.line(start));
                 let error = Error::new(what, place, remedy);
                 return if self.columns.is_short(record) {

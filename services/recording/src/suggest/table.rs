@@ -77,17 +77,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             }
             links[link] = Some(column);
         }
-        let _ = match guess.unit {
-            Some(unit) => {
-                let scale = if unit.si == si { "" } else { ", scale = 1.0" };
-                writeln!(
-                    out,
-                    "{signal} = {{ column = {name}, unit = \"{}\"{scale} }}  # {reason}",
-                    unit.name
-                )
-            }
-            None => writeln!(out, "{signal} = {name}  # {reason}"),
-        };
+        out += &line(&signal, &name, guess.unit, si, &reason);
         found.push(signal);
     }
     if found.len() < 2 && csv::is_frames(&header) {
@@ -105,6 +95,16 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing,
         found: found.len(),
     })
+}
+
+/// The line of a column in this unit, with the reason.
+fn line(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -> String {
+    let Some(unit) = unit else {
+        return format!("{signal} = {name}  # {reason}\n");
+    };
+    let scale = if unit.si == si { "" } else { ", scale = 1.0" };
+    let unit = unit.name;
+    format!("{signal} = {{ column = {name}, unit = \"{unit}\"{scale} }}  # {reason}\n")
 }
 
 /// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
