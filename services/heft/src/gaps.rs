@@ -1,6 +1,6 @@
 //! Gaps in the times of an input.
 
-/// Rows that are further apart have a gap between them [s].
+/// Rows that are further apart have a gap between them \[s\].
 const LONG: f64 = 10.0;
 /// Seconds from 59 of a minute to 0 of the next where times are written as the digits of hours, minutes and seconds; to the
 /// next hour there are another 4000.
