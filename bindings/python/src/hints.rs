@@ -4,11 +4,13 @@ use config::Description;
 use estimation::excavator::{self, Geometry};
 use estimation::loader;
 use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
+use recording::Gaps;
 
 /// Looks at the rows on their way.
 pub struct Hints {
     plausible: Plausible,
     times: Vec<f64>,
+    gaps: Gaps,
     rate: f64,
 }
 
@@ -35,12 +37,14 @@ impl Hints {
         Self {
             plausible,
             times: Vec::new(),
+            gaps: Gaps::default(),
             rate: description.rate(),
         }
     }
 
     pub fn add(&mut self, sample: &Envelope) {
         let time = sample.stamp().time;
+        self.gaps.see(time);
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
@@ -70,6 +74,7 @@ impl Hints {
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
-        unit.into_iter().chain(mismatch).collect()
+        let gaps = self.gaps.fault().or_else(|| self.gaps.words());
+        unit.into_iter().chain(gaps).chain(mismatch).collect()
     }
 }

@@ -5,11 +5,10 @@ use std::ops::RangeInclusive;
 
 use config::{Description, Keyed};
 use messages::{Envelope, Message};
-use recording::{Lacks, Sensors};
+use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
-use crate::gaps::Gaps;
 use crate::measurable::{self, Measured};
 use crate::parts;
 

@@ -15,7 +15,6 @@ mod failure;
 mod fault;
 mod fleet;
 mod fleet_run;
-mod gaps;
 mod group;
 mod image;
 mod life;

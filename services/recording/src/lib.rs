@@ -16,6 +16,7 @@ mod error;
 mod excavator;
 mod file;
 pub mod frame;
+mod gaps;
 mod kind;
 mod line_decoder;
 mod load;
@@ -47,6 +48,7 @@ mod writer;
 
 pub use csv::EstimateWriter;
 pub use error::Error;
+pub use gaps::Gaps;
 pub use kind::Kind;
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn, NamedLine};
 pub use load::{Samples, load, open};

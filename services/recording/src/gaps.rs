@@ -41,6 +41,7 @@ impl Gaps {
     }
 
     /// Words on them.
+    #[must_use]
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);
         (self.count > 0).then(|| {
@@ -55,6 +56,7 @@ impl Gaps {
     }
 
     /// Why the times are no seconds, and what to do.
+    #[must_use]
     pub fn fault(&self) -> Option<String> {
         (self.count > 1 && self.at_minutes == self.count).then(|| {
             format!(
