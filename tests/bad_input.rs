@@ -79,14 +79,15 @@ fn what_a_cell_should_be_is_said_where_it_is_something_else() {
     let refused = |content: &str, words: &[&str]| estimate("excavator", "in.csv", content, words);
     // The day of an American date may be its month.
     let date = "t,swing_velocity\n03/04/2026 12:59:50 PM,0.1\n";
-    refused(date, &["03/04/2026", "2026-11-21 16:00:00.25"]);
+    let ambiguous = "may begin with its day or with its month";
+    refused(date, &["03/04/2026", ambiguous, "2026-11-21 16:00:00.25"]);
     let thousands = "t,swing_velocity,swing_torque\n0,0,\"1,250.5\"\n";
     refused(thousands, &["1,250.5", "decimal point"]);
     let twice = "t,swing_velocity\n0,0\n0.01,0\nt,swing_velocity\n0,0\n";
     refused(twice, &["in.csv:4", "header stands here once more"]);
-    let preface = "Logger 2.1\nMachine: EX-22\nt swing_velocity\n0 0\n";
+    let preface = "Logger 2.1\nMachine: EX-22\nt [s] swing velocity\n0 0\n";
     refused(preface, &["Logger 2.1", "delete what stands above"]);
-    let blanks = "t swing_velocity\n0 0\n";
+    let blanks = "t swing_velocity\n2026-11-26 01:02:03 0\n";
     refused(blanks, &["t swing_velocity", "separate the columns by"]);
 }
 

@@ -32,6 +32,36 @@ fn record(folder: &Path, more: &[&str]) -> String {
 }
 
 #[test]
+fn a_simulated_load_cycle_is_not_doubted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = path(folder.path());
+    let domain = common::domain("cycle");
+    let run = [
+        "run",
+        "loader",
+        "--scenario",
+        "load-cycle",
+        "--pace",
+        "max",
+        "--quiet",
+    ];
+    run_ok(&[&run[..], &["--domain", &domain, "--out", out]].concat());
+    run_ok(&["export", out, "-o", out]);
+    let table = folder.path().join("loader_sensors.csv");
+    for input in [folder.path().join("run.mcap"), table] {
+        let estimates = folder.path().join("estimates.csv");
+        run_ok(&[
+            "estimate",
+            path(&input),
+            "--machine",
+            "loader",
+            "-o",
+            path(&estimates),
+        ]);
+    }
+}
+
+#[test]
 fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), &[]);

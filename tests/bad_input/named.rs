@@ -464,6 +464,216 @@ fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
 }
 
 #[test]
+fn a_table_gives_the_same_estimates_however_its_cells_and_dates_are_written() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = treated(dir.path(), "t", |_, t| format!("{t:.2}"));
+    let estimates = |input: &str| {
+        let output = estimate(input, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        fs::read_to_string(dir.path().join("out.csv")).expect("estimates")
+    };
+    let expected = estimates(&table);
+    let text = fs::read_to_string(&table).expect("the table");
+    let aligned = text.replace(',', "   ").replace('\n', " \r\n  ");
+    for (name, other) in [("blanks", aligned), ("same", text)] {
+        let file = path_in(dir.path(), name);
+        fs::write(&file, other).expect("writable");
+        assert!(estimates(&file) == expected, "{name}");
+        assert_eq!(piped(&file, dir.path()).status.code(), Some(0), "{name}");
+    }
+    for day in ["2026-11-26", "11/26/2026", "26/11/2026", "26-Nov-2026"] {
+        let dated = treated(dir.path(), "t", |_, t| {
+            format!("{day} 01:{:02}:{:05.2}", (t / 60.0) as u32, t % 60.0)
+        });
+        assert!(estimates(&dated) == expected, "{day}");
+    }
+    let dated = treated(dir.path(), "t", |_, t| format!("12/11/2026 01:02:{t:05.2}"));
+    for output in [estimate(&dated, dir.path()), piped(&dated, dir.path())] {
+        let said = both(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("may begin with its day or with its month"),
+            "{said}"
+        );
+        assert!(said.contains("write the year first"), "{said}");
+    }
+}
+
+#[test]
+fn what_exports_do_to_a_table_is_named_with_what_to_do() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = treated(dir.path(), "t", |_, t| format!("{t:.2}"));
+    let text = fs::read_to_string(&table).expect("the table");
+    let german = text.replace(',', ";").replace('.', ",");
+    let thousands = treated(dir.path(), "swing_torque", |_, x| match x.abs() as u32 {
+        all @ 1000.. => format!("{}.{:03}", all / 1000, all % 1000),
+        all => all.to_string(),
+    });
+    let thousands = fs::read_to_string(thousands).expect("the table");
+    let thousands = thousands.lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(|cell| cell.replace('.', ",")).collect();
+        cells[2] = cells[2].replace(',', ".");
+        cells.join(";") + "\n"
+    });
+    let (header, rows) = text.split_once('\n').expect("rows");
+    let names: Vec<&str> = header.split(',').rev().collect();
+    let half = rows.len() / 2 + rows[rows.len() / 2..].find('\n').expect("a row") + 1;
+    let hole = "\0".repeat(4096);
+    for (content, words) in [
+        (
+            text.replace(".", ","),
+            "where commas are decimal marks, separate the columns by ;",
+        ),
+        (
+            thousands.collect(),
+            "column swing_torque has numbers like 12.345",
+        ),
+        (
+            text.replacen(',', ";", header.matches(',').count()),
+            "separated by ';'",
+        ),
+        (
+            format!(
+                "{header}\n{}{}\n{}",
+                &rows[..half],
+                names.join(","),
+                &rows[half..]
+            ),
+            "the header stands here once more",
+        ),
+        (
+            format!("{header}\n{}{hole}\n{}", &rows[..half], &rows[half..]),
+            "it holds bytes of zero, as after a loss of power",
+        ),
+        (
+            format!("{header}\n{}{hole}{}", &rows[..half], &rows[half..]),
+            "it holds bytes of zero, as after a loss of power",
+        ),
+        (
+            text.lines()
+                .map(|line| format!("\"{}\"\n", line.replace(',', "\",\"").replace('.', ",")))
+                .collect(),
+            "write it with a decimal point",
+        ),
+    ] {
+        let file = path_in(dir.path(), "odd.csv");
+        fs::write(&file, content).expect("writable");
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", both(&output));
+        assert!(both(&output).contains(words), "{words}: {}", both(&output));
+    }
+    for (content, words) in [
+        (german, ""),
+        (text.replacen('\n', ",\n", 1), ""),
+        (format!("\u{feff}\u{feff}{text}"), ""),
+        (text.replacen('\n', "\ns,-,-,-,-,-,-,-,-\n", 1), ""),
+        (
+            text.replacen("swing_torque", "\"swing\ntorque\"", 1),
+            "the column swing\\ntorque is not used",
+        ),
+    ] {
+        let file = path_in(dir.path(), "odd.csv");
+        fs::write(&file, content).expect("writable");
+        let output = estimate(&file, dir.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
+}
+
+#[test]
+fn frames_in_tables_of_other_tools_and_a_bus_without_a_name_are_named() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "frames.csv");
+    for header in [
+        "Time,Channel,ID,Flags,DLC,Data0,Data1",
+        "Line,Abs Time(Sec),Description,Arb ID,Remote,B1,B2",
+    ] {
+        let row = vec!["1"; header.split(',').count()].join(",");
+        fs::write(&file, format!("Logger 3.1\n{header}\n{row}\n{row}\n")).expect("writable");
+        for args in [["map", &file], ["estimate", &file]] {
+            let output = run(&[&args[..], &["--machine", "excavator"]].concat());
+            assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+            let words = "this is a table of CAN frames";
+            assert!(both(&output).contains(words), "{}", both(&output));
+        }
+    }
+    let map = path_in(dir.path(), "map.toml");
+    fs::write(&map, "[can]\ndbc = []\n").expect("writable");
+    let output = run(&["run", "excavator", "--input", "can:", "--map", &map]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("no CAN interface is named"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn times_in_digits_of_the_clock_are_named_and_so_is_a_gap() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "t", |_, t| {
+        let t = 3000.0 + 10.0 * t;
+        format!(
+            "{:02}{:02}{:05.2}",
+            (t / 3600.0) as u32,
+            (t / 60.0) as u32 % 60,
+            t % 60.0
+        )
+    });
+    in_doubt(&file, dir.path(), "seem to be written as hhmmss");
+    let file = treated(dir.path(), "t", |_, t| match t > 10.0 {
+        true => (t + 3600.0).to_string(),
+        false => t.to_string(),
+    });
+    let output = estimate(&file, dir.path());
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    let words = "the times have a gap of more than 10 s, the longest of 3600 s";
+    assert!(both(&output).contains(words), "{}", both(&output));
+}
+
+#[test]
+fn a_slope_in_percent_is_mapped_as_a_grade() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "day.csv");
+    let header = "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque";
+    for (name, most, line) in [
+        (
+            "slope_pct",
+            5.0,
+            "column = \"slope_pct\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "grade [%]",
+            5.0,
+            "column = \"grade [%]\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "slope",
+            60.0,
+            "column = \"slope\", unit = \"%\", scale = 1.0",
+        ),
+        (
+            "slope",
+            12.0,
+            "values beyond 0.61 rad: deg? A grade in % has",
+        ),
+        ("slope", 0.2, "slope = \"slope\""),
+    ] {
+        let rows = (0..200).map(|i| {
+            let t = 0.01 * f64::from(i);
+            format!("{t},1,2,2,100,100,{}\n", most * (8.0 * t).sin())
+        });
+        fs::write(
+            &file,
+            format!("{header},{name}\n{}", rows.collect::<String>()),
+        )
+        .expect("writable");
+        let map = run_ok(&["map", &file, "--machine", "loader"]);
+        assert!(map.contains(line), "{name} {most}: {map}");
+    }
+}
+
+#[test]
 fn a_loader_s_units_and_size_are_doubted_too() {
     let text = fs::read_to_string(golden("machines/loader_1_5t_sound.csv")).expect("golden");
     let dir = tempfile::tempdir().expect("a folder");

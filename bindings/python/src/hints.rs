@@ -3,18 +3,20 @@
 use config::Description;
 use estimation::excavator::{self, Geometry};
 use estimation::loader;
-use messages::Envelope;
+use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
+use recording::Gaps;
 
 /// Looks at the rows on their way.
 pub struct Hints {
     plausible: Plausible,
     times: Vec<f64>,
+    gaps: Gaps,
     rate: f64,
 }
 
 /// Compares data and machine.
 enum Plausible {
-    Excavator(excavator::Plausible),
+    Excavator(Box<excavator::Plausible>),
     Loader(loader::Plausible),
 }
 
@@ -25,7 +27,7 @@ impl Hints {
     pub fn new(description: &Description) -> Self {
         let plausible = match description {
             Description::Excavator(d) => {
-                Plausible::Excavator(excavator::Plausible::new(Geometry::of(d)))
+                Plausible::Excavator(Box::new(excavator::Plausible::new(Geometry::of(d))))
             }
             Description::Loader(d) => Plausible::Loader(loader::Plausible::new(
                 d.machine.mass,
@@ -35,23 +37,28 @@ impl Hints {
         Self {
             plausible,
             times: Vec::new(),
+            gaps: Gaps::default(),
             rate: description.rate(),
         }
     }
 
     pub fn add(&mut self, sample: &Envelope) {
         let time = sample.stamp().time;
+        self.gaps.see(time);
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
-        match (&mut self.plausible, sample) {
-            (Plausible::Excavator(plausible), Envelope::ExcavatorSensors(s)) => {
-                plausible.push(&steps::excavator::sample(s));
+        match &mut self.plausible {
+            Plausible::Excavator(plausible) => {
+                if let Some(sample) = ExcavatorSensors::inside(sample) {
+                    plausible.push(&steps::excavator::sample(sample));
+                }
             }
-            (Plausible::Loader(plausible), Envelope::LoaderSensors(s)) => {
-                plausible.push(&steps::loader::sample(s));
+            Plausible::Loader(plausible) => {
+                if let Some(sample) = LoaderSensors::inside(sample) {
+                    plausible.push(&steps::loader::sample(sample));
+                }
             }
-            _ => {}
         }
     }
 
@@ -67,6 +74,7 @@ impl Hints {
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
-        unit.into_iter().chain(mismatch).collect()
+        let gaps = self.gaps.fault().or_else(|| self.gaps.words());
+        unit.into_iter().chain(gaps).chain(mismatch).collect()
     }
 }

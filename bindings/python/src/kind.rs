@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use config::Description;
-use messages::{Envelope, Message};
+use messages::{Envelope, ExcavatorSensors, Message};
 use pyo3::PyResult;
 use recording::csv::Estimate;
 use recording::frame::{self, Cell, Cells, Feed, NamedColumn, Table};
@@ -108,11 +108,12 @@ pub fn answer(way: &mut Stages, sample: Envelope) -> Option<Envelope> {
 
 /// Refuses samples that the method cannot use.
 fn check<S: Message>(description: &Description, method: &str, first: &S) -> PyResult<()> {
-    match (description, &first.envelope()) {
-        (Description::Excavator(d), Envelope::ExcavatorSensors(first)) => {
-            steps::excavator::check_columns(d, method, first).map_err(refused)
-        }
-        _ => Ok(()),
+    match description {
+        Description::Excavator(d) => match ExcavatorSensors::inside(&first.envelope()) {
+            Some(first) => steps::excavator::check_columns(d, method, first).map_err(refused),
+            None => Ok(()),
+        },
+        Description::Loader(_) => Ok(()),
     }
 }
 

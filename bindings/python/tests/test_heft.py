@@ -242,3 +242,13 @@ def test_loads_are_counted_with_their_intervals_and_a_target(tmp_path):
 def test_the_schema_tells_units_and_meanings():
     field = heft.schema()["ExcavatorSensors"]["swing_torque"]
     assert field["unit"] == "N m" and "upper body" in field["meaning"]
+
+
+def test_a_column_that_is_there_twice_is_named_and_so_is_a_gap_in_the_times():
+    data = pandas.read_csv(GOLDEN / "machines" / "excavator_1_13t_level.csv")
+    twice = pandas.concat([data, data[["boom_angle"]]], axis=1)
+    with pytest.raises(heft.HeftError, match="two columns are called boom_angle"):
+        heft.estimate(twice, "excavator")
+    late = data.assign(t=data.t.where(data.t < 10, data.t + 3600))
+    with pytest.warns(heft.HeftWarning, match="a gap of more than 10 s, the longest of 3600 s"):
+        heft.estimate(late, "excavator")

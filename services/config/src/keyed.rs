@@ -3,12 +3,14 @@
 use estimation::keys::Table;
 use messages::Machine;
 
-use crate::Error;
+use crate::{Description, Error};
 
 /// A machine's tables of keys.
 pub trait Keyed: Default + Clone {
     /// Which machine.
     const MACHINE: Machine;
+    /// What is described, if it is this machine.
+    fn inside(description: &Description) -> Option<&Self>;
     /// All tables, in the order in which they are printed.
     fn tables(&self) -> Vec<&dyn Table>;
     /// All tables, to write.
@@ -35,6 +37,12 @@ macro_rules! tables {
     ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
         impl $crate::keyed::Keyed for $name {
             const MACHINE: Machine = $machine;
+            fn inside(description: &$crate::Description) -> Option<&Self> {
+                match description {
+                    $crate::Description::$name(described) => Some(described),
+                    _ => None,
+                }
+            }
             fn tables(&self) -> Vec<&dyn $crate::Table> {
                 vec![$( &self.$table ),+]
             }

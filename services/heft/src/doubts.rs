@@ -3,9 +3,9 @@
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
-use config::Description;
+use config::{Description, Keyed};
 use messages::{Envelope, Message};
-use recording::{Lacks, Sensors};
+use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
@@ -14,9 +14,11 @@ use crate::parts;
 
 /// Looks at the rows of an input.
 pub struct Doubts<L> {
-    look: L,
+    /// Of the machine that is described.
+    look: Option<L>,
     rate: f64,
     times: Vec<f64>,
+    gaps: Gaps,
     rows: usize,
     refused: usize,
     /// Whether any signal had a value.
@@ -80,14 +82,16 @@ const LOOKED_AT: usize = 1000;
 impl<L: Look> Doubts<L> {
     /// For a description.
     pub fn of(description: &Description) -> Self {
+        let described = L::Described::inside(description);
         Self {
-            look: L::of(description),
+            look: described.map(L::of),
             rate: description.rate(),
             times: Vec::new(),
+            gaps: Gaps::default(),
             rows: 0,
             refused: 0,
             is_measured: false,
-            measured: measurable::measured::<L::Sensors>(|signal| L::largest(description, signal)),
+            measured: measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal)),
             beyond: [0; 32],
         }
     }
@@ -96,6 +100,7 @@ impl<L: Look> Doubts<L> {
     pub fn add(&mut self, sample: &L::Sensors, is_refused: bool) {
         self.rows += 1;
         self.refused += usize::from(is_refused);
+        self.gaps.see(sample.stamp().time);
         if self.times.len() < LOOKED_AT {
             self.times.push(sample.stamp().time);
         }
@@ -106,11 +111,16 @@ impl<L: Look> Doubts<L> {
                 *count += (beyond >> bit & 1) as usize;
             }
         }
-        self.look.add(sample);
+        if let Some(look) = &mut self.look {
+            look.add(sample);
+        }
     }
 
     /// Says what may be wrong.
     pub fn tell(&self) {
+        if let Some(words) = self.gaps.words() {
+            eprintln!("{words}");
+        }
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {
@@ -147,8 +157,9 @@ impl<L: Look> Doubts<L> {
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
         time_fault(&self.times, self.rate)
+            .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
-            .or_else(|| self.look.fault())
+            .or_else(|| self.look.as_ref().and_then(L::fault))
             .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
     }
 }

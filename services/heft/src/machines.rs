@@ -283,6 +283,7 @@ fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
         return;
     }
     for (column, signal) in recording::csv::misspelt::<S>(file) {
+        let column = recording::OneLine(column);
         eprintln!("the column {column} is not used; did you mean {signal}?");
     }
 }

@@ -57,6 +57,14 @@ pub fn words(plan: &Plan) -> String {
 
 /// The frames of a CAN interface as samples.
 fn can_bus<M: Sensors>(plan: &Plan, interface: &str) -> Result<sensor::CanBus<M>, Failure> {
+    if interface.is_empty() {
+        let remedy = "name a CAN interface: can:can0";
+        return Err(Failure::input(
+            "no CAN interface is named",
+            "--input can:",
+            remedy,
+        ));
+    }
     let Some(map) = map(plan.map.as_deref())? else {
         return Err(Failure::input(
             "a CAN bus needs a signal map",

@@ -42,6 +42,7 @@ impl Error {
                 "make room, or choose another folder"
             }
             Kind::ReadOnlyFilesystem => "choose another folder: this disk cannot be written",
+            Kind::InvalidFilename => "choose a shorter name for the result (-o), or for its input",
             Kind::IsADirectory => "give a file, not a folder",
             Kind::InvalidData | Kind::InvalidInput => {
                 "its content is damaged, the disk is not: mend it, or get the file anew"

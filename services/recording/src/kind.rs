@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::Error;
 use crate::can::{self, Line, parse};
+use crate::csv;
 use crate::packed::GZIP;
 use crate::wide;
 
@@ -27,10 +28,10 @@ const RECORDING: &str = "mcap";
 const PACKED: &str = "gz";
 
 /// First bytes of an MCAP file.
-const MCAP: &[u8] = b"\x89MCAP";
+pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 34] = [
+const FOREIGN: [(&[u8], &str, &str); 37] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -65,6 +66,9 @@ const FOREIGN: [(&[u8], &str, &str); 34] = [
     (b"base hex", "a CAN log of Vector (ASC)", CAN),
     (b"base dec", "a CAN log of Vector (ASC)", CAN),
     (b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN),
+    (b"\xd4\xc3\xb2\xa1", CAPTURE, RECORD),
+    (b"\x4d\x3c\xb2\xa1", CAPTURE, RECORD),
+    (b"\n\r\r\n", CAPTURE, RECORD),
     (
         b"***BUSMASTER",
         "a CAN log of BUSMASTER",
@@ -111,6 +115,8 @@ const FOREIGN: [(&[u8], &str, &str); 34] = [
     (b"Rar!", "packed by RAR", "unpack it: unrar x FILE"),
 ];
 const DATE: &[u8] = b"date ";
+const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
+const RECORD: &str = "record the bus with candump -L, and give that log";
 const PAGE: &str = "a page, perhaps of a login";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
@@ -248,7 +254,7 @@ fn of_text(text: &[u8], named: Option<Kind>) -> Kind {
     let is_frame = |line: &[u8]| matches!(parse(&can::text(line)), Some(Line::Frame { .. }));
     match named {
         _ if text.split(|b| *b == b'\n').any(is_frame) => Kind::Log,
-        Some(Kind::Log) if !is_parted(text) => Kind::Log,
+        Some(Kind::Log) if !is_parted(text) && !csv::is_by_blanks(text) => Kind::Log,
         _ => Kind::Table,
     }
 }
@@ -278,6 +284,8 @@ mod tests {
         }
         assert_eq!(of("a.csv.gz", &GZIP).ok(), Some(Kind::Table));
         assert_eq!(of("a.log", b"t,speed\n0,1\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a.log", b"t speed\n0 1\n").ok(), Some(Kind::Table));
+        assert_eq!(of("a.log", b"no frame\nno table\n").ok(), Some(Kind::Log));
         assert_eq!(of("a.csv", b"date time;speed\n").ok(), Some(Kind::Table));
         assert_eq!(of("a", b"t\n\0\0\0\0\0\0").ok(), Some(Kind::Table));
         assert_eq!(of("a", b"\xff\xfet\0;\0a\0\n\0").ok(), Some(Kind::Table));
@@ -327,6 +335,8 @@ mod tests {
             (b"VERSION \"\"\n\nNS_ :\n", "DBC", "--dbc"),
             (b"\n<html>", "a page", "download"),
             (b"{\"t\": 0}", "JSON", "CSV"),
+            (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),
+            (b"\n\r\r\n\x1c\0\0\0", "Wireshark", "candump -L"),
         ] {
             let error = of("a.csv", content).expect_err("not read").to_string();
             assert!(error.contains(what) && error.contains(remedy), "{error}");

@@ -152,13 +152,16 @@ impl<S: Sensors> LineDecoder<S> {
         self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
-            let is_whole = record.len() == columns.width();
-            if !is_whole && csv::comment(line).is_some() {
+            if columns.is_comment(record) {
                 self.rows -= 1;
-                return;
-            }
-            if !is_whole || columns.take(record).is_err() {
-                self.refuse("is no row of the table");
+            } else if let Some((what, remedy)) = columns.misfit(record) {
+                self.refuse(&format!("is no row of the table: {what}; {remedy}"));
+            } else if let Err(cell) = columns.take(record) {
+                let column = cell.column.clone();
+                let Error { what, remedy, .. } = cell.at(self.count as usize, &self.input);
+                self.refuse(&format!(
+                    "is no row of the table: column {column}: {what}; {remedy}"
+                ));
             }
         }
     }
@@ -386,7 +389,8 @@ impl NameColumn {
         let text = String::from_utf8_lossy(record.get(*at)?).into_owned();
         // A quote that is left open, or a line end inside of one, is half a name.
         let is_whole = !text.chars().any(|c| c.is_control() || c == '"');
-        (is_whole && !text.is_empty()).then_some(text)
+        // Nor is the header once more a machine.
+        (is_whole && !text.is_empty() && text != self.name).then_some(text)
     }
 }
 

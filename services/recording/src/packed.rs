@@ -1,10 +1,10 @@
 //! Files that may be packed by gzip, or be text in UTF-16.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::GzDecoder;
 
 use crate::wide;
 
@@ -34,8 +34,7 @@ pub(crate) fn open(path: &Path) -> io::Result<Content> {
     file.rewind()?;
     let is_packed = magic == GZIP;
     let (read, is_converted) = wide::utf8(match is_packed {
-        // Several packed one after the other are one text, as `cat` makes of them.
-        true => Box::new(MultiGzDecoder::new(BufReader::new(file))),
+        true => Box::new(Members(Some(GzDecoder::new(BufReader::new(file))))),
         false => Box::new(file),
     });
     Ok(Content {
@@ -43,4 +42,67 @@ pub(crate) fn open(path: &Path) -> io::Result<Content> {
         is_packed,
         is_plain: !is_packed && !is_converted,
     })
+}
+
+/// Several texts packed one after the other are one, as `cat` makes of them. Zeros behind the last fill up a block of a disk.
+struct Members(Option<GzDecoder<BufReader<File>>>);
+
+impl Read for Members {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        while let Some(member) = &mut self.0 {
+            let count = member.read(out)?;
+            if count > 0 || out.is_empty() {
+                return Ok(count);
+            }
+            let next = self.0.take().map(GzDecoder::into_inner);
+            self.0 = next.map(behind_zeros).transpose()?.flatten();
+        }
+        Ok(0)
+    }
+}
+
+/// The next member, if anything but zeros follows.
+fn behind_zeros(mut file: BufReader<File>) -> io::Result<Option<GzDecoder<BufReader<File>>>> {
+    loop {
+        let bytes = file.fill_buf()?;
+        let (zeros, all) = (bytes.iter().take_while(|b| **b == 0).count(), bytes.len());
+        file.consume(zeros);
+        if all == 0 {
+            return Ok(None);
+        }
+        if zeros < all {
+            return Ok(Some(GzDecoder::new(file)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn members_are_one_text_and_zeros_behind_them_are_none() {
+        let pack = |text: &str| {
+            let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+            packer.write_all(text.as_bytes()).expect("memory");
+            packer.finish().expect("memory")
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.gz");
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).expect("written");
+            let mut text = String::new();
+            open(&path)?.read_to_string(&mut text).map(|_| text)
+        };
+        let (zeros, two) = ([0; 20_000], [pack("t,speed\n"), pack("0,1\n")].concat());
+        for more in [&zeros[..], &zeros[..1], b""] {
+            assert_eq!(
+                read(&[&two, more].concat()).ok().as_deref(),
+                Some("t,speed\n0,1\n")
+            );
+        }
+        assert!(read(&[&two, &b"xyz"[..]].concat()).is_err());
+        assert!(read(&two[..two.len() - 9]).is_err());
+    }
 }

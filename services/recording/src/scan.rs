@@ -91,9 +91,19 @@ impl Scan {
             match scan.take(bytes, at) {
                 Step::Next(end) => at = end,
                 Step::Footer(end) => {
-                    scan.complete = end + MAGIC.len() as u64 == bytes.len
-                        && bytes.range(end, bytes.len).as_deref() == Some(MAGIC)
-                        && scan.index_is_whole(bytes, end);
+                    let behind = end + MAGIC.len() as u64;
+                    let is_closed = bytes.range(end, behind).as_deref() == Some(MAGIC);
+                    let next = bytes.range(behind, behind + MAGIC.len() as u64);
+                    let is_joined = is_closed && next.as_deref() == Some(MAGIC);
+                    if is_joined {
+                        scan.damage.push(Damage {
+                            at: behind,
+                            bytes: bytes.len - behind,
+                            what: "another recording, joined to this one and not read, begins",
+                        });
+                    }
+                    let is_whole = || behind == bytes.len && scan.index_is_whole(bytes, end);
+                    scan.complete = is_joined || is_closed && is_whole();
                     at = if scan.complete { bytes.len } else { at };
                     break;
                 }

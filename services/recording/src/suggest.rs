@@ -24,6 +24,7 @@ use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
 use suggestion::missing;
 use table::LINKS;
+pub use table::STEEPEST;
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
 /// a machine, the one whose signals fit best.

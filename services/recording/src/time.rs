@@ -39,6 +39,7 @@ fn digits(text: &str) -> Option<i64> {
 #[derive(Debug, Default)]
 pub(crate) struct Dates {
     first: Option<i64>,
+    order: Option<Order>,
     /// Time of day, and the midnights before it.
     last: i64,
     midnights: i64,
@@ -47,7 +48,7 @@ pub(crate) struct Dates {
 impl Dates {
     /// Seconds since the first of them.
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
-        let ns = date(text).or_else(|| self.clock(text))?;
+        let ns = dated(text, &mut self.order).or_else(|| self.clock(text))?;
         let first = *self.first.get_or_insert(ns);
         Some(ns.saturating_sub(first) as f64 / 1e9)
     }
@@ -62,23 +63,78 @@ impl Dates {
     }
 }
 
-/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`; also with `/` for `-` and with `DD.MM.YYYY`.
+/// What a date has first where its year is last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    Day,
+    Month,
+}
+
+/// Names of the months, of which three letters tell.
+const MONTHS: [&str; 12] = [
+    "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
+];
+
+/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`; also with `/` for `-`, with `DD.MM.YYYY`, and with `MM/DD/YYYY`,
+/// `DD/MM/YYYY` or `DD-Mon-YYYY` where it is clear which is the month.
 pub(crate) fn date(text: &str) -> Option<i64> {
+    dated(text, &mut None)
+}
+
+/// The same; the order of day and month is that of an earlier date, or becomes known.
+fn dated(text: &str, order: &mut Option<Order>) -> Option<i64> {
     let (day, clock) = text.split_once(['T', ' '])?;
-    let separator = day.chars().find(|c| !c.is_ascii_digit())?;
-    let mut parts = day.split(separator);
-    let [a, b, c] = [parts.next()?, parts.next()?, parts.next()?];
-    let (year, month, of_month) = match (separator, parts.next()) {
-        ('-' | '/', None) if a.len() == 4 => (a, b, c),
-        ('.', None) if c.len() == 4 => (c, b, a),
+    let (separator, [a, b, c]) = parts(day)?;
+    let [year, month, of_month] = match separator {
+        '-' | '/' if a.len() == 4 => [digits(a)?, digits(b)?, digits(c)?],
+        '.' if c.len() == 4 => [digits(c)?, digits(b)?, digits(a)?],
+        '-' | '/' if c.len() == 4 => {
+            let [month, day] = month_and_day(a, b, order)?;
+            [digits(c)?, month, day]
+        }
         _ => return None,
     };
     let (clock, zone) = zone(clock.trim())?;
-    let day = days(digits(year)?, digits(month)?, digits(of_month)?)?;
-    let minutes = day * 1440 - zone;
+    let minutes = days(year, month, of_month)? * 1440 - zone;
     minutes
         .checked_mul(60_000_000_000)?
         .checked_add(of_day(clock)?)
+}
+
+/// The three parts of a day, and what stands between them.
+fn parts(day: &str) -> Option<(char, [&str; 3])> {
+    let separator = day.chars().find(|c| !c.is_ascii_digit())?;
+    let parts: Vec<&str> = day.split(separator).collect();
+    Some((separator, parts.try_into().ok()?))
+}
+
+/// Month and day, which stand before the year in either order.
+fn month_and_day(a: &str, b: &str, order: &mut Option<Order>) -> Option<[i64; 2]> {
+    let named = |month: &&str| b.len() == 3 && b.eq_ignore_ascii_case(month);
+    if let Some(month) = MONTHS.iter().position(named) {
+        return Some([month as i64 + 1, digits(a)?]);
+    }
+    let (a, b) = (digits(a)?, digits(b)?);
+    let clear = match (a > 12, b > 12) {
+        (true, false) => Some(Order::Day),
+        (false, true) => Some(Order::Month),
+        _ => None,
+    };
+    *order = order.or(clear);
+    match order {
+        Some(Order::Day) => Some([b, a]),
+        Some(Order::Month) => Some([a, b]),
+        None => (a == b).then_some([a, b]),
+    }
+}
+
+/// Whether this is a date whose day may be its month.
+pub(crate) fn is_ambiguous(text: &str) -> bool {
+    let day = text.split(['T', ' ']).next().unwrap_or_default();
+    let small = |text| digits(text).is_some_and(|x| (1..=12).contains(&x));
+    parts(day).is_some_and(|(separator, [a, b, c])| {
+        matches!(separator, '/' | '-') && c.len() == 4 && small(a) && small(b) && a != b
+    })
 }
 
 /// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM.
@@ -114,6 +170,8 @@ fn of_day(clock: &str) -> Option<i64> {
 
 /// The clock without its zone, and the zone's minutes ahead of UTC.
 fn zone(clock: &str) -> Option<(&str, i64)> {
+    // Java names the place behind the hours.
+    let clock = clock.split('[').next()?.trim_end();
     let utc = ["Z", "UTC", "GMT"].into_iter();
     if let Some(clock) = utc.filter_map(|name| clock.strip_suffix(name)).next() {
         return Some((clock.trim_end(), 0));
@@ -201,6 +259,8 @@ mod tests {
             "2014-04-10 23:30:09.47 +0200",
             "2014-04-10 21:30:09.47 UTC",
             "2014-04-10 21:30:09:470",
+            "10-Apr-2014 21:30:09.47",
+            "2014-04-10T23:30:09.47+02:00[Europe/Berlin]",
         ] {
             assert_eq!(nanoseconds(text), instant, "{text}");
         }
@@ -215,6 +275,29 @@ mod tests {
         assert_eq!(midnight, nanoseconds("2000-02-29 00:00:00"));
         assert_eq!(nanoseconds("-0.5"), Some(-500_000_000));
         assert_eq!(nanoseconds("000.0000000019"), Some(1));
+    }
+
+    #[test]
+    fn day_and_month_are_told_apart_where_one_is_no_month() {
+        let same = date("2026-11-26 01:02:03.5");
+        for text in [
+            "11/26/2026 01:02:03.5",
+            "26/11/2026 1:02:03,5 AM",
+            "26-11-2026 01:02:03.5",
+        ] {
+            assert_eq!(date(text), same, "{text}");
+            assert!(!is_ambiguous(text), "{text}");
+        }
+        assert_eq!(date("05/05/2026 00:00"), date("2026-05-05 00:00"));
+        for text in ["03/04/2026 00:00", "3-4-2026 00:00"] {
+            assert_eq!(date(text), None, "{text}");
+            assert!(is_ambiguous(text), "{text}");
+        }
+        // What one date tells holds for those behind it.
+        let mut dates = Dates::default();
+        assert_eq!(dates.seconds("11/30/2026 23:59:59"), Some(0.0));
+        assert_eq!(dates.seconds("12/01/2026 00:00:01"), Some(2.0));
+        assert_eq!(dates.seconds("13/01/2026 00:00:01"), None);
     }
 
     #[test]

@@ -51,6 +51,22 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
+fn a_recording_that_is_joined_to_another_is_named() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 25);
+    let one = std::fs::read(&path).expect("a recording");
+    std::fs::write(&path, [&one[..], &one[..]].concat()).expect("room on the disk");
+    let reader = Reader::open(&path).expect("a recording");
+    let samples = reader.messages::<ExcavatorSensors>("excavator/sensors");
+    assert_eq!(samples.map(|s| s.len()).ok(), Some(25));
+    assert_eq!(reader.lacks().cut_off, None);
+    let (damage, at) = (reader.damage().concat(), one.len());
+    let words = format!("another recording, joined to this one and not read, begins at byte {at}");
+    assert!(damage.contains(&words), "{damage}");
+}
+
+#[test]
 fn a_recording_reads_back_as_written() {
     let dir = folder();
     let path = dir.path().join("run.mcap");

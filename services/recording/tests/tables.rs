@@ -164,11 +164,11 @@ fn files_without_samples_are_refused() {
         ("t,t,swing_velocity\n0,0,1\n", "two columns are called t"),
         (
             "t,swing_velocity\n0,1\n1\n",
-            "the row has 1 cells, the header 2",
+            "the row has 1 cells, the header 2, separated by ','",
         ),
         (
             "t,swing_velocity\n0,1,5\n",
-            "the row has 3 cells, the header 2",
+            "the row has 3 cells, the header 2, separated by ','",
         ),
     ] {
         assert_eq!(excavator(text).expect_err(what).what, what);

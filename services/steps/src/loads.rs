@@ -138,15 +138,6 @@ impl LoadCounter {
     #[must_use]
     pub fn lacks(&self) -> Option<&'static str> {
         match self.machine {
-            Machine::Excavator => match (self.is_described, self.measured) {
-                (false, [true, _]) => Some(
-                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
-                ),
-                (_, [false, _]) => Some(
-                    "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
-                ),
-                (true, [true, _]) => None,
-            },
             Machine::Loader => match (self.is_described, self.measured) {
                 (_, [false, false]) => Some(
                     "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
@@ -155,6 +146,15 @@ impl LoadCounter {
                     "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config)",
                 ),
                 (true, [true, false]) | (_, [_, true]) => None,
+            },
+            Machine::Excavator => match (self.is_described, self.measured) {
+                (false, [true, _]) => Some(
+                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
+                ),
+                (_, [false, _]) => Some(
+                    "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
+                ),
+                (true, [true, _]) => None,
             },
         }
     }

@@ -144,6 +144,17 @@ impl LiftArm {
         }
     }
 
+    /// How they stand that hold the load so high \[m\], with the bucket turned in as it is carried low.
+    #[must_use]
+    pub fn raised(&self, height: f64) -> Stance {
+        let bucket = self.reference.bucket;
+        let rise = height - self.pivot_z - self.payload_distance * bucket.sin();
+        Stance {
+            lift: (rise / self.length).clamp(-1.0, 1.0).asin(),
+            bucket,
+        }
+    }
+
     /// What arm and bucket away from their reference add to the machine's first moments, forward and up [kg m].
     #[must_use]
     pub fn shift(&self, at: &Stance) -> [f64; 2] {

@@ -102,7 +102,7 @@ impl Driver {
         match &self.loading {
             Some(plan) => plan.stance(t),
             None if self.scenario == Scenario::Lifts => lifts::stance(t),
-            None => self.arm.stance(&self.payload(t)),
+            None => self.arm.raised(PAYLOAD_HEIGHT + self.lift.at(t)),
         }
     }
 
@@ -114,23 +114,21 @@ impl Driver {
         }
     }
 
-    /// The payload at time `t`.
+    /// The payload at time `t`; without an arm that counts it rises straight up.
     pub fn payload(&self, t: f64) -> Payload {
-        if let Some(plan) = &self.loading {
-            return plan.payload(&self.arm, t);
-        }
-        if self.scenario == Scenario::Lifts {
-            let [reach, height] = self.arm.place(&lifts::stance(t));
-            return Payload {
-                mass: self.payload.at(t),
-                height,
-                reach,
-            };
-        }
+        let [reach, height] = if self.arm_counts {
+            self.arm.place(&self.stance(t))
+        } else {
+            [PAYLOAD_REACH, PAYLOAD_HEIGHT + self.lift.at(t)]
+        };
+        let mass = match &self.loading {
+            Some(plan) => plan.load(t),
+            None => self.payload.at(t),
+        };
         Payload {
-            mass: self.payload.at(t),
-            height: PAYLOAD_HEIGHT + self.lift.at(t),
-            reach: PAYLOAD_REACH,
+            mass,
+            height,
+            reach,
         }
     }
 
@@ -304,5 +302,18 @@ mod tests {
             (0.0, 800.0)
         );
         assert!(!driver.boom_moving(15.9) && driver.boom_moving(17.0) && driver.boom_moving(22.0));
+    }
+    #[test]
+    fn an_arm_lifts_a_bucket_that_stays_turned_in_and_the_load_goes_forward() {
+        let machine = Machine::NOMINAL;
+        let driver = Driver::new(Scenario::LoadCycle, None, &machine, Noise::new(1)).with_arm(true);
+        let [low, high] = [10.0, 40.0].map(|t| (driver.payload(t), driver.stance(t)));
+        assert!((low.0.height - 0.6).abs() < 1e-9 && (high.0.height - 1.5).abs() < 1e-9);
+        assert!(high.0.reach > low.0.reach + 0.4, "{high:?}");
+        // 43 degrees; with 57 a full bucket spills over its back.
+        assert!(
+            low.1.bucket == high.1.bucket && high.1.bucket < 0.8,
+            "{high:?}"
+        );
     }
 }

@@ -1,7 +1,6 @@
 //! Loading a truck, load after load: drive into the heap, fill the bucket, back up, drive to the truck lifting, dump, return.
 
-use super::arm::{LiftArm, Stance};
-use super::payload::Payload;
+use super::arm::Stance;
 use super::plant::Machine;
 use crate::blend::{transition, transition_rate};
 use crate::noise::Noise;
@@ -69,8 +68,8 @@ impl Loading {
         }
     }
 
-    /// Mass in the bucket [kg].
-    fn load(&self, t: f64) -> f64 {
+    /// Mass in the bucket \[kg\].
+    pub fn load(&self, t: f64) -> f64 {
         let cycle = (t / PERIOD).floor();
         let of = |cycle: f64| self.loads[cycle.rem_euclid(LOADS as f64) as usize];
         let before = if cycle >= 1.0 {
@@ -106,16 +105,6 @@ impl Loading {
         LIFT.iter().chain(BUCKET).any(within)
     }
 
-    /// The load in the bucket.
-    pub fn payload(&self, arm: &LiftArm, t: f64) -> Payload {
-        let [reach, height] = arm.place(&self.stance(t));
-        Payload {
-            mass: self.load(t),
-            height,
-            reach,
-        }
-    }
-
     /// How much of the bucket is in the heap, 0 to 1.
     pub fn contact(&self, t: f64) -> f64 {
         let since = t.rem_euclid(PERIOD);
@@ -142,6 +131,7 @@ impl Loading {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arm::LiftArm;
     use super::*;
 
     #[test]
@@ -160,7 +150,7 @@ mod tests {
     fn the_load_is_low_in_the_heap_and_high_over_the_truck() {
         let plan = Loading::new(&Machine::NOMINAL, None, Noise::new(4));
         let arm = LiftArm::of(&Machine::NOMINAL);
-        let height = |t| plan.payload(&arm, t).height;
+        let height = |t| arm.place(&plan.stance(t))[1];
         assert!((0.1..0.7).contains(&height(5.0)) && (2.2..3.6).contains(&height(16.8)));
     }
 }

@@ -13,6 +13,8 @@
 //! | `loading` | | fill, carry, dump into a truck, again and again | 260 s, 26 s |
 //! | `lifts` | | stands, and lifts its arm slowly up and down, twice: to calibrate | 64 s, 10 s |
 //! | `cruise` | | up to 2.5 m/s, then constant speed | 60 s, 20 s |
+//!
+//! In S5 the load rises straight up, as specified; with the sensors of an arm ([`Run::gauges`](super::Run::gauges)) it rises as the arm lifts it.
 
 use super::road::Surface;
 use super::{lifts, loading};

@@ -331,6 +331,9 @@ def _table(data: Any, known: list[str]) -> Any:
             raise HeftError("an array has no names of columns; give {'t': ..., 'swing_velocity': ...} or a frame")
         return {name: data[name] for name in data.dtype.names}
     if library == "pandas" and hasattr(data, "columns"):
+        twice = [name for name in data.columns[data.columns.duplicated()] if name in known]
+        if twice:
+            raise HeftError(f"two columns are called {twice[0]}; rename or drop one of them")
         if "t" not in data.columns and (data.index.name == "t" or data.index.dtype.kind in "Mm"):
             return data.assign(t=data.index)
         return data

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Read};
 
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-use super::dialect::Dialect;
+use super::dialect::{BLANK, Dialect};
 
 /// The cells of a record: their text, and where each begins and ends in it.
 #[derive(Clone, Debug, Default)]
@@ -52,10 +52,17 @@ impl Record {
             let cell = &line[from..at];
             let blanks = cell.len() - cell.trim_ascii_start().len();
             let length = cell.trim_ascii().len();
-            self.cells.push([from + blanks, from + blanks + length]);
+            if is_cell(length, separator) {
+                self.cells.push([from + blanks, from + blanks + length]);
+            }
             from = at + 1;
         }
     }
+}
+
+/// Whether what has this length is a cell: between two blanks that separate is none.
+fn is_cell(length: usize, separator: u8) -> bool {
+    length > 0 || separator != BLANK
 }
 
 /// Splits records into cells, without the blanks around them. Nearly every line has no quotes and is split at its
@@ -116,8 +123,10 @@ impl Cells {
         }
         let mut start = 0;
         for end in &self.ends[..count] {
-            self.record
-                .push(unquoted(self.bytes[start..*end].trim_ascii()));
+            let cell = unquoted(self.bytes[start..*end].trim_ascii());
+            if is_cell(cell.len(), self.separator) {
+                self.record.push(cell);
+            }
             start = *end;
         }
         Ok(Some(taken))
@@ -194,7 +203,7 @@ impl<R: BufRead> Records<R> {
                 self.cells.record.split(line, self.cells.separator);
                 self.end += length as u64;
                 self.at = self.line.len();
-                if !line.is_empty() {
+                if self.cells.record.len() > 0 {
                     return Ok(true);
                 }
             } else {
@@ -263,6 +272,21 @@ mod tests {
         let mut cells = Cells::new(Dialect { separator: b',' });
         let found = cells.split(b"\"t\" , \"speed\" ,\"slope\"\n");
         assert_eq!(cells_of(found), vec!["t", "speed", "slope"]);
+    }
+
+    #[test]
+    fn several_blanks_separate_like_one() {
+        let text = b"  t   \"swing speed\"  boom \n 0.00  1   -2\r\n\n   \n10.25 1 2";
+        let mut records = Records::new(&text[..], Dialect { separator: BLANK });
+        for expected in [
+            ["t", "swing speed", "boom"],
+            ["0.00", "1", "-2"],
+            ["10.25", "1", "2"],
+        ] {
+            assert!(records.advance().expect("memory"));
+            assert_eq!(cells_of(records.record()), expected.to_vec());
+        }
+        assert!(!records.advance().expect("memory"));
     }
 
     #[test]

@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 
 use super::cells::Record;
-use super::dialect::{self, Dialect};
+use super::dialect::{self, BLANK, Dialect};
+use super::front::comment;
+use super::marks::{self, Marks};
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
-use crate::time::Dates;
+use crate::time::{self, Dates};
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -21,6 +23,8 @@ pub(crate) struct Columns<S: Sensors> {
     lines: Vec<Line>,
     builder: Builder<S>,
     values: Vec<f64>,
+    /// Of the columns, where commas do not separate.
+    marks: Vec<Marks>,
     dates: Dates,
     sampler: Option<Sampler>,
 }
@@ -45,6 +49,9 @@ enum Part {
     Cell { at: usize, conversion: Conversion },
 }
 
+/// What to do where a file holds zeros: a loss of power leaves blocks of them.
+const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
+
 /// A cell that holds text.
 #[derive(Debug)]
 pub(crate) struct NoNumber {
@@ -52,28 +59,33 @@ pub(crate) struct NoNumber {
     pub column: String,
     /// Whether it is that of the time.
     pub is_time: bool,
-    /// Whether it is the column's own name: the header stands here once more.
+    /// Whether it is the name of a column: a header stands here once more.
     pub is_header: bool,
 }
 
 impl NoNumber {
-    /// That in a cell of this column.
-    pub(super) fn of(cell: &[u8], column: &str, is_time: bool) -> Self {
+    /// That in a cell of this column of a header.
+    pub(super) fn of(cell: &[u8], column: &str, header: &[String], is_time: bool) -> Self {
+        let text = dialect::text(cell);
+        let name = text.trim_start_matches('\u{feff}');
         Self {
-            text: dialect::text(cell).chars().take(SHOWN).collect(),
+            is_header: header.iter().any(|column| column == name),
+            text: text.chars().take(SHOWN).collect(),
             column: column.to_owned(),
             is_time,
-            is_header: dialect::text(cell) == column,
         }
     }
 
     /// As an error.
-    pub(super) fn at(self, line: usize, file: &str) -> Error {
+    pub(crate) fn at(self, line: usize, file: &str) -> Error {
+        let is_ambiguous = self.is_time && time::is_ambiguous(&self.text);
         let remedy = match () {
+            () if is_ambiguous => "write the year first, as in 2026-11-21 16:00:00.25",
             () if self.is_header => {
                 "the header stands here once more: make a file of each recording, or delete the line"
             }
-            () if self.is_time => {
+            () if self.text.contains('\0') => ZEROS,
+            () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
                 "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
             () if self.text.contains(',') => {
@@ -81,8 +93,12 @@ impl NoNumber {
             }
             () => "write a number, or leave the cell empty where the sample is missing",
         };
+        let what = match is_ambiguous {
+            true => "may begin with its day or with its month",
+            false => "is no number",
+        };
         Error::new(
-            format!("\"{}\" is no number", self.text),
+            format!("\"{}\" {what}", self.text),
             format!("{file}:{line}, column {}", self.column),
             remedy,
         )
@@ -140,6 +156,7 @@ impl<S: Sensors> Columns<S> {
         require::<S>(entries, &used, &header, file)?;
         let is_timed = timings.iter().any(|t| *t != Timing::default());
         Ok(Self {
+            marks: vec![Marks::default(); header.len()],
             header,
             dialect,
             builder: Builder::new(used),
@@ -156,11 +173,21 @@ impl<S: Sensors> Columns<S> {
         silent.map(|line| format!("{} in any row; it counts as absent", self.no_value(line)))
     }
 
-    /// Whether each group of signals that a machine needs had a value.
+    /// Whether each group of signals that a machine needs had a value, and the marks in all numbers are clear.
     ///
     /// # Errors
-    /// One had none in any row.
+    /// One had none in any row, or is unclear.
     pub(crate) fn check_values(&self, file: &str) -> Result<(), Error> {
+        if let Some((at, mark)) = marks::unclear(&self.marks) {
+            let column = &self.header[at];
+            return Err(Error::new(
+                format!(
+                    "column {column} has numbers like 12{mark}345, where others have another decimal mark"
+                ),
+                file,
+                "write all numbers with one decimal mark, and without marks between thousands",
+            ));
+        }
         for group in S::REQUIRED {
             let of_group = |line: &&Line| group.contains(&line.signal.as_str());
             let mut its = self.lines.iter().filter(of_group);
@@ -197,9 +224,40 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
-    /// Number of cells that a row must have.
-    pub(crate) fn width(&self) -> usize {
-        self.header.len()
+    /// Whether a line has other cells than the header and is a comment.
+    pub(crate) fn is_comment(&self, record: &Record) -> bool {
+        let is_odd = record.len() != self.header.len();
+        is_odd && record.get(0).is_some_and(|cell| comment(cell).is_some())
+    }
+
+    /// Whether a row lacks cells: one of the columns up to the last that has a name.
+    pub(crate) fn is_short(&self, record: &Record) -> bool {
+        let unnamed = self.header.iter().rev().take_while(|name| name.is_empty());
+        record.len() < self.header.len() - unnamed.count()
+    }
+
+    /// Why a row is none of the table, and what to do; a row that was cut off must not pass for one with missing samples.
+    pub(crate) fn misfit(&self, record: &Record) -> Option<(String, &'static str)> {
+        let (cells, width) = (record.len(), self.header.len());
+        let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
+        let has_more = (width..cells).any(has_value);
+        if !has_more && !self.is_short(record) {
+            return None;
+        }
+        let separator = char::from(self.dialect.separator).escape_default();
+        let what =
+            format!("the row has {cells} cells, the header {width}, separated by '{separator}'");
+        let remedy = match (record.iter().any(|cell| cell.contains(&0)), self.dialect) {
+            (true, _) => ZEROS,
+            (_, Dialect { separator: b',' }) if has_more => {
+                "complete or delete the row; where commas are decimal marks, separate the columns by ;"
+            }
+            (_, Dialect { separator: BLANK }) => {
+                "complete or delete the row; where blanks separate, a missing sample is NaN"
+            }
+            _ => "complete the row, or delete it",
+        };
+        Some((what, remedy))
     }
 
     /// Takes the cells of a row.
@@ -213,13 +271,19 @@ impl<S: Sensors> Columns<S> {
                     Part::Cell { at, conversion } => {
                         let cell = record.get(*at).unwrap_or_default();
                         match self.dialect.number(cell) {
-                            Some(x) => conversion.apply(x),
+                            Some(x) => {
+                                if self.dialect.separator != b',' {
+                                    self.marks[*at].see(cell);
+                                }
+                                conversion.apply(x)
+                            }
                             None => {
                                 let text = std::str::from_utf8(cell).ok();
                                 let text = text.filter(|_| line.is_time);
                                 let date = text.and_then(|text| self.dates.seconds(text));
                                 date.ok_or_else(|| {
-                                    NoNumber::of(cell, &self.header[*at], line.is_time)
+                                    let header = &self.header;
+                                    NoNumber::of(cell, &header[*at], header, line.is_time)
                                 })?
                             }
                         }
@@ -375,7 +439,7 @@ fn require<S: Sensors>(
 }
 
 /// Whether a header names an identifier and the data of a frame.
-fn is_frames(header: &[String]) -> bool {
+pub(crate) fn is_frames(header: &[String]) -> bool {
     let is_one_of = |names: &[&str]| {
         let mut header = header.iter().map(|name| name.to_lowercase());
         header.any(|name| names.contains(&name.as_str()))
@@ -388,6 +452,7 @@ fn is_frames(header: &[String]) -> bool {
         "id (hex)",
         "identifier",
         "arbitration_id",
+        "arb id",
     ]) && is_one_of(&[
         "data",
         "data (hex)",
@@ -398,6 +463,7 @@ fn is_frames(header: &[String]) -> bool {
         "d1",
         "db0",
         "data0",
+        "b1",
         "byte0",
     ])
 }
@@ -417,12 +483,12 @@ pub(crate) fn listed(header: &[String]) -> String {
 }
 
 /// None of these columns is there.
-pub(super) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
+pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
     let named = header.iter().filter(|name| !name.is_empty());
     let similar = config::nearest(names[0], named.map(String::as_str));
     let remedy = match similar {
         _ if header.len() < 2 => format!(
-            "separate the columns by , ; | or tabs, and delete what stands above their names, or mark it by #; the first line is {}",
+            "separate the columns by , ; | or tabs (by blanks only where names and cells have none), and delete what stands above their names, or mark it by #; the first line is {}",
             header.concat().chars().take(2 * SHOWN).collect::<String>()
         ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),

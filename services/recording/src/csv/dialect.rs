@@ -3,9 +3,12 @@
 /// Separator and decimal mark of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dialect {
-    /// `,`, `;`, `|` or a tab.
+    /// `,`, `;`, `|`, a tab, or [`BLANK`].
     pub separator: u8,
 }
+
+/// Blanks separate where nothing else does, one or several.
+pub(super) const BLANK: u8 = b' ';
 
 impl Dialect {
     /// That of a header, or of the line `sep=;` that Excel writes before it. A semicolon, a tab or a bar
@@ -24,8 +27,9 @@ impl Dialect {
         // Of equals the last; a lone one of them counts where there is no comma.
         let most = [b',', b'|', b'\t', b';'].into_iter();
         let most = most.max_by_key(|separator| (count(*separator), *separator == b','));
+        let blank = Some(BLANK).filter(|blank| plain.trim_ascii().contains(blank));
         Self {
-            separator: most.filter(|s| count(*s) > 0).unwrap_or(b','),
+            separator: most.filter(|s| count(*s) > 0).or(blank).unwrap_or(b','),
         }
     }
 
@@ -74,10 +78,14 @@ fn is_missing(cell: &[u8]) -> bool {
 
 /// The separator in Excel's first line `sep=;`.
 pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
-    match line.trim_ascii().to_ascii_lowercase().as_slice() {
-        [b's', b'e', b'p', b'=', separator] => Some(*separator),
-        // A tab goes with the blanks at the end.
-        b"sep=" => Some(b'\t'),
+    let (name, said) = line.trim_ascii_start().split_at_checked(4)?;
+    if !name.eq_ignore_ascii_case(b"sep=") {
+        return None;
+    }
+    match said.trim_ascii() {
+        [separator] => Some(*separator),
+        [] if said.starts_with(&[BLANK]) => Some(BLANK),
+        [] => Some(b'\t'),
         _ => None,
     }
 }
@@ -101,10 +109,16 @@ mod tests {
             ("t;\"speed, wheels\";slope", b';'),
             ("\"a;b\",t,speed", b','),
             ("t", b','),
+            ("  t   speed  \r\n", BLANK),
+            ("\"Time\" \"Speed\"", BLANK),
+            ("t, speed", b','),
+            ("\"Time [s]\"", b','),
             ("t|speed", b'|'),
             ("t|speed, wheels|slope", b'|'),
             ("sep=;", b';'),
             ("sep=\t", b'\t'),
+            ("SEP=\r\n", b'\t'),
+            ("sep= \r\n", BLANK),
         ] {
             assert_eq!(
                 Dialect::of(header.as_bytes()).separator,

@@ -1,7 +1,7 @@
 //! What stands above the samples of a table: comments, the header, a row of units.
 
 use super::cells::{Cells, Record};
-use super::dialect::{self, Dialect, separator_line};
+use super::dialect::{self, BLANK, Dialect, separator_line};
 use crate::unit;
 
 /// Marks of a line that is a comment.
@@ -86,6 +86,11 @@ pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
     Some(text[mark.len()..].trim_ascii_start())
 }
 
+/// Whether a text begins like a table whose columns are separated by blanks.
+pub(crate) fn is_by_blanks(head: &[u8]) -> bool {
+    Front::of(head).is_some_and(|front| front.dialect.separator == BLANK)
+}
+
 /// The front of a table.
 pub(super) struct Front {
     /// Bytes before the header.
@@ -99,11 +104,11 @@ impl Front {
     /// That of a text which begins like this; nothing where there is nothing in it.
     pub(super) fn of(head: &[u8]) -> Option<Self> {
         let mark: &[u8] = b"\xef\xbb\xbf";
-        let begin = if head.starts_with(mark) {
-            mark.len()
-        } else {
-            0
-        };
+        // Joined files have several.
+        let marks = head
+            .chunks_exact(mark.len())
+            .take_while(|bytes| *bytes == mark);
+        let begin = mark.len() * marks.count();
         let (mut kinds, mut after_mark) = (Lines::default(), begin);
         let mut lines = lines(head, begin);
         while let Some((at, line)) = lines.next() {
@@ -117,9 +122,21 @@ impl Front {
                         lines = self::lines(head, at + line.len() + preface);
                         continue;
                     }
-                    let units = match lines.next().map(|(_, line)| kinds.take(line)) {
+                    let mut below = lines.next();
+                    let units = match below.map(|(_, line)| kinds.take(line)) {
                         Some(Line::Units(units)) => Some(units),
                         _ => None,
+                    };
+                    if units.is_some() {
+                        below = lines.next();
+                    }
+                    // Blanks may also stand within the names.
+                    let width = cells(line, dialect).len();
+                    let is_within = dialect.separator == BLANK
+                        && below.is_some_and(|(_, row)| !is_row(row, dialect, width));
+                    let dialect = match is_within {
+                        true => Dialect { separator: b',' },
+                        false => dialect,
                     };
                     let start = end_of(line.trim_ascii_start());
                     return Some(Self {
@@ -157,9 +174,19 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
             let cells = cells(line, dialect);
             cells.len() == width && !cells.iter().any(number)
         };
-        let row = cells(pair[1].1, dialect);
-        let is_row = width > 1 && row.len() == width && row.iter().any(number);
-        if !is_row || !is_words(pair[0].1) || cells(first, dialect).len() >= width {
+        let is_row = |line: &[u8]| is_row(line, dialect, width);
+        if width < 2 || !is_row(pair[1].1) || !is_words(pair[0].1) {
+            return None;
+        }
+        if dialect.separator == BLANK {
+            let is_above = |line: &[u8]| {
+                units(&cells(line, dialect), &cells(pair[0].1, dialect), dialect).is_some()
+            };
+            let is_first = is_words(first) && is_row(all[0].1) || last == 0 && is_above(first);
+            let names = last.checked_sub(1).filter(|at| is_above(all[*at].1));
+            return (!is_first).then(|| all[names.unwrap_or(last)].0);
+        }
+        if cells(first, dialect).len() >= width {
             return None;
         }
         // Units may stand below the names.
@@ -169,6 +196,19 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
             .take_while(|(_, line)| is_words(line));
         words.last().map(|(at, _)| *at)
     })
+}
+
+/// Whether a line may be a row of so many cells. Sentences have blanks and numbers too.
+fn is_row(line: &[u8], dialect: Dialect, width: usize) -> bool {
+    let row = cells(line, dialect);
+    let number = |cell: &[u8]| dialect.number(cell);
+    let enough = match dialect.separator {
+        BLANK => row.iter().skip(1).all(|cell| number(cell).is_some()),
+        _ => row
+            .iter()
+            .any(|cell| number(cell).is_some_and(f64::is_finite)),
+    };
+    row.len() == width && enough
 }
 
 /// The lines of a text that are not blank, each with where it begins.
@@ -202,7 +242,11 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .iter()
         .map(|cell| dialect::text(cell).trim().to_owned())
         .collect();
-    let plain = |text: &String| text.trim_matches(['[', ']', '(', ')']).trim().to_owned();
+    let plain = |text: &String| {
+        let text = text.trim_matches(['[', ']', '(', ')']).trim();
+        // A dash stands where there is no unit.
+        text.trim_matches('-').to_owned()
+    };
     let has_number = below
         .iter()
         .any(|cell| !cell.is_empty() && dialect.number(cell).is_some_and(f64::is_finite));
@@ -212,8 +256,12 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .filter(|text| unit::guess(text).is_some())
         .count();
     let written = texts.iter().filter(|text| !text.is_empty()).count();
-    (below.len() == header.len() && !has_number && known > 0 && 2 * known >= written)
-        .then_some(texts)
+    // Words between blanks may be units too: all of them must be.
+    let enough = match dialect.separator {
+        BLANK => known == written,
+        _ => 2 * known >= written,
+    };
+    (below.len() == header.len() && !has_number && known > 0 && enough).then_some(texts)
 }
 
 #[cfg(test)]
@@ -235,6 +283,7 @@ mod tests {
             "# logger v3\n# machine 14 t\n",
             "% x, y\n\n",
             "\u{feff}",
+            "\u{feff}\u{feff}",
             "sep=;\r\n",
             "// a\n",
         ] {
@@ -243,6 +292,40 @@ mod tests {
         assert_eq!(of("# t,speed\n0,1\n"), ("t,speed".to_owned(), b',', None));
         assert_eq!(of("# a, comment\nt,speed\n0,1\n").0, "t,speed");
         assert!(Front::of(b"\n \n# only words\n").is_none());
+    }
+
+    #[test]
+    fn blanks_separate_where_every_row_has_as_many_cells_as_the_header() {
+        for (text, header, separator) in [
+            ("t speed slope\n0 1 2\n", "t speed slope", BLANK),
+            ("  t   speed\n0.00 -1.5\n", "t   speed", BLANK),
+            ("t speed\ns m/s\n0 1\n", "t speed", BLANK),
+            ("t speed\n", "t speed", BLANK),
+            ("# t speed\n0.0e+00 1.0e+00\n", "t speed", BLANK),
+            // Names with blanks, and a date with one.
+            (
+                "Time [s]  Speed [m/s]\n0  1\n",
+                "Time [s]  Speed [m/s]",
+                b',',
+            ),
+            ("t speed\n2026-11-26 01:02:03 1\n", "t speed", b','),
+            // What a logger says of itself has blanks too.
+            (
+                "Logger 2.1\nMachine: EX-22\nt speed\n0 0\n",
+                "t speed",
+                BLANK,
+            ),
+            (
+                "Made on day 3\nLogger two\n\nt speed\n0 0\n",
+                "t speed",
+                BLANK,
+            ),
+            ("Made on day 3\nt,speed\n0,0\n", "t,speed", b','),
+            ("t speed\n0 0\nt speed\n0 1\n", "t speed", BLANK),
+        ] {
+            let (found, its, _) = of(text);
+            assert_eq!((found.as_str(), its), (header, separator), "{text}");
+        }
     }
 
     #[test]
@@ -267,7 +350,8 @@ mod tests {
         let units = |row: &str| of(&format!("t,swing,boom,note\n{row}\n0,1,2,3\n")).2;
         let found = ["s", "rpm", "deg", ""].map(str::to_owned).to_vec();
         assert_eq!(units("s,rpm,deg,"), Some(found.clone()));
-        assert_eq!(units("[s],[rpm],[deg],"), Some(found));
+        assert_eq!(units("[s],[rpm],[deg],"), Some(found.clone()));
+        assert_eq!(units("s,rpm,deg,-"), Some(found));
         for row in ["0,1,2,3", ",,,", "NaN,,,", "s,1,2,3", "a,b,c,d", "s,rpm"] {
             assert_eq!(units(row), None, "{row}");
         }

@@ -2,12 +2,13 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::cells::{Record, Records};
+use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent, listed};
 use super::dialect::Dialect;
-use super::front::{Front, comment};
+use super::front::Front;
 use super::header::{check_units, header};
 use crate::Error;
+use crate::kind;
 use crate::map::Map;
 use crate::packed;
 use crate::signal::{Row, Sensors};
@@ -45,7 +46,8 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
                 .filter(|x| x.is_finite())
                 .ok_or_else(|| {
                     let line = table.line(records.start());
-                    let error = NoNumber::of(cell, &header[at], false).at(line, &table.file);
+                    let error =
+                        NoNumber::of(cell, &header[at], &header, false).at(line, &table.file);
                     // No number of a weighing can be missing.
                     let remedy = "write a number, or delete the row";
                     Error::new(error.what, error.place, remedy)
@@ -87,6 +89,15 @@ impl Table {
             _ => {}
         }
         let file = path.display().to_string();
+        let packed = [
+            (&packed::GZIP[..], "the file is packed twice"),
+            (kind::MCAP, "this is a packed recording"),
+        ];
+        for (magic, what) in packed {
+            if content.is_packed && head.starts_with(magic) {
+                return Err(Error::new(what, file, "unpack it: gunzip FILE"));
+            }
+        }
         let Some(front) = Front::of(&head) else {
             let what = if head.trim_ascii().is_empty() {
                 "the file is empty"
@@ -272,13 +283,13 @@ impl<S: Sensors> TableRows<S> {
         let table = &self.table;
         if more {
             let (record, start) = (self.records.record(), self.records.start());
-            let width = self.columns.width();
-            if record.len() != width && record.get(0).is_some_and(|cell| comment(cell).is_some()) {
+            if self.columns.is_comment(record) {
                 return Ok(());
             }
-            if let Err(error) = check_width(record, width, || table.line(start), &table.file) {
-                let is_short = record.len() < width;
-                return if is_short {
+            if let Some((what, remedy)) = self.columns.misfit(record) {
+                let place = format!("{}:{}", table.file, table.line(start));
+                let error = Error::new(what, place, remedy);
+                return if self.columns.is_short(record) {
                     self.end_early(error)
                 } else {
                     Err(error)
@@ -387,23 +398,4 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         units,
         columns,
     })
-}
-
-/// A row that was cut off must not pass for one with missing samples.
-fn check_width(
-    record: &Record,
-    width: usize,
-    line: impl Fn() -> usize,
-    file: &str,
-) -> Result<(), Error> {
-    let surplus_is_empty =
-        (width..record.len()).all(|at| record.get(at).is_some_and(<[u8]>::is_empty));
-    if record.len() < width || !surplus_is_empty {
-        return Err(Error::new(
-            format!("the row has {} cells, the header {width}", record.len()),
-            format!("{file}:{}", line()),
-            "complete the row, or delete it",
-        ));
-    }
-    Ok(())
 }

@@ -13,6 +13,9 @@ use crate::signal::Sensors;
 use crate::time_unit::rounded;
 use crate::unit::{self, Unit};
 
+/// No machine drives on a steeper ground \[rad\]: 35 degrees.
+pub const STEEPEST: f64 = 0.61;
+
 /// Rows that are looked at.
 const LOOK: usize = 20_000;
 
@@ -74,15 +77,12 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             }
             links[link] = Some(column);
         }
-        let _ = match guess.unit {
-            Some(unit) => writeln!(
-                out,
-                "{signal} = {{ column = {name}, unit = \"{}\" }}  # {reason}",
-                unit.name
-            ),
-            None => writeln!(out, "{signal} = {name}  # {reason}"),
-        };
+        out += &line(&signal, &name, guess.unit, si, &reason);
         found.push(signal);
+    }
+    if found.len() < 2 && csv::is_frames(&header) {
+        let file = path.display().to_string();
+        return Err(csv::absent(&["t"], S::MACHINE.name(), &header, &file));
     }
     let mut missing = missing::<S>(&found);
     if !found.iter().any(|signal| signal == "t") {
@@ -95,6 +95,16 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing,
         found: found.len(),
     })
+}
+
+/// The line of a column in this unit, with the reason.
+fn line(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -> String {
+    let Some(unit) = unit else {
+        return format!("{signal} = {name}  # {reason}\n");
+    };
+    let scale = if unit.si == si { "" } else { ", scale = 1.0" };
+    let unit = unit.name;
+    format!("{signal} = {{ column = {name}, unit = \"{unit}\"{scale} }}  # {reason}\n")
 }
 
 /// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
@@ -178,9 +188,21 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
     if signal == "t" {
         return time(&finite);
     }
-    // What no machine of these does in SI units: a turn and more for a joint, 3 rad/s of swing,
+    let beyond = |limit: f64| finite.iter().filter(|x| x.abs() > limit).count();
+    let all = finite.len();
+    let grade = beyond(STEEPEST.to_degrees());
+    if signal == "slope" && grade * 50 > all {
+        return Guess {
+            unit: unit::find("%"),
+            reason: format!(
+                "{grade} of {all} values beyond 35, too steep in degrees: a grade in %?"
+            ),
+        };
+    }
+    // What no machine of these does in SI units: steeper hills, a turn and more for a joint, 3 rad/s of swing,
     // 15 m/s of a loader.
     let (limit, other) = match (signal, si) {
+        ("slope" | "pitch" | "roll", _) => (STEEPEST, "deg"),
         (_, "rad") => (core::f64::consts::TAU, "deg"),
         ("swing_velocity" | "yaw_rate", _) => (3.0, "deg/s"),
         ("speed", _) => (15.0, "km/h"),
@@ -197,10 +219,13 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
             };
         }
     };
-    let beyond = finite.iter().filter(|x| x.abs() > limit).count();
-    let all = finite.len();
+    let beyond = beyond(limit);
     if beyond * 50 > all {
-        let reason = format!("{beyond} of {all} values beyond {limit:.2} {si}: {other}?");
+        let or_grade = match signal {
+            "slope" => " A grade in % has unit = \"%\", scale = 1.0",
+            _ => "",
+        };
+        let reason = format!("{beyond} of {all} values beyond {limit:.2} {si}: {other}?{or_grade}");
         return Guess {
             unit: unit::find(other),
             reason,

@@ -1,6 +1,5 @@
 //! Are data and description of one machine?
 
-use config::Description;
 use estimation::excavator::{Geometry, Mismatch, Plausible, largest};
 use messages::ExcavatorSensors;
 
@@ -13,43 +12,33 @@ const REFERENCE: f64 = 5500.0;
 /// Looks at boom and machine.
 pub(in crate::machines) struct Fits {
     boom: Boom,
-    plausible: Option<Plausible>,
+    plausible: Plausible,
     mass: f64,
 }
 
 impl Look for Fits {
+    type Described = config::Excavator;
     type Sensors = ExcavatorSensors;
 
-    fn of(description: &Description) -> Self {
-        let described = match description {
-            Description::Excavator(described) => Some(described),
-            _ => None,
-        };
+    fn of(described: &config::Excavator) -> Self {
         Self {
             boom: Boom::default(),
-            plausible: described.map(|d| Plausible::new(Geometry::of(d))),
-            mass: described
-                .and_then(|d| d.machine.operating_mass)
-                .unwrap_or(REFERENCE),
+            plausible: Plausible::new(Geometry::of(described)),
+            mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
     }
 
-    fn largest(description: &Description, signal: &str) -> Option<f64> {
-        match description {
-            Description::Excavator(described) => largest(signal, described),
-            _ => None,
-        }
+    fn largest(described: &config::Excavator, signal: &str) -> Option<f64> {
+        largest(signal, described)
     }
 
     fn add(&mut self, s: &ExcavatorSensors) {
         self.boom.add(s);
-        if let Some(plausible) = &mut self.plausible {
-            plausible.push(&steps::excavator::sample(s));
-        }
+        self.plausible.push(&steps::excavator::sample(s));
     }
 
     fn fault(&self) -> Option<String> {
-        let Some(mismatch) = self.plausible.as_ref().and_then(Plausible::mismatch) else {
+        let Some(mismatch) = self.plausible.mismatch() else {
             return self.boom.fault();
         };
         let remedy = remedy(mismatch, self.mass);

@@ -1,27 +1,25 @@
 //! Are the data in the units and signs that are meant?
 
-use config::Description;
 use estimation::loader::{Carriage, Mismatch, Plausible, largest};
 use messages::LoaderSensors;
+use recording::STEEPEST;
 
 use crate::commands::estimate::look::Look;
 
-/// No loader drives on a steeper ground \[rad\]: 35 degrees.
-const STEEPEST: f64 = 0.61;
-/// Nor does a sensor show one for more than this share of the rows.
+/// A sensor shows a slope that is too steep for less than this share of the rows.
 const OFTEN: f64 = 0.1;
 
 /// From motor to wheel a gear has at least four turns to one.
 const AT_MOTOR: f64 = 0.25;
 
 /// Looks at the slope, at how the bucket is carried, and at wheels and torques.
-#[derive(Default)]
 pub(in crate::machines) struct Fits {
     rows: u64,
-    steep: u64,
+    /// Rows with a slope that is too steep in radians, and in degrees.
+    steep: [u64; 2],
     carriage: Carriage,
     last: Option<f64>,
-    plausible: Option<Plausible>,
+    plausible: Plausible,
     /// Described \[kg\].
     mass: f64,
 }
@@ -30,43 +28,55 @@ impl Fits {
     fn see(&mut self, slope: Option<f64>) {
         if let Some(slope) = slope.filter(|slope| slope.is_finite()) {
             self.rows += 1;
-            self.steep += u64::from(slope.abs() > STEEPEST);
+            for (count, limit) in self.steep.iter_mut().zip([STEEPEST, STEEPEST.to_degrees()]) {
+                *count += u64::from(slope.abs() > limit);
+            }
         }
     }
 
-    fn is_in_degrees(&self) -> bool {
-        self.steep as f64 > OFTEN * self.rows as f64
+    /// What is wrong with the unit of the slope, and what to do.
+    fn slope_unit(&self) -> Option<&'static str> {
+        let is_too_steep = self
+            .steep
+            .map(|count| count as f64 > OFTEN * self.rows as f64);
+        match is_too_steep {
+            [_, true] => Some(
+                "slope seems to be a grade in percent: even in degrees no loader drives on such hills\n  \
+                 what to do: write `unit = \"%\", scale = 1.0` for slope in a signal map",
+            ),
+            [true, false] => Some(
+                "slope seems to be in degrees or in percent: no loader drives on such hills\n  \
+                 what to do: in a signal map write `unit = \"deg\"` for slope, or `unit = \"%\", scale = 1.0` for a grade",
+            ),
+            [false, false] => None,
+        }
     }
 }
 
 impl Look for Fits {
+    type Described = config::Loader;
     type Sensors = LoaderSensors;
 
-    fn of(description: &Description) -> Self {
-        let machine = match description {
-            Description::Loader(described) => Some(&described.machine),
-            _ => None,
-        };
+    fn of(described: &config::Loader) -> Self {
+        let machine = &described.machine;
         Self {
-            plausible: machine.map(|m| Plausible::new(m.mass, m.wheel_radius)),
-            mass: machine.map_or(0.0, |m| m.mass),
-            ..Self::default()
+            rows: 0,
+            steep: [0; 2],
+            carriage: Carriage::default(),
+            last: None,
+            plausible: Plausible::new(machine.mass, machine.wheel_radius),
+            mass: machine.mass,
         }
     }
 
-    fn largest(description: &Description, signal: &str) -> Option<f64> {
-        match description {
-            Description::Loader(described) => largest(signal, described),
-            _ => None,
-        }
+    fn largest(described: &config::Loader, signal: &str) -> Option<f64> {
+        largest(signal, described)
     }
 
     fn add(&mut self, s: &LoaderSensors) {
         let sample = steps::loader::sample(s);
         self.see(sample.slope);
-        if let Some(plausible) = &mut self.plausible {
-            plausible.push(&sample);
-        }
+        self.plausible.push(&sample);
         let last = self.last.replace(sample.time);
         if let (Some(last), Some(speed), Some(lift), Some(tilt)) =
             (last, sample.speed, sample.lift_angle, sample.tilt_angle)
@@ -76,14 +86,13 @@ impl Look for Fits {
     }
 
     fn fault(&self) -> Option<String> {
-        let said = if self.is_in_degrees() {
-            "slope seems to be in degrees: no loader drives on such hills\n  \
-             what to do: write `unit = \"deg\"` for slope in a signal map, or `unit = \"%\", scale = 1.0` for a grade"
+        let said = if let Some(said) = self.slope_unit() {
+            said
         } else if self.carriage.is_odd() {
             "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
              what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/signs-loader.svg"
         } else {
-            let mismatch = self.plausible.as_ref()?.mismatch()?;
+            let mismatch = self.plausible.mismatch()?;
             let remedy = remedy(mismatch, self.mass);
             return Some(format!("{mismatch}\n  what to do: {remedy}"));
         };
@@ -124,18 +133,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hills_in_degrees_are_told_from_hills_in_radians() {
-        let seen = |unit: f64| {
-            let mut fits = Fits::default();
+    fn hills_in_degrees_or_percent_are_told_from_hills_in_radians() {
+        let said = |unit: f64| {
+            let mut fits = Fits::of(&config::Loader::default());
             for k in 0..1000 {
                 let hill = 0.05 * (f64::from(k) / 100.0).sin();
                 fits.see(Some(unit * hill));
                 fits.see(None);
             }
-            fits.is_in_degrees()
+            fits.slope_unit()
+                .map(|said| said.lines().next().unwrap_or_default())
         };
-        assert!(seen(57.3));
-        assert!(!seen(1.0));
-        assert!(!Fits::default().is_in_degrees());
+        assert_eq!(said(1.0), None);
+        for (unit, words) in [
+            (57.3, "in degrees or in percent"),
+            (100.0, "in degrees or in percent"),
+            (1000.0, "a grade in percent: even"),
+        ] {
+            assert!(
+                said(unit).is_some_and(|said| said.contains(words)),
+                "{unit}"
+            );
+        }
+        assert_eq!(Fits::of(&config::Loader::default()).slope_unit(), None);
     }
 }
