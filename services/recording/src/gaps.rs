@@ -2,6 +2,8 @@
 
 /// Rows that are further apart have a gap between them \[s\].
 const LONG: f64 = 10.0;
+/// And so many times as far as the nearest.
+const MANY: f64 = 100.0;
 /// Seconds from 59 of a minute to 0 of the next where times are written as the digits of hours, minutes and seconds; to the
 /// next hour there are another 4000.
 const MINUTE: f64 = 40.0;
@@ -11,6 +13,8 @@ const HOUR: f64 = 4000.0;
 #[derive(Debug, Default)]
 pub struct Gaps {
     last: Option<f64>,
+    /// The shortest step \[s\].
+    shortest: Option<f64>,
     count: u64,
     /// Those from the end of a minute to the next, as `hhmmss` has them.
     at_minutes: u64,
@@ -27,7 +31,12 @@ impl Gaps {
         }
         let last = self.last.replace(time).unwrap_or(time);
         let gap = time - last;
-        if gap <= LONG {
+        if gap <= 0.0 {
+            return;
+        }
+        let shortest = self.shortest.map_or(gap, |shortest| shortest.min(gap));
+        self.shortest = Some(shortest);
+        if gap <= LONG.max(MANY * shortest) {
             return;
         }
         self.count += 1;
@@ -94,7 +103,11 @@ mod tests {
         assert!(off.words().is_some_and(
             |said| said.contains("a gap of more") && said.contains("of 3600 s behind t = 7150")
         ));
-        for whole in [of(day(0.0)), of([f64::NAN, 1.0, 0.5, 2.0].into_iter())] {
+        for whole in [
+            of(day(0.0)),
+            of(day(0.0).map(|t| 1000.3 * t)),
+            of([f64::NAN, 1.0, 0.5, 2.0].into_iter()),
+        ] {
             assert_eq!((whole.words(), whole.fault()), (None, None));
         }
     }

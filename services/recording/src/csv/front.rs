@@ -88,7 +88,9 @@ pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
 
 /// Whether a text begins like a table whose columns are separated by blanks.
 pub(crate) fn is_by_blanks(head: &[u8]) -> bool {
-    Front::of(head).is_some_and(|front| front.dialect.separator == BLANK)
+    // A header alone may be any words.
+    let has_row = lines(head, 0).nth(1).is_some();
+    has_row && Front::of(head).is_some_and(|front| front.dialect.separator == BLANK)
 }
 
 /// The front of a table.
