@@ -96,6 +96,31 @@ impl Site {
 }
 
 #[test]
+fn what_all_payloads_are_off_together_hides_no_load() {
+    let loads = |scale_std: f64| {
+        let mut site = Site::new(None);
+        site.ledger = Ledger::new(Settings {
+            scale_std,
+            ..Settings::with_rated(RATED)
+        });
+        // Two fifths of each payload are that of the scale.
+        let swing = |site: &mut Site, kg: f64| {
+            let std = f64::hypot(30.0, 0.4 * kg);
+            (0..300).for_each(|_| site.row((kg, std), 0.5, false));
+        };
+        for kg in [700.0, 650.0] {
+            site.stand(3.0, PRIOR);
+            swing(&mut site, kg);
+            site.open();
+            site.stand(0.5, PRIOR);
+            swing(&mut site, 40.0);
+        }
+        site.loads().len()
+    };
+    assert_eq!([0.0, 0.4, f64::NAN].map(loads), [0, 2, 0]);
+}
+
+#[test]
 fn each_dig_swing_dump_and_return_is_one_load_with_what_stays_behind() {
     let mut site = Site::new(None);
     for kg in [900.0, 650.0, 700.0] {

@@ -46,6 +46,16 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    fn with_rated(self, rated: f64) -> Settings {
+        Settings {
+            target: self.target,
+            pause: self.pause,
+            ..Settings::with_rated(rated)
+        }
+    }
+}
+
 /// Counts the loads of one machine.
 #[derive(Debug, Clone)]
 pub struct LoadCounter {
@@ -67,20 +77,25 @@ impl LoadCounter {
     /// A counter for the machine of a description.
     #[must_use]
     pub fn new(description: &Description, options: Options) -> Self {
-        let (rated, empty) = match description {
+        let (rated, empty, scale_std) = match description {
             Description::Excavator(d) => {
                 let prior = &d.prior;
-                (prior.payload + RATED_STDS * prior.payload_std, 0.0)
+                let rated = prior.payload + RATED_STDS * prior.payload_std;
+                (rated, 0.0, d.load_scale_std())
             }
-            Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass),
+            Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass, 0.0),
         };
         let is_described = match description {
             Description::Excavator(d) => d.boom_cylinder.head_area > 0.0,
             Description::Loader(d) => d.lift_arm.length > 0.0,
         };
+        let settings = Settings {
+            scale_std,
+            ..options.with_rated(rated)
+        };
         Self {
             is_described,
-            ..Self::rated(description.machine(), rated, empty, options)
+            ..Self::with(description.machine(), empty, settings)
         }
     }
 
@@ -94,11 +109,10 @@ impl LoadCounter {
     /// A counter for a machine of which only the payload of a full bucket and the empty mass are known \[kg\].
     #[must_use]
     pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {
-        let settings = Settings {
-            target: options.target,
-            pause: options.pause,
-            ..Settings::with_rated(rated)
-        };
+        Self::with(machine, empty, options.with_rated(rated))
+    }
+
+    fn with(machine: Machine, empty: f64, settings: Settings) -> Self {
         Self {
             machine,
             ledger: Ledger::new(settings),

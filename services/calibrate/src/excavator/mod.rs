@@ -157,7 +157,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.cylinder = learnt.ok();
     }
     let needs_radius = outcome.found.is_some() && free.contains(&Role::Gain);
-    if needs_radius && swings::is_pin_guessed(options.description) {
+    if needs_radius && options.description.guessed_radius_std() > 0.0 {
         outcome.faults.push(words::GUESSED_PIN.into());
     }
     Ok(outcome)

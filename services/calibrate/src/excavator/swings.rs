@@ -245,24 +245,11 @@ const OFFSET_STD: f64 = 0.03;
 /// Noises within a factor of e or so.
 const NOISE_STD: f64 = 1.0;
 
-/// Relative standard deviation of the radius of a load where the boom pin is guessed from the operating mass: it lies within
-/// some 0.15 m at 21 t, 2.5 % of the radius. Gain and masses err together by it, and an estimator that takes them for
-/// independent halves the variance: hence the root of 2.
-const GUESSED_LENGTHS: f64 = 0.025 * std::f64::consts::SQRT_2;
-
-/// Whether nobody has stated how far the boom pin is from the swing axis.
-pub(super) fn is_pin_guessed(d: &Description) -> bool {
-    d.machine.operating_mass.is_some() && d.geometry.boom_pin == d.of_its_size().geometry.boom_pin
-}
-
-/// Relative standard deviation of the lengths that fix the radius of a load.
+/// Relative standard deviation of the lengths that fix the radius of a load. By a guessed boom pin gain and masses err together, and
+/// an estimator that takes them for independent halves the variance: hence the root of 2.
 fn lengths(d: &Description) -> f64 {
-    let stated = d.machine.geometry_tolerance;
-    if is_pin_guessed(d) {
-        (stated * stated + GUESSED_LENGTHS * GUESSED_LENGTHS).sqrt()
-    } else {
-        stated
-    }
+    let by_pin = std::f64::consts::SQRT_2 * d.guessed_radius_std();
+    d.machine.geometry_tolerance.hypot(by_pin)
 }
 
 fn parameters(

@@ -57,6 +57,8 @@ pub struct Ledger {
     /// Payload of a full bucket [kg].
     rated: f64,
     clock: Clock,
+    /// Relative standard deviation of all payloads together. It says nothing of one content against another: loads are found by the rest.
+    scale_std: f64,
     holding: Holding,
     content: Content,
     held: Option<Held>,
@@ -71,6 +73,7 @@ impl Ledger {
         Self {
             rated,
             clock: Clock::default(),
+            scale_std: settings.scale_std,
             holding: Holding::new(rated),
             content: Content::new(rated),
             held: None,
@@ -95,7 +98,7 @@ impl Ledger {
         }
         self.content.follow(row);
         let weighed = row
-            .weighed()
+            .own(self.scale_std)
             .filter(|p| !row.changing && HALF_WIDTH_95 * p.std < WEIGHED * self.rated);
         self.holding.step(row, dt, weighed.is_some());
         if dt > GAP {
@@ -293,7 +296,9 @@ impl Ledger {
             stage,
             filled: held.filled,
             dumped: held.leaving,
-            weight: level.map(|l| l.weight).unwrap_or_default(),
+            weight: level
+                .map(|l| l.weight.with_scale(self.scale_std))
+                .unwrap_or_default(),
             carry_back: accounts.carry_back.expected(),
             carry_back_weighed: false,
             trusted: level.is_some_and(|l| l.trusted),

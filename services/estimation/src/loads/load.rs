@@ -17,6 +17,16 @@ pub struct Weight {
 }
 
 impl Weight {
+    /// The same with what all weights are off together.
+    pub(super) fn with_scale(self, scale_std: f64) -> Self {
+        let together = scale_std * self.kg;
+        Self {
+            std: norm(&[self.std, together]),
+            common_std: norm(&[self.common_std, together]),
+            ..self
+        }
+    }
+
     /// A weight of which `common` is shared.
     pub(super) fn new(value: Quantity, common: f64) -> Self {
         Self {

@@ -1,6 +1,7 @@
 //! What the ledger reads: one estimate of any machine.
 
 use crate::Quantity;
+use crate::math::sqrt;
 
 /// Source of the payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,11 +73,24 @@ pub struct Row {
 
 /// Beyond this a payload is no payload [kg].
 const LIMIT: f64 = 1e7;
+/// At least this share of a payload's variance is its own: pressures weigh without the scale of the swings.
+const LEAST_OWN: f64 = 0.25;
 
 impl Row {
     /// The payload, where it is a number with a standard deviation.
     pub(super) fn weighed(&self) -> Option<Quantity> {
         self.payload
             .filter(|p| p.value.abs() < LIMIT && p.std > 0.0 && p.std < LIMIT)
+    }
+
+    /// The payload without what all are off together.
+    pub(super) fn own(&self, scale_std: f64) -> Option<Quantity> {
+        let Quantity { value, std } = self.weighed()?;
+        let (variance, together) = (std * std, scale_std * value);
+        let own = (variance - together * together).max(LEAST_OWN * variance);
+        Some(Quantity {
+            value,
+            std: sqrt(own),
+        })
     }
 }

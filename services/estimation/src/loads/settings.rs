@@ -6,6 +6,8 @@
 pub struct Settings {
     /// Payload of a full bucket, roughly \[kg\].
     pub rated: f64,
+    /// Relative standard deviation of all payloads together; their own holds it too.
+    pub scale_std: f64,
     /// What a truck shall hold \[kg\].
     pub target: Option<f64>,
     /// A load this long after the one before goes to another truck; 0 never \[s\].
@@ -22,19 +24,25 @@ impl Settings {
     pub fn with_rated(rated: f64) -> Self {
         Self {
             rated,
+            scale_std: 0.0,
             target: None,
             pause: 300.0,
             midnight: 0.0,
         }
     }
 
-    /// The same with a rated payload and a target that can be used.
+    /// The same with numbers that can be used.
     pub(super) fn usable(self) -> Self {
         Self {
             rated: if self.rated.is_finite() {
                 self.rated.clamp(Self::RATED[0], Self::RATED[1])
             } else {
                 1.0
+            },
+            scale_std: if self.scale_std.is_finite() {
+                self.scale_std
+            } else {
+                0.0
             },
             target: self.target.filter(|t| t.is_finite()),
             ..self

@@ -77,9 +77,10 @@ const FREE: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Working {
     filter: Filter,
-    /// Of the doubts: what the model leaves out of the torque and of the inertia, as shares.
+    /// Of the doubts: what the model leaves out of the torque, of the inertia and of all loads, as shares.
     torque_share: f64,
     form_share: f64,
+    load_scale_std: f64,
     /// Mass of the bucket, as described [kg].
     described_bucket: f64,
     /// The states as described, and their standard deviations.
@@ -168,6 +169,7 @@ impl Working {
             filter,
             torque_share: doubts.torque_share,
             form_share: doubts.form_share,
+            load_scale_std: doubts.load_scale_std,
             described_bucket: settings.geometry.masses[2],
             described: x,
             stated: std,

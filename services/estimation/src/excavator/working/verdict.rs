@@ -79,8 +79,10 @@ impl Working {
         let [payload, inertia] = if contradicted && weighs {
             self.scale.answer(&drive.now, [least, most], anything)
         } else {
+            let scale = payload * self.load_scale_std;
+            let variance = p[M][M].max(0.0) * factor + scale * scale;
             [
-                (payload, p[M][M].max(0.0) * factor + parallel[0] + anything),
+                (payload, variance + parallel[0] + anything),
                 (
                     inertia,
                     inertia_variance * factor + parallel[1] + anything * g * g,
