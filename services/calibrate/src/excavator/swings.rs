@@ -248,8 +248,8 @@ const NOISE_STD: f64 = 1.0;
 /// Relative standard deviation of the lengths that fix the radius of a load. By a guessed boom pin gain and masses err together, and
 /// an estimator that takes them for independent halves the variance: hence the root of 2.
 fn lengths(d: &Description) -> f64 {
-    let by_pin = std::f64::consts::SQRT_2 * d.guessed_radius_std();
-    d.machine.geometry_tolerance.hypot(by_pin)
+    let (tolerance, by_pin) = (d.machine.geometry_tolerance, d.guessed_radius_std());
+    (tolerance * tolerance + 2.0 * by_pin * by_pin).sqrt()
 }
 
 fn parameters(
