@@ -1,8 +1,8 @@
 //! What a few numbers of the data sheet say of the loads of the reference machine, whose boom stands ahead on a post.
 
 use config::{Excavator, Tables as _};
-use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
-use sim::excavator::{Effects, Size, Work};
+use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
+use sim::excavator::{Effects, Size, Truth, Work};
 
 const COLUMNS: Columns = Columns {
     velocity: true,
@@ -15,29 +15,44 @@ const COLUMNS: Columns = Columns {
 const LOAD: f64 = 210.0;
 const SWINGS: f64 = 0.1;
 
-/// Of 60 s the rows in which the machine swings a load: shares of payload and inertia inside their 95 % intervals.
-fn covered(stated: &[&str], seed: u64) -> [f64; 2] {
-    let mut described = Excavator::default();
-    let stated: Vec<String> = stated.iter().map(|text| (*text).to_owned()).collect();
-    described.set_all(&stated).expect("keys that exist");
-    let mut estimator =
-        SwingEstimator::new(&Settings::of(&described), Method::Auto, COLUMNS).expect("settings");
-    let (mut inside, mut rows) = ([0; 2], 0);
-    for row in Work::new(Size::reference(), Effects::default(), seed).take(6000) {
-        let estimate = estimator.step(&Sample {
+/// The reference machine for 60 s.
+fn work(seed: u64) -> impl Iterator<Item = (Sample, Truth)> {
+    let rows = Work::new(Size::reference(), Effects::default(), seed).take(6000);
+    rows.map(|row| {
+        let sample = Sample {
             time: row.time,
             velocity: row.swing_velocity,
             torque: row.swing_torque,
             posture: row.posture,
             ..Sample::default()
-        });
-        if row.truth.payload < LOAD || row.truth.velocity.abs() < SWINGS {
+        };
+        (sample, row.truth)
+    })
+}
+
+fn described(stated: &[&str]) -> Excavator {
+    let mut described = Excavator::default();
+    described.set_all(stated).expect("keys that exist");
+    described
+}
+
+fn estimator(described: &Excavator) -> SwingEstimator {
+    SwingEstimator::new(&Settings::of(described), Method::Auto, COLUMNS).expect("settings")
+}
+
+/// Of 60 s the rows in which the machine swings a load: shares of payload and inertia inside their 95 % intervals.
+fn covered(stated: &[&str], seed: u64) -> [f64; 2] {
+    let mut estimator = estimator(&described(stated));
+    let (mut inside, mut rows) = ([0; 2], 0);
+    for (sample, truth) in work(seed) {
+        let estimate = estimator.step(&sample);
+        if truth.payload < LOAD || truth.velocity.abs() < SWINGS {
             continue;
         }
         let payload = estimate.payload.expect("a payload");
         let away = [
-            (payload.value - row.truth.payload) / payload.std,
-            (estimate.inertia - row.truth.inertia) / estimate.inertia_std,
+            (payload.value - truth.payload) / payload.std,
+            (estimate.inertia - truth.inertia) / estimate.inertia_std,
         ];
         rows += 1;
         for (count, away) in inside.iter_mut().zip(away) {
@@ -64,5 +79,26 @@ fn loads_lie_inside_their_intervals_where_nobody_states_the_boom_pin() {
             println!("{} numbers, {what}: {of_seeds:?}", stated.len());
             assert!(mean > 0.93, "{stated:?}, {what}: {mean}");
         }
+    }
+}
+
+#[test]
+fn what_later_rows_say_of_a_load_does_not_tell_its_scale() {
+    let described = described(&["machine.operating_mass=5500"]);
+    let scale = described.load_scale_std();
+    assert!(scale > 0.1, "{scale}");
+    let mut estimator = estimator(&described);
+    assert!(estimator.keep_trail());
+    let mut trails: Vec<Trail> = Vec::new();
+    for (sample, _) in work(1) {
+        estimator.step_with(&sample, &mut |trail| trails.push(*trail));
+    }
+    let mut smoother = Smoother::default();
+    for payload in trails
+        .iter()
+        .rev()
+        .map(|trail| smoother.back(trail).payload)
+    {
+        assert!(payload.std >= scale * payload.value, "{payload:?}");
     }
 }

@@ -46,16 +46,6 @@ impl Default for Options {
     }
 }
 
-impl Options {
-    fn with_rated(self, rated: f64) -> Settings {
-        Settings {
-            target: self.target,
-            pause: self.pause,
-            ..Settings::with_rated(rated)
-        }
-    }
-}
-
 /// Counts the loads of one machine.
 #[derive(Debug, Clone)]
 pub struct LoadCounter {
@@ -91,11 +81,20 @@ impl LoadCounter {
         };
         let settings = Settings {
             scale_std,
-            ..options.with_rated(rated)
+            target: options.target,
+            pause: options.pause,
+            ..Settings::with_rated(rated)
         };
         Self {
+            machine: description.machine(),
+            ledger: Ledger::new(settings),
+            scale: Scale::new(empty),
+            truck: None,
+            mass: None,
             is_described,
-            ..Self::with(description.machine(), empty, settings)
+            pressure: None,
+            measured: [false; 2],
+            loads: VecDeque::new(),
         }
     }
 
@@ -104,26 +103,6 @@ impl LoadCounter {
     pub fn of_text(description: &str, options: Options) -> Option<Self> {
         let description = Description::parse(description, "the recording", None).ok()?;
         Some(Self::new(&description, options))
-    }
-
-    /// A counter for a machine of which only the payload of a full bucket and the empty mass are known \[kg\].
-    #[must_use]
-    pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {
-        Self::with(machine, empty, options.with_rated(rated))
-    }
-
-    fn with(machine: Machine, empty: f64, settings: Settings) -> Self {
-        Self {
-            machine,
-            ledger: Ledger::new(settings),
-            scale: Scale::new(empty),
-            truck: None,
-            mass: None,
-            is_described: false,
-            pressure: None,
-            measured: [false; 2],
-            loads: VecDeque::new(),
-        }
     }
 
     /// The machine.

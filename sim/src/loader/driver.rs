@@ -303,6 +303,7 @@ mod tests {
         );
         assert!(!driver.boom_moving(15.9) && driver.boom_moving(17.0) && driver.boom_moving(22.0));
     }
+
     #[test]
     fn an_arm_lifts_a_bucket_that_stays_turned_in_and_the_load_goes_forward() {
         let machine = Machine::NOMINAL;

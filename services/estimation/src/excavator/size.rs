@@ -178,7 +178,8 @@ impl Description {
     }
 }
 
-/// That of a machine of this operating mass [kg].
+/// Distance from the swing axis to the boom pin and its standard deviation, as shares of the boom's length, of a machine of this
+/// operating mass \[kg\].
 fn boom_pin(mass: f64) -> [f64; 2] {
     if mass < COMPACT {
         BOOM_PIN_COMPACT

@@ -17,6 +17,15 @@ pub struct Weight {
 }
 
 impl Weight {
+    /// A weight of which `common` is shared.
+    pub(super) fn new(value: Quantity, common: f64) -> Self {
+        Self {
+            kg: value.value,
+            std: value.std,
+            common_std: common.clamp(0.0, value.std),
+        }
+    }
+
     /// The same with what all weights are off together.
     pub(super) fn with_scale(self, scale_std: f64) -> Self {
         let together = scale_std * self.kg;
@@ -24,15 +33,6 @@ impl Weight {
             std: norm(&[self.std, together]),
             common_std: norm(&[self.common_std, together]),
             ..self
-        }
-    }
-
-    /// A weight of which `common` is shared.
-    pub(super) fn new(value: Quantity, common: f64) -> Self {
-        Self {
-            kg: value.value,
-            std: value.std,
-            common_std: common.clamp(0.0, value.std),
         }
     }
 

@@ -243,7 +243,8 @@ fn the_loads_panel_shows_a_load_and_a_button_of_another_site_moves_no_truck() {
         target: Some(5000.0),
         ..Options::default()
     };
-    let counter = LoadCounter::rated(messages::Machine::Excavator, 1000.0, 0.0, options);
+    let machine = "[machine]\nkind = \"excavator\"\n";
+    let counter = LoadCounter::of_text(machine, options).expect("a description");
     let loads = SharedLoads::new(counter);
     for i in 0..900u32 {
         let estimate = ExcavatorEstimate {

@@ -243,6 +243,7 @@ impl Working {
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
+            trail.load_scale_std = self.load_scale_std;
             trail.disagreement = self.disagreement() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)

@@ -38,6 +38,8 @@ pub struct Trail {
     pub(super) range: [f64; 2],
     /// Standard deviation of what the drawing misses of the inertia [kg m^2].
     pub(super) form: f64,
+    /// Relative standard deviation of all loads together.
+    pub(super) load_scale_std: f64,
     /// Factor of the variance by which stretches of the swings disagree.
     pub(super) disagreement: f64,
 }
@@ -56,6 +58,7 @@ impl Trail {
         anew: false,
         range: [0.0; 2],
         form: 0.0,
+        load_scale_std: 0.0,
         disagreement: 1.0,
     };
 

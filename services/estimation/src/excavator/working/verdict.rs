@@ -148,9 +148,9 @@ impl Working {
             (SPAN, 0.0, false),
             (ZERO, 0.0, false),
         ];
-        // Without a torque beside them the pressures' span and zero take up what the seals do.
-        let weighed_once = if self.parallel.is_driven() { 0 } else { 2 };
-        for &(i, least, wanders) in &constants[..constants.len() - weighed_once] {
+        // The last two are the pressures', and not asked without a torque beside them: they take up what the seals do.
+        let not_asked = if self.parallel.is_driven() { 0 } else { 2 };
+        for &(i, least, wanders) in &constants[..constants.len() - not_asked] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
             if stated <= 0.0 {
                 continue;
