@@ -2,7 +2,7 @@
 //!
 //! It is told for a load on the other axle, and no motion tells both apart while the axles pull in one proportion. What speaks of it is
 //! that force over acceleration is off by half as much ([`super::inertia`]), and that the ratio is not what the machine's class has.
-//! An axle's torque lasts, so kappa is learnt here over minutes.
+//! An axle's torque lasts, so kappa is learnt here from all rows, not from the last ten seconds.
 //!
 //! ```text
 //! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2)
@@ -19,8 +19,9 @@ const OFTEN: f64 = 0.077;
 const OFF: f64 = 0.2;
 /// Standard deviation of kappa by tolerances: 2 % of the mass, 1 % of the rolling radius, 3 % of either torque.
 const USUAL_GAIN: f64 = 0.03;
-/// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa lasts for minutes.
-const WALK: [f64; 3] = [0.004, 0.01, 0.01];
+/// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa is of gears, motors
+/// and an empty machine, 3 % in a quarter of an hour.
+const WALK: [f64; 3] = [0.001, 0.01, 0.01];
 /// Logarithm of the likelihood ratio beyond which nothing is told.
 const MAX_LOG_RATIO: f64 = 50.0;
 
