@@ -2,9 +2,10 @@
 
 mod estimates;
 
-use estimation::excavator::{Estimate, Method, Reason};
+use config::Excavator;
+use estimation::excavator::{Estimate, Method, Reason, Settings};
 use evaluate::excavator::honesty_lines::described;
-use sim::excavator::{Effects, Row, Size, Work};
+use sim::excavator::{Effects, Row, Run, Scenario, Simulation, Size, Work};
 
 /// The fault begins [s]; the work ends [row].
 const FROM: f64 = 28.0;
@@ -133,4 +134,28 @@ fn a_signal_that_is_away_for_ten_seconds_is_trusted_again_soon_after_it_is_back(
             );
         }
     }
+}
+
+#[test]
+fn a_boom_angle_that_is_half_a_second_late_is_hardly_ever_trusted_and_wrong() {
+    const LATE: usize = 50;
+    let settings = Settings::of(&Excavator::default());
+    let (mut trusted, mut wrong) = (0, 0);
+    for seed in 1..5 {
+        let mut run = Run::new(Scenario::Cycle);
+        (run.duration, run.seed) = (60.0, seed);
+        let rows: Vec<Row> = Simulation::new(&run).expect("a run").collect();
+        let late = rows.iter().enumerate().map(|(k, row)| {
+            let mut row = row.clone();
+            row.posture[0] = rows[k.saturating_sub(LATE)].posture[0];
+            row
+        });
+        let estimates = estimates::estimates(late, &settings, Method::Auto);
+        for (row, e) in estimates.iter().filter(|(_, e)| e.flags.trusted()) {
+            let away = (e.inertia - row.truth.inertia).abs();
+            trusted += 1;
+            wrong += i32::from(away > (1.96 * e.inertia_std).min(0.1 * row.truth.inertia));
+        }
+    }
+    assert!(wrong * 20 <= trusted, "{wrong} of {trusted}");
 }
