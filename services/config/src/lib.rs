@@ -23,7 +23,7 @@ mod renamed;
 mod stated;
 mod tables;
 
-pub use class::class;
+pub use class::mass_key;
 
 pub use description::*;
 pub use error::{Error, Errors};

@@ -6,7 +6,9 @@ use messages::Machine;
 
 use crate::entries::{all_keys, document, entries, find, line_of, table_names};
 use crate::renamed::today;
-use crate::{Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print};
+use crate::{
+    Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print, stated,
+};
 
 pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
@@ -69,22 +71,37 @@ pub(crate) fn set_all<M: Keyed>(
 /// Keys that nobody has stated, and so have the value of the machine's size `before`, get that of the size `changed`; true where
 /// there are any.
 fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
-    let (old, new) = (before.of_its_size(), changed.of_its_size());
-    let mut any = false;
-    let tables = before.tables().into_iter().zip(old.tables());
-    let sizes = new.tables();
-    for (((said, old), new), table) in tables.zip(&sizes).zip(changed.tables_mut()) {
-        for index in 0..table.keys().len() {
-            let (Some(guess), Some(value)) = (old.get(index), new.get(index)) else {
-                continue;
-            };
-            if guess != value && said.get(index) == Some(guess) {
-                table.set(index, &value);
-                any = true;
-            }
+    let plain = M::default();
+    let places = stated::places(before).into_iter();
+    let unstated: Vec<_> = places
+        .filter(|place| !place.1)
+        .map(|place| place.0)
+        .collect();
+    let mut open = changed.clone();
+    for &(at, index) in &unstated {
+        if open.tables()[at].get(index) == before.tables()[at].get(index) {
+            copy(&plain, &mut open, (at, index));
         }
     }
+    let sized = open.of_its_size();
+    let mut any = false;
+    for place in unstated {
+        any |= copy(&sized, changed, place);
+    }
     any
+}
+
+/// Copies one value, at its table and place; true where it is another one.
+fn copy<M: Keyed>(from: &M, to: &mut M, (at, index): (usize, usize)) -> bool {
+    let tables = from.tables();
+    let Some(value) = tables[at].get(index) else {
+        return false;
+    };
+    let mut tables = to.tables_mut();
+    if tables[at].get(index) == Some(value) {
+        return false;
+    }
+    tables[at].set(index, &value)
 }
 
 fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {

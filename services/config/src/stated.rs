@@ -7,24 +7,33 @@ use messages::Machine;
 use crate::renamed::today;
 use crate::{Keyed, known, print};
 
-/// The stated keys with their values in TOML. A key is stated where the defaults of the machine's size, without it, have
-/// another value: what follows from a stated operating mass is not.
+/// The stated keys with their values in TOML.
 pub(crate) fn stated<M: Keyed>(machine: &M) -> BTreeMap<&'static str, String> {
+    let tables = machine.tables();
+    let told = places(machine).into_iter().filter(|place| place.1);
+    let pairs = told.filter_map(|((at, index), _)| {
+        let value = tables[at].get(index)?;
+        Some((tables[at].keys()[index].path, print::toml(&value)))
+    });
+    pairs.collect()
+}
+
+/// Table and place of each key, and whether it is stated: whether the defaults of the machine's size, without it, have another
+/// value. What follows from a stated operating mass is not.
+pub(crate) fn places<M: Keyed>(machine: &M) -> Vec<((usize, usize), bool)> {
     let plain = M::default();
-    let mut found = BTreeMap::new();
+    let mut places = Vec::new();
     for (at, (table, plain)) in machine.tables().iter().zip(plain.tables()).enumerate() {
-        for (index, key) in table.keys().iter().enumerate() {
-            let (Some(value), Some(default)) = (table.get(index), plain.get(index)) else {
-                continue;
-            };
+        for index in 0..table.keys().len() {
             let mut without = machine.clone();
-            without.tables_mut()[at].set(index, &default);
-            if without.of_its_size().tables()[at].get(index) != Some(value) {
-                found.insert(key.path, print::toml(&value));
-            }
+            let told = plain.get(index).is_some_and(|default| {
+                without.tables_mut()[at].set(index, &default);
+                without.of_its_size().tables()[at].get(index) != table.get(index)
+            });
+            places.push(((at, index), told));
         }
     }
-    found
+    places
 }
 
 /// The keys that one version of a description states otherwise than an earlier one, which any version of heft may have

@@ -300,12 +300,33 @@ fn an_operating_mass_scales_what_is_not_stated_and_nothing_that_is() {
 }
 
 #[test]
+fn what_a_loader_s_file_leaves_open_follows_from_its_mass_whoever_states_it() {
+    let few = "[machine]\nkind = \"loader\"\nmass = 25000\nwheel_radius = 0.8\n";
+    let of_file = Loader::parse(few, "loader.toml").expect("valid");
+    assert_eq!(of_file.machine.wheel_radius, 0.8);
+    assert!((of_file.machine.wheelbase - 3.98).abs() < 0.01);
+    assert!((of_file.prior.cg_height - 1.49).abs() < 0.01);
+    let share = of_file.estimator.converged_height / of_file.prior.cg_height;
+    assert!((share - 0.089).abs() < 1e-3, "{share}");
+    let mut by_set = Loader::default();
+    by_set.set("machine.mass=9000").expect("valid");
+    by_set.set("machine.wheel_radius=0.8").expect("valid");
+    by_set.set("machine.mass=25000").expect("valid");
+    assert_eq!(by_set, of_file);
+    let stated: Vec<&str> = Description::Loader(Box::new(of_file))
+        .stated()
+        .into_keys()
+        .collect();
+    assert_eq!(stated, ["machine.mass", "machine.wheel_radius"]);
+}
+
+#[test]
 fn a_class_is_a_valid_machine_of_any_size() {
     for machine in Machine::ALL {
         for mass in [1500.0, 5000.0, 21e3, 90e3] {
             let mut description = Description::default_of(machine);
-            let keys = config::class(machine, mass);
-            description.set_all(&keys).expect("valid");
+            let key = config::mass_key(machine);
+            description.set(&format!("{key}={mass}")).expect("valid");
         }
     }
 }

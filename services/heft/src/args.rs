@@ -98,8 +98,13 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     };
     let file = args.config.as_deref().unwrap_or(Path::new("--config"));
     is_for(machine, &description, file.display())?;
-    let class = args.class.map(|mass| config::class(machine, mass));
-    let sets: Vec<&String> = class.iter().flatten().chain(&args.set).collect();
+    // A mass that the file states stays.
+    let key = config::mass_key(machine);
+    let class = args
+        .class
+        .filter(|_| !description.stated().contains_key(key));
+    let class = class.map(|mass| format!("{key}={mass:?}"));
+    let sets: Vec<&String> = class.iter().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
     let keys = keys.map(|(key, _)| key.trim());
     tell_old_names(&keys.collect::<Vec<_>>());
@@ -186,5 +191,31 @@ pub fn tell_old_names(keys: &[&str]) {
 pub fn tell_idle_keys(description: &Description, methods: &[&str]) {
     for idle in steps::idle_keys(description, methods) {
         eprintln!("warning: {idle}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_leaves_what_the_machine_file_states() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("loader.toml");
+        let wheelbase = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            let args = DescriptionArgs {
+                config: Some(file.clone()),
+                class: Some(12_500.0),
+                set: Vec::new(),
+            };
+            let described = description(Machine::Loader, &args).unwrap();
+            let number = |key| described.number(key).unwrap();
+            ["machine.mass", "machine.wheel_radius", "machine.wheelbase"].map(number)
+        };
+        let [mass, radius, length] = wheelbase("[machine]\nwheel_radius = 0.666\n");
+        assert_eq!((mass, radius), (12_500.0, 0.666));
+        assert!(length > 3.0, "{length}");
+        assert_eq!(wheelbase("[machine]\nmass = 12000\n")[0], 12_000.0);
     }
 }
