@@ -61,6 +61,7 @@
 struct Readme;
 
 mod cadence;
+mod common_error;
 pub mod consistency;
 pub mod dual;
 pub mod ekf;
@@ -88,6 +89,8 @@ pub mod srukf;
 mod time_base;
 #[cfg(feature = "serde")]
 mod written;
+
+pub use common_error::CommonError;
 
 /// Half the width of a 95 % interval, in standard deviations.
 pub const HALF_WIDTH_95: f64 = 1.96;

@@ -1,7 +1,7 @@
 //! What counts as a load, and what trucks add up to.
 
-use estimation::Quantity;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Truck, Witness};
+use estimation::{CommonError, Quantity};
 
 const RATED: f64 = 1000.0;
 const DT: f64 = 0.01;
@@ -100,7 +100,10 @@ fn what_all_payloads_are_off_together_hides_no_load() {
     let loads = |scale_std: f64| {
         let mut site = Site::new(None);
         site.ledger = Ledger::new(Settings {
-            scale_std,
+            common: CommonError {
+                scale_std,
+                zero_std: 0.0,
+            },
             ..Settings::with_rated(RATED)
         });
         // Two fifths of each payload are that of the scale.

@@ -5,9 +5,9 @@
 use std::collections::VecDeque;
 
 use config::Description;
-use estimation::Quantity;
 use estimation::loader::{RATED_SHARE, Reason};
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
+use estimation::{CommonError, Quantity};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
     excavator_bits, loader_bits,
@@ -67,20 +67,24 @@ impl LoadCounter {
     /// A counter for the machine of a description.
     #[must_use]
     pub fn new(description: &Description, options: Options) -> Self {
-        let (rated, empty, scale_std) = match description {
+        let (rated, empty, common) = match description {
             Description::Excavator(d) => {
                 let prior = &d.prior;
                 let rated = prior.payload + RATED_STDS * prior.payload_std;
-                (rated, 0.0, d.load_scale_std())
+                (rated, 0.0, d.loads_common())
             }
-            Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass, 0.0),
+            Description::Loader(d) => (
+                RATED_SHARE * d.machine.mass,
+                d.machine.mass,
+                CommonError::default(),
+            ),
         };
         let is_described = match description {
             Description::Excavator(d) => d.boom_cylinder.head_area > 0.0,
             Description::Loader(d) => d.lift_arm.length > 0.0,
         };
         let settings = Settings {
-            scale_std,
+            common,
             target: options.target,
             pause: options.pause,
             ..Settings::with_rated(rated)

@@ -69,8 +69,8 @@ pub(super) fn needs(method: Method) -> (bool, bool) {
 }
 
 impl Core {
-    /// At its prior; `stood`: a standstill was seen before.
-    pub(super) fn new(settings: &Settings, method: Method, stood: bool) -> Self {
+    /// At its prior; the velocity is that of an `angle`; `stood`: a standstill was seen before.
+    pub(super) fn new(settings: &Settings, method: Method, angle: bool, stood: bool) -> Self {
         let (s, e) = (&settings.sensors, &settings.estimator);
         let mode = match method {
             Method::PostureTorque => Mode::PostureTorque(PostureTorque::new(settings)),
@@ -80,11 +80,7 @@ impl Core {
         };
         let posture = method == Method::Posture;
         let constant = method == Method::Velocity && e.constant_inertia;
-        let mut standstill = Standstill::new(
-            s.swing_velocity_std,
-            s.swing_torque_std,
-            settings.coulomb_friction,
-        );
+        let mut standstill = Standstill::new(settings, angle);
         if stood {
             standstill.confirm();
         }
@@ -123,7 +119,8 @@ impl Core {
             tick.velocity = gated.velocity;
             event = gated.event;
         }
-        let phase = self.standstill.step(tick.velocity, torque, tick.period);
+        let velocity = (tick.velocity, tick.velocity_variance);
+        let phase = self.standstill.step(velocity, torque, tick.period);
         let stood_for = self.standstill.held_for();
         let reopen = phase != Phase::Held && stood_for >= settings.estimator.reopen_after - 1e-9;
         self.standstill.count(phase, tick.period);

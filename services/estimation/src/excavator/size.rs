@@ -7,6 +7,7 @@
 
 use super::geometry::Geometry;
 use super::keys::Description;
+use crate::CommonError;
 use crate::math::{cbrt, norm, sqrt};
 
 /// Lengths per cube root of the operating mass [m/kg^(1/3)]: boom, arm; distances from the bucket pin to the bucket's centre of
@@ -24,6 +25,14 @@ const BOOM_PIN_COMPACT: [f64; 2] = [0.12, 0.08];
 const COMPACT: f64 = 10_000.0;
 /// Radius of a load, in lengths of the boom.
 const LOAD_RADIUS: f64 = 1.1;
+/// A guessed centre of the load is off by this share of its distance from the bucket pin, along and beside the line to the tip:
+/// buckets are bent, and .12 to .25 of the tip's distance deep beside it.
+const LOAD_CENTRE_SPREAD: f64 = 0.28;
+/// What guessed centres of boom and bucket, which lie beside the lines of their pins, leave of the empty attachment between the
+/// postures of an emptied and of a full bucket, as a share of a full load: goosenecks stand .05 to .12 of the boom above their pins,
+/// and a bucket weighs half a load. On compact machines blade, cab and posts differ more.
+const FORM_SPREAD: f64 = 0.06;
+const FORM_SPREAD_COMPACT: f64 = 0.12;
 /// Shares of a link's length: centres of mass of boom and arm.
 const BOOM_CENTRE: f64 = 0.48;
 const ARM_CENTRE: f64 = 0.36;
@@ -34,8 +43,10 @@ const RATED: f64 = 0.083;
 const BUCKET_MASS: f64 = 0.46;
 /// Inertias of boom and arm over mass times length squared, of the bucket over mass times squared centre distance.
 const LINKS: [f64; 3] = [0.085, 0.095, 0.3];
-/// Inertia of the upper body over M^(5/3) [kg^(-2/3) m^2].
-const UPPER: f64 = 0.0018;
+/// Inertia of the upper body over M^(5/3) [kg^(-2/3) m^2], and its relative spread. Those of compact machines are .55 (no tail that
+/// swings out) to 1.0 of that.
+const UPPER: [f64; 2] = [0.0018, 0.25];
+const UPPER_COMPACT: [f64; 2] = [0.0014, 0.35];
 /// Swing torque over M^(4/3) [N m/kg^(4/3)].
 const TORQUE: f64 = 0.115;
 /// Damping [s], friction, its spread, offset and noise over the swing torque.
@@ -45,9 +56,8 @@ const FRICTION: f64 = 0.04;
 const FRICTION_STD: f64 = 0.025;
 const OFFSET: f64 = 0.018;
 const NOISE: f64 = 0.007;
-/// Relative spreads of what is guessed from the class: masses of boom and arm, upper body, bucket.
+/// Relative spreads of what is guessed from the class: masses of boom and arm, bucket.
 const SPREAD: f64 = 0.05;
-const UPPER_SPREAD: f64 = 0.25;
 const BUCKET_SPREAD: f64 = 0.3;
 /// What guessed lengths of boom and arm do to the reach, relative: booms differ by 5 to 6 %, arms by 5 % of a third of the reach.
 const REACH_SPREAD: [f64; 2] = [0.037, 0.017];
@@ -94,7 +104,8 @@ impl Description {
         g.boom_axial_inertia = inertia(1.0, g.boom_mass, AXIAL[0] * length);
         g.arm_axial_inertia = inertia(1.0, g.arm_mass, AXIAL[1] * length);
         g.bucket_axial_inertia = inertia(1.0, g.bucket_mass, AXIAL[2] * length);
-        d.machine.upper_inertia = UPPER * mass * length * length;
+        let [upper_inertia, upper_spread] = if mass < COMPACT { UPPER_COMPACT } else { UPPER };
+        d.machine.upper_inertia = upper_inertia * mass * length * length;
         d.machine.operating_mass = Some(mass);
         d.machine.rated_payload = self.machine.rated_payload;
         d.machine.swing_torque = self.machine.swing_torque;
@@ -102,7 +113,7 @@ impl Description {
         let upper = self.machine.upper_inertia;
         if upper == Self::default().machine.upper_inertia || upper == d.machine.upper_inertia {
             d.machine.mass_tolerance = SPREAD;
-            d.machine.upper_tolerance = Some(UPPER_SPREAD);
+            d.machine.upper_tolerance = Some(upper_spread);
             d.machine.bucket_tolerance = Some(BUCKET_SPREAD);
         }
         let spread = |i: usize| if guessed[i] { REACH_SPREAD[i] } else { 0.0 };
@@ -125,11 +136,42 @@ impl Description {
         }
     }
 
-    /// Relative standard deviation of all loads together that swings tell: what lengths and a guessed boom pin do to the inertia of a
-    /// kilogram, though not to that of the machine.
+    /// The same by the load's centre in the bucket.
+    fn guessed_centre_std(&self) -> f64 {
+        let (g, guess) = (&self.geometry, self.of_its_size().geometry);
+        if self.machine.operating_mass.is_some() && g.payload_centre == guess.payload_centre {
+            LOAD_CENTRE_SPREAD * g.payload_centre / (LOAD_RADIUS * g.boom_length)
+        } else {
+            0.0
+        }
+    }
+
+    /// What the centres of boom and bucket, where nobody stated them, do to the weight of the empty attachment \[kg\].
+    fn guessed_form_std(&self) -> f64 {
+        let (g, guess) = (&self.geometry, self.of_its_size().geometry);
+        let drawn = [g.boom_centre, g.bucket_centre] != [guess.boom_centre, guess.bucket_centre];
+        let share = match self.machine.operating_mass {
+            None => 0.0,
+            _ if drawn => 0.0,
+            Some(mass) if mass < COMPACT => FORM_SPREAD_COMPACT,
+            Some(_) => FORM_SPREAD,
+        };
+        share * (self.prior.payload + 1.25 * self.prior.payload_std)
+    }
+
+    /// What all loads together are off: what lengths, a guessed boom pin and guessed centres do to the inertia of a kilogram, though not
+    /// to that of the machine.
     #[must_use]
-    pub fn load_scale_std(&self) -> f64 {
-        2.0 * norm(&[self.machine.geometry_tolerance, self.guessed_radius_std()])
+    pub fn loads_common(&self) -> CommonError {
+        let radius = [
+            self.machine.geometry_tolerance,
+            self.guessed_radius_std(),
+            self.guessed_centre_std(),
+        ];
+        CommonError {
+            scale_std: 2.0 * norm(&radius),
+            zero_std: self.guessed_form_std(),
+        }
     }
 
     /// What hangs on the largest torque of the swing.

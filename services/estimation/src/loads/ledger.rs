@@ -21,7 +21,7 @@ use super::open::GAP;
 use super::row::Row;
 use super::settings::Settings;
 use super::total::Total;
-use crate::{HALF_WIDTH_95, Quantity};
+use crate::{CommonError, HALF_WIDTH_95, Quantity};
 
 /// A payload is weighed where its 95 % interval is narrower than this to either side, in rated payloads.
 const WEIGHED: f64 = 0.5;
@@ -57,8 +57,8 @@ pub struct Ledger {
     /// Payload of a full bucket [kg].
     rated: f64,
     clock: Clock,
-    /// Relative standard deviation of all payloads together. It says nothing of one content against another: loads are found by the rest.
-    scale_std: f64,
+    /// What all payloads are off together. It says nothing of one content against another: loads are found by the rest.
+    common: CommonError,
     holding: Holding,
     content: Content,
     held: Option<Held>,
@@ -73,7 +73,7 @@ impl Ledger {
         Self {
             rated,
             clock: Clock::default(),
-            scale_std: settings.scale_std,
+            common: settings.common,
             holding: Holding::new(rated),
             content: Content::new(rated),
             held: None,
@@ -98,7 +98,7 @@ impl Ledger {
         }
         self.content.follow(row);
         let weighed = row
-            .own(self.scale_std)
+            .own(&self.common)
             .filter(|p| !row.changing && HALF_WIDTH_95 * p.std < WEIGHED * self.rated);
         self.holding.step(row, dt, weighed.is_some());
         if dt > GAP {
@@ -297,7 +297,7 @@ impl Ledger {
             filled: held.filled,
             dumped: held.leaving,
             weight: level
-                .map(|l| l.weight.with_scale(self.scale_std))
+                .map(|l| l.weight.with_common(&self.common))
                 .unwrap_or_default(),
             carry_back: accounts.carry_back.expected(),
             carry_back_weighed: false,

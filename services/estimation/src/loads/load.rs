@@ -2,7 +2,7 @@
 
 use super::row::Witness;
 use crate::math::{norm, sqrt};
-use crate::{HALF_WIDTH_95, Quantity};
+use crate::{CommonError, HALF_WIDTH_95, Quantity};
 
 /// A weight with its standard deviation, and the part of it that all loads share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,8 +27,8 @@ impl Weight {
     }
 
     /// The same with what all weights are off together.
-    pub(super) fn with_scale(self, scale_std: f64) -> Self {
-        let together = scale_std * self.kg;
+    pub(super) fn with_common(self, common: &CommonError) -> Self {
+        let together = common.std(self.kg);
         Self {
             std: norm(&[self.std, together]),
             common_std: norm(&[self.common_std, together]),

@@ -1,7 +1,7 @@
 //! What the ledger reads: one estimate of any machine.
 
-use crate::Quantity;
 use crate::math::sqrt;
+use crate::{CommonError, Quantity};
 
 /// Source of the payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,9 +84,9 @@ impl Row {
     }
 
     /// The payload without what all are off together.
-    pub(super) fn own(&self, scale_std: f64) -> Option<Quantity> {
+    pub(super) fn own(&self, common: &CommonError) -> Option<Quantity> {
         let Quantity { value, std } = self.weighed()?;
-        let (variance, together) = (std * std, scale_std * value);
+        let (variance, together) = (std * std, common.std(value));
         let own = (variance - together * together).max(LEAST_OWN * variance);
         Some(Quantity {
             value,

@@ -1,13 +1,15 @@
 //! What the ledger is given.
 
+use crate::CommonError;
+
 /// What the ledger is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Payload of a full bucket, roughly \[kg\].
     pub rated: f64,
-    /// Relative standard deviation of all payloads together; their own holds it too.
-    pub scale_std: f64,
+    /// What all payloads are off together; their own deviations hold it too.
+    pub common: CommonError,
     /// What a truck shall hold \[kg\].
     pub target: Option<f64>,
     /// A load this long after the one before goes to another truck; 0 never \[s\].
@@ -24,7 +26,7 @@ impl Settings {
     pub fn with_rated(rated: f64) -> Self {
         Self {
             rated,
-            scale_std: 0.0,
+            common: CommonError::default(),
             target: None,
             pause: 300.0,
             midnight: 0.0,
@@ -39,10 +41,10 @@ impl Settings {
             } else {
                 1.0
             },
-            scale_std: if self.scale_std.is_finite() {
-                self.scale_std
+            common: if self.common.std(1.0).is_finite() {
+                self.common
             } else {
-                0.0
+                CommonError::default()
             },
             target: self.target.filter(|t| t.is_finite()),
             ..self

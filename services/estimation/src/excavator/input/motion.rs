@@ -156,11 +156,7 @@ impl MotionFilter {
             aligner: angle.then(|| Aligner::new(settings)),
             grid: Grid::new(settings, angle),
             detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
-            standstill: Standstill::new(
-                s.swing_velocity_std,
-                s.swing_torque_std,
-                settings.coulomb_friction,
-            ),
+            standstill: Standstill::new(settings, angle),
             standing: true,
             delay: Delay::new(settings, angle, period),
             window_end: f64::NEG_INFINITY,
@@ -329,9 +325,10 @@ impl MotionFilter {
             let gated = self
                 .detector
                 .step(tick.velocity, tick.velocity_variance, tick.period);
+            let velocity = (gated.velocity, tick.velocity_variance);
             let phase = self
                 .standstill
-                .step(gated.velocity, self.grid.torque(), tick.period);
+                .step(velocity, self.grid.torque(), tick.period);
             self.standing = phase == Phase::Held;
             if gated.event {
                 self.window_end = tick.time + self.delay.value;

@@ -4,6 +4,7 @@
 //! nothing about the inertia; noise would be mistaken for information. Standstill ends by a
 //! measured velocity (whose mean then is the state) or by a torque above friction.
 
+use crate::excavator::settings::Settings;
 use crate::math::{exp, ln, sqrt};
 
 /// Samples of the entry test (0.12 s at 100 Hz).
@@ -14,6 +15,8 @@ const RELEASE: usize = 4;
 const OUTLIER: f64 = 0.12;
 /// Velocity noise for which the thresholds were set [rad/s].
 const REFERENCE_STD: f64 = 0.005;
+/// So many standard deviations of a mean are chance.
+const CHANCE: f64 = 4.0;
 
 /// What the machine does at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -41,33 +44,40 @@ pub(in crate::excavator) struct Standstill {
     friction: f64,
     torque_std: f64,
     velocity_std: f64,
+    /// Velocities are differences of an encoder's angle: their mean is that of both ends.
+    differences: bool,
     held_for: f64,
     seen: bool,
 }
 
 impl Standstill {
-    pub(in crate::excavator) fn new(velocity_std: f64, torque_std: f64, friction: f64) -> Self {
+    /// Of a machine with this noise of velocity (unless that is an angle's `differences`) and torque, and this friction.
+    pub(in crate::excavator) fn new(settings: &Settings, differences: bool) -> Self {
         Self {
             still: true,
             ring: [0.0; ENTRY],
             valid: 0,
             large: 0.0,
             torque: None,
-            friction,
-            torque_std,
-            velocity_std,
+            friction: settings.coulomb_friction,
+            torque_std: settings.sensors.swing_torque_std,
+            velocity_std: settings.sensors.swing_velocity_std,
+            differences,
             held_for: 0.0,
             seen: false,
         }
     }
 
-    /// Takes in one grid sample; `torque` is the last valid torque, `None` if there is none.
+    /// Takes in one velocity of the grid with its variance; `torque` is the last valid torque, `None` if there is none.
     pub(in crate::excavator) fn step(
         &mut self,
-        velocity: Option<f64>,
+        (velocity, variance): (Option<f64>, f64),
         torque: Option<f64>,
         period: f64,
     ) -> Phase {
+        if self.differences && velocity.is_some() {
+            self.velocity_std = sqrt(variance);
+        }
         let velocity = velocity.filter(|&y| !self.is_outlier(y));
         if let Some(y) = velocity {
             self.ring[self.valid % ENTRY] = y;
@@ -108,8 +118,13 @@ impl Standstill {
         self.seen = true;
     }
 
-    fn scale(&self) -> f64 {
-        self.velocity_std / REFERENCE_STD
+    /// What a mean of `n` velocities must reach, given for the reference noise [rad/s].
+    fn threshold(&self, reference: f64, n: usize) -> f64 {
+        if self.differences {
+            reference.max(CHANCE * self.velocity_std / n as f64)
+        } else {
+            reference * self.velocity_std / REFERENCE_STD
+        }
     }
 
     /// Smoothed torque below friction, or below its own noise; without torque nothing speaks against
@@ -128,7 +143,7 @@ impl Standstill {
 
     /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
     fn is_outlier(&mut self, y: f64) -> bool {
-        let large = if y.abs() > OUTLIER * self.scale() {
+        let large = if y.abs() > self.threshold(OUTLIER, 1) {
             y.signum()
         } else {
             0.0
@@ -143,7 +158,7 @@ impl Standstill {
             return Phase::Held;
         }
         let mean = self.mean(RELEASE);
-        let threshold = if quiet { 0.012 } else { 0.03 } * self.scale();
+        let threshold = self.threshold(if quiet { 0.012 } else { 0.03 }, RELEASE);
         if mean.abs() > threshold {
             self.still = false;
             Phase::Released(mean)
@@ -172,7 +187,7 @@ impl Standstill {
         let mean = self.mean(ENTRY);
         let square: f64 = self.ring.iter().map(|y| (y - mean) * (y - mean)).sum();
         let std = sqrt(square / (ENTRY - 1) as f64);
-        mean.abs() < 0.006 * self.scale() && std < 2.0 * self.velocity_std
+        mean.abs() < self.threshold(0.006, ENTRY) && std < 2.0 * self.velocity_std
     }
 
     fn mean(&self, n: usize) -> f64 {

@@ -97,7 +97,7 @@ impl Doubts {
             upper_share: m.upper_tolerance.unwrap_or(UPPER * m.mass_tolerance),
             bucket_share: m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance),
             form_share: 2.0 * m.geometry_tolerance,
-            load_scale_std: d.load_scale_std(),
+            loads: d.loads_common(),
             found: m.links_gain_correlation.map(|links_gain| Correlations {
                 links_gain,
                 upper_gain: m.upper_gain_correlation,

@@ -1,5 +1,6 @@
 //! What a description of a working machine leaves open, and how far.
 
+use crate::CommonError;
 use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::Description;
 
@@ -39,8 +40,8 @@ pub struct Doubts {
     /// What the drawing misses of the inertia at each posture, as a share of boom, arm and bucket: lengths, and
     /// centres beside the lines of the pins.
     pub form_share: f64,
-    /// All loads together that swings tell, by what is not known of their radius, relative.
-    pub load_scale_std: f64,
+    /// What all loads are off together, by what is not known of their radius and of the empty attachment.
+    pub loads: CommonError,
     /// What a calibration has found together.
     pub found: Option<Correlations>,
 }

@@ -85,7 +85,7 @@ impl SwingEstimator {
             held: 1,
             calibration: e.calibrate_at_rest.then(|| Calibration::new(settings)),
             bias: 0.0,
-            core: Core::new(settings, method, false),
+            core: Core::new(settings, method, !columns.velocity, false),
             elapsed: 0.0,
             slowness: 1.0,
             presence_checked: !auto,
@@ -308,7 +308,7 @@ impl SwingEstimator {
     }
 
     fn restart(&mut self, stood: bool) {
-        self.core = Core::new(&self.settings, self.method, stood);
+        self.core = Core::new(&self.settings, self.method, !self.columns.velocity, stood);
         if self.trailing {
             self.core
                 .working()

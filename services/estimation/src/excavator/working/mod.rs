@@ -39,6 +39,7 @@ use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
+use crate::CommonError;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
 use crate::math::{exp, sin_cos};
@@ -80,7 +81,7 @@ pub(super) struct Working {
     /// Of the doubts: what the model leaves out of the torque, of the inertia and of all loads, as shares.
     torque_share: f64,
     form_share: f64,
-    load_scale_std: f64,
+    loads: CommonError,
     /// Mass of the bucket, as described [kg].
     described_bucket: f64,
     /// The states as described, and their standard deviations.
@@ -169,7 +170,7 @@ impl Working {
             filter,
             torque_share: doubts.torque_share,
             form_share: doubts.form_share,
-            load_scale_std: doubts.load_scale_std,
+            loads: doubts.loads,
             described_bucket: settings.geometry.masses[2],
             described: x,
             stated: std,
@@ -243,7 +244,7 @@ impl Working {
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
-            trail.load_scale_std = self.load_scale_std;
+            trail.loads = self.loads;
             trail.disagreement = self.disagreement() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)

@@ -89,11 +89,11 @@ impl Smoother {
         let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
         let (moved, identified) = self.said(&trail.along);
         let variance = left(trail.variance, identified) * self.disagreement;
-        let scale = payload * trail.load_scale_std;
+        let together = trail.loads.std(payload);
         Smoothed {
             payload: Quantity {
                 value: payload,
-                std: sqrt(left(own, known) * self.disagreement + scale * scale),
+                std: sqrt(left(own, known) * self.disagreement + together * together),
             },
             inertia: Quantity {
                 value: trail.inertia - moved,

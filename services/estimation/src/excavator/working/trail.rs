@@ -1,6 +1,7 @@
 //! What the filter did in each tick, left for the smoother.
 
 use super::states::{N, Vector};
+use crate::CommonError;
 
 /// Most that a tick does: content unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
 const MOST: usize = 8;
@@ -38,8 +39,8 @@ pub struct Trail {
     pub(super) range: [f64; 2],
     /// Standard deviation of what the drawing misses of the inertia [kg m^2].
     pub(super) form: f64,
-    /// Relative standard deviation of all loads together.
-    pub(super) load_scale_std: f64,
+    /// What all loads are off together.
+    pub(super) loads: CommonError,
     /// Factor of the variance by which stretches of the swings disagree.
     pub(super) disagreement: f64,
 }
@@ -58,7 +59,10 @@ impl Trail {
         anew: false,
         range: [0.0; 2],
         form: 0.0,
-        load_scale_std: 0.0,
+        loads: CommonError {
+            scale_std: 0.0,
+            zero_std: 0.0,
+        },
         disagreement: 1.0,
     };
 

@@ -79,8 +79,8 @@ impl Working {
         let [payload, inertia] = if contradicted && weighs {
             self.scale.answer(&drive.now, [least, most], anything)
         } else {
-            let scale = payload * self.load_scale_std;
-            let variance = p[M][M].max(0.0) * factor + scale * scale;
+            let together = self.loads.std(payload);
+            let variance = p[M][M].max(0.0) * factor + together * together;
             [
                 (payload, variance + parallel[0] + anything),
                 (
