@@ -28,11 +28,16 @@ const LOAD_RADIUS: f64 = 1.1;
 /// A guessed centre of the load is off by this share of its distance from the bucket pin, along and beside the line to the tip:
 /// buckets are bent, and .12 to .25 of the tip's distance deep beside it.
 const LOAD_CENTRE_SPREAD: f64 = 0.28;
-/// What guessed centres of boom and bucket, which lie beside the lines of their pins, leave of the empty attachment between the
-/// postures of an emptied and of a full bucket, as a share of a full load: goosenecks stand .05 to .12 of the boom above their pins,
-/// and a bucket weighs half a load. On compact machines blade, cab and posts differ more.
+/// Centres beside the lines of the pins: goosenecks stand .05 to .12 of the boom above theirs; bucket and load lie .12 to .25 of the
+/// tip's distance behind the line to it [m/kg^(1/3)].
+const BOOM_RISE: f64 = 0.085;
+const BUCKET_RISE: f64 = 0.0097;
+/// What guessed centres of boom and bucket leave of the empty attachment between the postures of an emptied and of a full bucket, as a
+/// share of a full load. On compact machines posts and buckets differ more.
 const FORM_SPREAD: f64 = 0.06;
 const FORM_SPREAD_COMPACT: f64 = 0.12;
+/// The same of a drawing that tells the centres along the lines of the pins, and not beside them.
+const FORM_SPREAD_DRAWN: f64 = 0.06;
 /// Shares of a link's length: centres of mass of boom and arm.
 const BOOM_CENTRE: f64 = 0.48;
 const ARM_CENTRE: f64 = 0.36;
@@ -93,6 +98,9 @@ impl Description {
         g.arm_centre = ARM_CENTRE * g.arm_length;
         g.bucket_centre = BUCKET_CENTRE * length;
         g.payload_centre = PAYLOAD_CENTRE * length;
+        g.boom_rise = BOOM_RISE * g.boom_length;
+        g.bucket_rise = BUCKET_RISE * length;
+        g.payload_rise = BUCKET_RISE * length;
         g.payload_gyration = PAYLOAD_GYRATION * length;
         g.boom_mass = BOOM_MASS * mass;
         g.arm_mass = ARM_MASS * mass;
@@ -148,13 +156,17 @@ impl Description {
 
     /// What the centres of boom and bucket, where nobody stated them, do to the weight of the empty attachment \[kg\].
     fn guessed_form_std(&self) -> f64 {
+        let Some(mass) = self.machine.operating_mass else {
+            return 0.0;
+        };
         let (g, guess) = (&self.geometry, self.of_its_size().geometry);
         let drawn = [g.boom_centre, g.bucket_centre] != [guess.boom_centre, guess.bucket_centre];
-        let share = match self.machine.operating_mass {
-            None => 0.0,
-            _ if drawn => 0.0,
-            Some(mass) if mass < COMPACT => FORM_SPREAD_COMPACT,
-            Some(_) => FORM_SPREAD,
+        let bent = [g.boom_rise, g.bucket_rise] != [guess.boom_rise, guess.bucket_rise];
+        let share = match mass < COMPACT {
+            _ if drawn && bent => 0.0,
+            _ if drawn => FORM_SPREAD_DRAWN,
+            true => FORM_SPREAD_COMPACT,
+            false => FORM_SPREAD,
         };
         share * (self.prior.payload + 1.25 * self.prior.payload_std)
     }

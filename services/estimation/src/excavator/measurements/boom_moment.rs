@@ -240,8 +240,9 @@ impl Block {
             along([l1, l2, g.payload_centre]),
         ];
         for (i, (x, z)) in bodies.into_iter().enumerate() {
-            self.x[i] += dt * x;
-            self.z[i] += dt * z;
+            let (sin, cos) = turns[i.min(2)];
+            self.x[i] += dt * (x - g.rises[i] * sin);
+            self.z[i] += dt * (z + g.rises[i] * cos);
         }
         for (sum, angle) in self.alpha.iter_mut().zip(alpha) {
             *sum += dt * angle;

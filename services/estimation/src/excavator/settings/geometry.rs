@@ -3,8 +3,8 @@
 //! With the absolute link angles `a1 = q_b`, `a2 = a1 + q_a`, `a3 = a2 + q_k`:
 //!
 //! ```text
-//! r1 = x0 + c1 cos a1;  rA = x0 + L1 cos a1;  r2 = rA + c2 cos a2;  rB = rA + L2 cos a2
-//! r3 = rB + c3 cos a3;  rp = rB + cp cos a3
+//! r1 = x0 + c1 cos a1 - n1 sin a1;  rA = x0 + L1 cos a1;  r2 = rA + c2 cos a2;  rB = rA + L2 cos a2
+//! r3 = rB + c3 cos a3 - n3 sin a3;  rp = rB + cp cos a3 - np sin a3
 //! J_e = J_u + sum [ m_i r_i^2 + I_i cos^2 a_i + Ir_i sin^2 a_i ];   g = rp^2 + kp^2;   J = J_e + m g
 //! ```
 
@@ -26,6 +26,8 @@ pub struct Geometry {
     pub centres: [f64; 3],
     /// Bucket pin to the payload's centre of mass (cp) \[m\].
     pub payload_centre: f64,
+    /// Centres of boom, arm, bucket and payload beside the lines of the pins, on the side to which the link turns up (n1, 0, n3, np) \[m\].
+    pub rises: [f64; 4],
     /// Radius of gyration of the payload (kp) \[m\].
     pub payload_gyration: f64,
     /// Masses of boom, arm, bucket \[kg\].
@@ -122,12 +124,13 @@ impl Geometry {
         let a3 = a2 + posture[2];
         let turns = [sin_cos(a1), sin_cos(a2), sin_cos(a3)];
         let [cos1, cos2, cos3] = turns.map(|(_, cos)| cos);
+        let beside = |i: usize, link: usize| self.rises[i] * turns[link].0;
         let arm_pin = self.boom_pin + self.lengths[0] * cos1;
         let bucket_pin = arm_pin + self.lengths[1] * cos2;
         let radii = [
-            self.boom_pin + self.centres[0] * cos1,
-            arm_pin + self.centres[1] * cos2,
-            bucket_pin + self.centres[2] * cos3,
+            self.boom_pin + self.centres[0] * cos1 - beside(0, 0),
+            arm_pin + self.centres[1] * cos2 - beside(1, 1),
+            bucket_pin + self.centres[2] * cos3 - beside(2, 2),
         ];
         let turned = |i: usize| {
             let (sin, cos) = turns[i];
@@ -136,7 +139,7 @@ impl Geometry {
         let of = |i: usize| self.masses[i] * radii[i] * radii[i] + turned(i);
         let own = turned(2) / self.masses[2].max(f64::MIN_POSITIVE);
         let links = of(0) + of(1);
-        let payload = bucket_pin + self.payload_centre * cos3;
+        let payload = bucket_pin + self.payload_centre * cos3 - beside(3, 2);
         Inertia {
             empty: self.upper_inertia + (links + of(2)),
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
