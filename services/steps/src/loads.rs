@@ -13,10 +13,12 @@ use messages::{
     excavator_bits, loader_bits,
 };
 
+mod guessed;
 mod report;
 mod scale;
 mod why;
 
+pub use guessed::guessed;
 pub use report::{channel, message};
 use scale::Scale;
 use why::why;
@@ -56,6 +58,7 @@ pub struct LoadCounter {
     mass: Option<f64>,
     /// The cylinders are described: their pressures weigh.
     is_described: bool,
+    guessed: Option<String>,
     /// The latest sample has pressures; unknown where only estimates are seen.
     pressure: Option<bool>,
     /// Samples have had pressures, and a mass.
@@ -92,6 +95,7 @@ impl LoadCounter {
             truck: None,
             mass: None,
             is_described,
+            guessed: guessed(description),
             pressure: None,
             measured: [false; 2],
             loads: VecDeque::new(),
@@ -150,6 +154,12 @@ impl LoadCounter {
                 (true, [true, _]) => None,
             },
         }
+    }
+
+    /// What the machine file leaves to a guess, see [`guessed`].
+    #[must_use]
+    pub fn guessed(&self) -> Option<&str> {
+        self.guessed.as_deref()
     }
 
     /// Begins another truck.

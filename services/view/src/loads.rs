@@ -28,6 +28,8 @@ pub struct Account {
     pub all: Total,
     /// What would weigh a load and is not there, and what to do.
     pub lacks: Option<&'static str>,
+    /// What the machine file leaves to a guess, how wide that makes the loads, and what to state.
+    pub guessed: Option<String>,
     /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
     pub truths: BTreeMap<u32, f64>,
 }
@@ -96,7 +98,14 @@ impl Account {
             trucks,
             all: counter.ledger().all(),
             lacks: counter.lacks(),
+            guessed: counter.guessed().map(str::to_owned),
         }
+    }
+
+    /// Whether no load was found.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.loads.is_empty() && self.carried.is_none()
     }
 
     /// How many intervals of the trusted loads hold the truth, in words; nothing where it is known of none.
@@ -230,7 +239,7 @@ pub fn json(account: &Account) -> Value {
         "loads": account.loads.iter().map(load).collect::<Vec<_>>(),
         "in_the_bucket_at_the_end": account.carried.as_ref().map(load),
         "trucks": account.trucks.iter().map(truck_json).collect::<Vec<_>>(),
-        "total": total_json(&account.all),
+        "total": total_json(&account.all), "guessed": account.guessed,
     })
 }
 
@@ -247,6 +256,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
         "truck": truck_json(&ledger.truck()),
         "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
         "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
+        "guessed": counter.guessed(),
     })
 }
 
@@ -379,6 +389,7 @@ pub(crate) fn account() -> Account {
         trucks: vec![truck],
         all: total,
         lacks: None,
+        guessed: None,
         truths: BTreeMap::new(),
     }
 }

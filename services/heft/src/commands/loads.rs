@@ -9,6 +9,7 @@ use serde_json::json;
 use steps::loads::{LoadCounter, Options, why_words};
 use view::loads::{self, Account, Truths};
 use view::number::{grouped, interval_95, value_and_std};
+use view::words::wrapped;
 
 use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
@@ -147,7 +148,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();
     let account = Account::of(&name, &counter, trucks, &truths);
-    if account.loads.is_empty() && account.carried.is_none() {
+    if account.is_empty() {
         tell_why_none(&account);
     }
     Ok((account, read))
@@ -231,6 +232,11 @@ fn print(account: &Account) {
     }
     if let Some(covered) = account.covered_words() {
         println!("{covered}");
+    }
+    if let Some(guessed) = account.guessed.as_ref().filter(|_| !account.is_empty()) {
+        for line in wrapped(guessed, 79) {
+            println!("{line}");
+        }
     }
     // Of nothing there is no sum, and no interval of it.
     if account.trucks.len() > 1 {

@@ -69,7 +69,7 @@ impl Plan {
     pub(super) fn of(args: &RunArgs) -> Result<(Self, Description), Failure> {
         let machine = args.machine;
         let pressures = !args.without.contains(&Equipment::Pressure);
-        let description = description(machine, &described(args, pressures))?;
+        let description = description(Some(machine), &described(args, pressures))?;
         let rate = args.rate.unwrap_or(description.rate());
         if let Some(duration) = args.duration
             && (duration.is_nan() || duration <= 0.0)
