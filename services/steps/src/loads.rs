@@ -22,7 +22,7 @@ pub use guessed::guessed;
 pub use report::{channel, message};
 use scale::Scale;
 use why::why;
-pub use why::why_words;
+pub use why::{reason_and_flags, why_words};
 
 /// Loads that are remembered; sums know all.
 const REMEMBERED: usize = 1000;

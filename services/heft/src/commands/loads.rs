@@ -233,8 +233,9 @@ fn print(account: &Account) {
     if let Some(covered) = account.covered_words() {
         println!("{covered}");
     }
-    if let Some(guessed) = account.guessed.as_ref().filter(|_| !account.is_empty()) {
-        for line in wrapped(guessed, 79) {
+    let guessed = account.guessed.iter().filter(|_| !account.is_empty());
+    for sentence in account.doubts().iter().chain(guessed) {
+        for line in wrapped(sentence, 79) {
             println!("{line}");
         }
     }

@@ -66,10 +66,12 @@ pub(super) fn section(body: &mut String, account: &Account) {
     );
 }
 
-/// What holds for all loads: how many intervals hold the truth, what the machine file leaves to a guess.
+/// What holds of all loads: how many intervals hold the truth, why some are not trusted, what the machine file leaves to a guess.
 fn facts(body: &mut String, account: &Account) {
-    let guessed = account.guessed.as_deref().map(text);
-    for fact in account.covered_words().into_iter().chain(guessed) {
+    let doubts = account.doubts().into_iter();
+    let words = doubts.chain(account.guessed.clone());
+    let words = words.map(|words| text(&words));
+    for fact in account.covered_words().into_iter().chain(words) {
         let _ = write!(body, "<p>{fact}</p>");
     }
 }
