@@ -145,6 +145,41 @@ fn the_summary_of_the_site_lists_every_page_of_docs_once() {
     assert_eq!(listed, expected);
 }
 
+/// Numbers of a text, without the markup about them.
+fn numbers(text: &str) -> Vec<&str> {
+    let parts = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let bare = parts.map(|part| part.trim_end_matches('.'));
+    bare.filter(|part| part.chars().any(|c| c.is_ascii_digit()))
+        .collect()
+}
+
+#[test]
+fn every_share_of_the_known_failures_stands_in_the_page_that_its_row_names() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let read = |page: &str| std::fs::read_to_string(docs.join(page)).expect("a page");
+    let (mut seen, mut missing) = (0, Vec::new());
+    for row in read("known-failures.md").lines() {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [_, _, shares, .., source, _] = cells[..] else {
+            continue;
+        };
+        let Some((_, target)) = source.split_once("](") else {
+            continue;
+        };
+        let page = target.split(['#', ')']).next().unwrap_or_default();
+        let text = read(page);
+        let known = numbers(&text);
+        for number in numbers(shares) {
+            seen += 1;
+            if !known.contains(&number) {
+                missing.push(format!("{number} is not in {page}: {row}"));
+            }
+        }
+    }
+    assert!(seen > 50, "{seen} shares");
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
 #[test]
 fn a_long_sentence_is_found_and_code_is_one_word() {
     let words = "word ".repeat(31);
