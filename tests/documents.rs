@@ -312,3 +312,38 @@ fn commands_that_need_nothing_run() {
         assert!(output.stdout.len() > 100, "heft {arguments}");
     }
 }
+
+/// The commands of a page that simulate a machine and calibrate it, as they stand there; what the calibration said.
+fn simulated_calibration(page: &str) -> (tempfile::TempDir, String) {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    let text = std::fs::read_to_string(page).expect("a page");
+    let block = text.split("```").find(|b| b.contains("--scenario"));
+    let block = format!("```\n{}\n```", block.expect("commands").trim());
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut said = String::new();
+    for words in commands(&block) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_heft"));
+        let output = command.args(&words).current_dir(folder.path()).output();
+        let output = output.expect("heft runs");
+        said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "heft {}: {said}", words.join(" "));
+    }
+    (folder, said)
+}
+
+#[test]
+fn who_tries_a_calibration_as_the_pages_say_finds_the_cylinders_too() {
+    for (page, key) in [
+        ("docs/calibrate.md", "[machine.boom_cylinder]"),
+        ("docs/calibrate-loader.md", "[machine.lift_arm.cylinder]"),
+    ] {
+        let (folder, said) = simulated_calibration(page);
+        let file = std::fs::read_to_string(folder.path().join("m.toml")).expect("a machine file");
+        let (_, cylinder) = file.split_once(key).expect("cylinders");
+        let area = cylinder.lines().find(|line| line.starts_with("head_area"));
+        assert!(
+            area.is_some_and(|line| line.contains("calibrated")),
+            "{page}: {said}"
+        );
+    }
+}
