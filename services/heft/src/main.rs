@@ -21,6 +21,7 @@ mod life;
 mod live;
 mod machines;
 mod many;
+mod marked;
 mod measurable;
 mod notify;
 mod outputs;
