@@ -75,7 +75,7 @@ pub struct Entry {
     pub shown_scenario: &'static str,
     /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
     pub shown_settings: &'static [&'static str],
-    /// Key of a machine's mass, and that of the simulated machine \[kg\].
+    /// Key of a machine's mass, and that of the reference machine, which is simulated \[kg\].
     pub simulated_mass: (&'static str, f64),
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     pub simulated_cylinders: fn() -> Vec<String>,

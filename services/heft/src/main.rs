@@ -33,6 +33,7 @@ mod results;
 mod serve;
 mod service;
 mod signals;
+mod size;
 mod small_file;
 mod sources;
 mod spare;

@@ -4,12 +4,10 @@ use std::cmp::Ordering;
 use std::os::fd::OwnedFd;
 use std::path::Path;
 
-use config::Description;
 use recording::{Map, Sensors};
 use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 
 use crate::failure::Failure;
-use crate::machines;
 use crate::plan::Plan;
 
 /// A live source that was started again leaves at least this gap in the time of the data \[ns\].
@@ -54,26 +52,6 @@ pub fn words(plan: &Plan) -> String {
         Some(LiveInput::Can(interface)) => format!("samples: CAN interface {interface}, live{map}"),
         Some(LiveInput::Lines) => format!("samples: standard input, live{map}"),
         None => format!("samples: the recording {}{map}", input.display()),
-    }
-}
-
-/// A simulated machine that is described by more than this share too heavy or too light is another one.
-const SAME_SIZE: f64 = 0.1;
-
-/// Warns where a machine of another size is described than is simulated.
-pub fn tell_other_size(plan: &Plan, description: &Description) {
-    if !is_simulated(plan) {
-        return;
-    }
-    let (key, simulated) = machines::entry(plan.machine).simulated_mass;
-    let described = description.number(key);
-    if let Some(kg) = described.filter(|kg| (kg / simulated - 1.0).abs() > SAME_SIZE) {
-        let [simulated, described] = [simulated, kg].map(|kg| kg / 1000.0);
-        eprintln!(
-            "warning: the simulated {} has {simulated} t, and {described} t are described ({key}): the estimates are those of a wrong \
-             machine file; leave out --class and --config, or give data of your machine (--input)",
-            plan.machine
-        );
     }
 }
 

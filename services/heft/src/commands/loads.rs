@@ -14,7 +14,7 @@ use view::words::wrapped;
 use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
-use crate::{machines, many, page, quantity};
+use crate::{machines, many, page, quantity, size};
 
 /// `heft loads`
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct LoadsArgs {
     /// Recordings (.mcap), tables (.csv), CAN logs (.log), or folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine; a recording of heft names it
+    /// The machine; a recording of heft or the machine file (--config) names it
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
     /// What estimates are made with; a recording of heft brings its machine file
@@ -127,6 +127,7 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
 /// The loads of an input, and whether all of it could be read.
 fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>), Failure> {
     let description = described(args.machine, &args.with.description, input)?;
+    size::tell_assumed_size(&description, &args.with.description, input);
     let options = Options {
         target: args.target,
         pause: args.pause,

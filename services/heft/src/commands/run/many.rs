@@ -18,7 +18,7 @@ use crate::serve::{Machines, Out, Played, is_table};
 use crate::signals::Signals;
 use crate::sources::LiveInput;
 use crate::way::{method, way};
-use crate::{sources, summary};
+use crate::{size, summary};
 
 /// The table in the folder of the run.
 const TABLE: &str = "estimates.csv";
@@ -30,7 +30,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let method = method(machine, args.method.as_deref());
     way(&description, method)?;
     tell_idle_keys(&description, &[method]);
-    sources::tell_other_size(&plan, &description);
+    size::tell_other_size(&plan, &description);
     let inputs = args.input.as_deref().map(|input| inputs(input, count));
     let machines = Machines {
         plan: &plan,

@@ -15,7 +15,8 @@ use crate::group;
 use crate::machines;
 use crate::outputs::CanOutput;
 use crate::plan::Plan;
-use crate::sources::{self, LiveInput};
+use crate::size;
+use crate::sources::LiveInput;
 use crate::spin::{self, Spinners};
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
@@ -39,7 +40,7 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     check(&plan, &description)?;
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
-    sources::tell_other_size(&plan, &description);
+    size::tell_other_size(&plan, &description);
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     if let Some(group) = plan.group {
         group::share(&folder, group)?;
