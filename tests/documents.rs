@@ -145,6 +145,41 @@ fn the_summary_of_the_site_lists_every_page_of_docs_once() {
     assert_eq!(listed, expected);
 }
 
+/// Numbers of a text, without the markup about them.
+fn numbers(text: &str) -> Vec<&str> {
+    let parts = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let bare = parts.map(|part| part.trim_end_matches('.'));
+    bare.filter(|part| part.chars().any(|c| c.is_ascii_digit()))
+        .collect()
+}
+
+#[test]
+fn every_share_of_the_known_failures_stands_in_the_page_that_its_row_names() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let read = |page: &str| std::fs::read_to_string(docs.join(page)).expect("a page");
+    let (mut seen, mut missing) = (0, Vec::new());
+    for row in read("known-failures.md").lines() {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [_, _, shares, .., source, _] = cells[..] else {
+            continue;
+        };
+        let Some((_, target)) = source.split_once("](") else {
+            continue;
+        };
+        let page = target.split(['#', ')']).next().unwrap_or_default();
+        let text = read(page);
+        let known = numbers(&text);
+        for number in numbers(shares) {
+            seen += 1;
+            if !known.contains(&number) {
+                missing.push(format!("{number} is not in {page}: {row}"));
+            }
+        }
+    }
+    assert!(seen > 50, "{seen} shares");
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
 #[test]
 fn a_long_sentence_is_found_and_code_is_one_word() {
     let words = "word ".repeat(31);
@@ -275,5 +310,40 @@ fn commands_that_need_nothing_run() {
         let output = heft(&words);
         assert!(output.status.success(), "heft {arguments}");
         assert!(output.stdout.len() > 100, "heft {arguments}");
+    }
+}
+
+/// The commands of a page that simulate a machine and calibrate it, as they stand there; what the calibration said.
+fn simulated_calibration(page: &str) -> (tempfile::TempDir, String) {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+    let text = std::fs::read_to_string(page).expect("a page");
+    let block = text.split("```").find(|b| b.contains("--scenario"));
+    let block = format!("```\n{}\n```", block.expect("commands").trim());
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut said = String::new();
+    for words in commands(&block) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_heft"));
+        let output = command.args(&words).current_dir(folder.path()).output();
+        let output = output.expect("heft runs");
+        said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "heft {}: {said}", words.join(" "));
+    }
+    (folder, said)
+}
+
+#[test]
+fn who_tries_a_calibration_as_the_pages_say_finds_the_cylinders_too() {
+    for (page, key) in [
+        ("docs/calibrate.md", "[machine.boom_cylinder]"),
+        ("docs/calibrate-loader.md", "[machine.lift_arm.cylinder]"),
+    ] {
+        let (folder, said) = simulated_calibration(page);
+        let file = std::fs::read_to_string(folder.path().join("m.toml")).expect("a machine file");
+        let (_, cylinder) = file.split_once(key).expect("cylinders");
+        let area = cylinder.lines().find(|line| line.starts_with("head_area"));
+        assert!(
+            area.is_some_and(|line| line.contains("calibrated")),
+            "{page}: {said}"
+        );
     }
 }

@@ -336,3 +336,31 @@ fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_
         assert_eq!(std::fs::read(file).expect("a result"), before, "{args:?}");
     }
 }
+
+#[test]
+fn where_lengths_are_guessed_the_loads_say_what_to_measure_and_where_they_are_stated_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, _) = recorded(folder.path(), "excavator", "cycle", &[]);
+    let [five, page, report, csv, json] = ["five.toml", "l.html", "r.html", "e.csv", "e.json"]
+        .map(|name| common::path_in(folder.path(), name));
+    let numbers = "[machine]\nkind = \"excavator\"\noperating_mass = 5500\nrated_payload = 500\nswing_torque = 12000\n\
+        [machine.geometry]\nboom_length = 3.0\narm_length = 1.6\n";
+    let key = "machine.geometry.boom_pin";
+    let said = [false, true].map(|is_stated| {
+        let pin = if is_stated { "boom_pin = 0.6317\n" } else { "" };
+        std::fs::write(&five, format!("{numbers}{pin}")).expect("a machine file");
+        let with = [&recording, "--config", &five];
+        let loads = run_ok(&[&["loads"], &with[..], &["--report", &page]].concat());
+        let more = ["-o", &csv, "--json", &json, "--report", &report];
+        let estimate = run_ok(&[&["estimate"], &with[..], &more].concat());
+        let files =
+            [&page, &report, &json].map(|file| std::fs::read_to_string(file).expect("a file"));
+        let counted = counted(folder.path(), &recording, &["--config", &five]).to_string();
+        [loads, estimate, counted]
+            .into_iter()
+            .chain(files)
+            .map(|text| text.contains(key))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(said, [vec![true; 6], vec![false; 6]]);
+}

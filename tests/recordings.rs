@@ -62,6 +62,23 @@ fn a_simulated_load_cycle_is_not_doubted() {
 }
 
 #[test]
+fn who_describes_another_size_than_is_simulated_is_told_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let warned = |more: &[&str]| {
+        let run_of = ["run", more[0], "--pace", "max", "--duration", "1"];
+        let place = ["--out", path(folder.path()), "--quiet"];
+        let said = both(&run(&[&run_of[..], &place, &more[1..]].concat()));
+        said.contains("warning: the simulated")
+    };
+    for another in ["excavator", "loader"].map(|machine| [machine, "--class", "21t"]) {
+        assert!(warned(&another), "{another:?}");
+        assert!(!warned(&another[..1]), "{another:?}");
+    }
+    assert!(warned(&["excavator", "--class", "21t", "--machines", "2"]));
+    assert!(!warned(&["excavator", "--class", "5.5t"]));
+}
+
+#[test]
 fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), &[]);

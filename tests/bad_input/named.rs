@@ -120,6 +120,38 @@ fn a_column_without_a_value_is_named() {
 }
 
 #[test]
+fn who_says_nothing_of_the_size_is_told_which_one_is_taken() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = golden("machines/excavator_1_13t_level.csv");
+    let file = file.to_str().expect("a path");
+    let out = path_in(dir.path(), "o.csv");
+    let said = |more: &[&str]| {
+        let estimate = ["estimate", file, "--machine", "excavator", "-o", &out];
+        both(&run(&[&estimate[..], more].concat())).contains("reference machine of 5.5 t")
+    };
+    assert!(said(&[]) && said(&["--set", "prior.payload=500"]));
+    assert!(!said(&["--class", "13t"]) && !said(&["--set", "machine.operating_mass=13000"]));
+}
+
+#[test]
+fn a_number_in_the_place_of_missing_samples_is_named_and_a_word_is_none() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let said = |mark: &str| {
+        let file = treated(dir.path(), "boom_angle", |row, angle| match row % 7 {
+            0 => mark.into(),
+            _ => angle.to_string(),
+        });
+        [estimate(&file, dir.path()), piped(&file, dir.path())].map(|output| both(&output))
+    };
+    for words in said("-3") {
+        assert!(words.contains("boom_angle is -3 rad in"), "{words}");
+    }
+    for words in ["No Data", "Bad", "(null)"].map(said).concat() {
+        assert!(!words.contains("boom_angle"), "{words}");
+    }
+}
+
+#[test]
 fn numbers_of_any_size_end_a_calibration_soon() {
     for (column, huge, words) in [
         ("t", 1e300, "larger than any measurement"),

@@ -86,20 +86,35 @@ pub struct ManyArgs {
     pub jobs: Option<NonZeroUsize>,
 }
 
-/// Reads the description that `--config` and `--set` make.
-pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Description, Failure> {
-    let mut description = match &args.config {
-        None => Description::default_of(machine),
-        Some(path) => {
+/// Reads the description that `--config`, `--class` and `--set` make; where nobody else tells the machine, the file of `--config`
+/// does.
+///
+/// # Errors
+/// The file cannot be read or does not hold, it is of another machine, or nothing tells the machine.
+pub fn description(
+    machine: Option<Machine>,
+    args: &DescriptionArgs,
+) -> Result<Description, Failure> {
+    let mut description = match (&args.config, machine) {
+        (Some(path), _) => {
             let text = small_file::text(path)?;
             tell_old_names(&config::old_names(&text));
-            Description::parse(&text, &path.display().to_string(), Some(machine))?
+            let description = Description::parse(&text, &path.display().to_string(), machine)?;
+            let machine = machine.unwrap_or(description.machine());
+            is_for(machine, &description, path.display())?;
+            description
+        }
+        (None, Some(machine)) => Description::default_of(machine),
+        (None, None) => {
+            return Err(Failure::input(
+                "the machine is not known",
+                "no --machine, no --config",
+                "add --machine excavator or --machine loader",
+            ));
         }
     };
-    let file = args.config.as_deref().unwrap_or(Path::new("--config"));
-    is_for(machine, &description, file.display())?;
     // A mass that the file states stays.
-    let key = config::mass_key(machine);
+    let key = config::mass_key(description.machine());
     let class = args
         .class
         .filter(|_| !description.stated().contains_key(key));
@@ -141,7 +156,7 @@ pub fn described(
 ) -> Result<Description, Failure> {
     let is_recording = Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
     let mut known = machine;
-    if is_recording && args.config.is_none() {
+    if is_recording {
         let reader = Reader::open(input)?;
         let metadata = reader.metadata();
         let its = metadata.get("machine").and_then(|m| Machine::from_name(m));
@@ -161,19 +176,13 @@ pub fn described(
             .or_else(|| Machine::ALL.into_iter().find(of));
         if let Some(text) = metadata.get("description")
             && args.class.is_none()
+            && args.config.is_none()
         {
             let mut found = Description::parse(text, "the machine file in the recording", known)?;
             found.set_all(&args.set)?;
             return Ok(found);
         }
     }
-    let known = known.ok_or_else(|| {
-        Failure::input(
-            "the machine is not known",
-            input.display(),
-            "add --machine excavator or --machine loader",
-        )
-    })?;
     description(known, args)
 }
 
@@ -209,7 +218,7 @@ mod tests {
                 class: Some(12_500.0),
                 set: Vec::new(),
             };
-            let described = description(Machine::Loader, &args).unwrap();
+            let described = description(Some(Machine::Loader), &args).unwrap();
             let number = |key| described.number(key).unwrap();
             ["machine.mass", "machine.wheel_radius", "machine.wheelbase"].map(number)
         };

@@ -4,11 +4,12 @@ use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
 use config::{Description, Keyed};
-use messages::{Envelope, Message};
+use messages::{Envelope, Message, Value};
 use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
+use crate::marked::Ends;
 use crate::measurable::{self, Measured};
 use crate::parts;
 
@@ -26,6 +27,8 @@ pub struct Doubts<L> {
     measured: Vec<Measured>,
     /// How often each signal, by its bit, was larger than any measurement.
     beyond: [usize; 32],
+    /// The ends of the values of each of `measured`.
+    ends: Vec<Ends>,
 }
 
 /// The same of a machine whose kind is put aside, for one who sees all that its processes send.
@@ -83,6 +86,7 @@ impl<L: Look> Doubts<L> {
     /// For a description.
     pub fn of(description: &Description) -> Self {
         let described = L::Described::inside(description);
+        let measured = measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal));
         Self {
             look: described.map(L::of),
             rate: description.rate(),
@@ -91,7 +95,8 @@ impl<L: Look> Doubts<L> {
             rows: 0,
             refused: 0,
             is_measured: false,
-            measured: measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal)),
+            ends: vec![Ends::default(); measured.len()],
+            measured,
             beyond: [0; 32],
         }
     }
@@ -104,7 +109,13 @@ impl<L: Look> Doubts<L> {
         if self.times.len() < LOOKED_AT {
             self.times.push(sample.stamp().time);
         }
-        self.is_measured |= sample.bits_of("valid") != 0;
+        let valid = sample.bits_of("valid");
+        self.is_measured |= valid != 0;
+        for ((index, bit, limit), ends) in self.measured.iter().zip(&mut self.ends) {
+            let value = sample.get(*index).map(Value::as_f64);
+            let value = value.filter(|v| valid & bit != 0 && v.abs() <= *limit);
+            value.into_iter().for_each(|value| ends.see(value));
+        }
         let beyond = measurable::beyond(sample, &self.measured);
         if beyond != 0 {
             for (bit, count) in self.beyond.iter_mut().enumerate() {
@@ -127,6 +138,16 @@ impl<L: Look> Doubts<L> {
                 let name = signal.name;
                 eprintln!(
                     "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
+                );
+            }
+        }
+        for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {
+            let field = &<L::Sensors as Message>::FIELDS[*index];
+            // Numbers without a unit are states.
+            if let Some((value, count)) = ends.mark().filter(|_| !field.unit.is_empty()) {
+                eprintln!(
+                    "{} is {value} {} in {count} rows, exactly and far from all its other values: leave the cell empty if the sample is missing there",
+                    field.name, field.unit
                 );
             }
         }

@@ -75,6 +75,8 @@ pub struct Entry {
     pub shown_scenario: &'static str,
     /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
     pub shown_settings: &'static [&'static str],
+    /// Key of a machine's mass, and that of the reference machine, which is simulated \[kg\].
+    pub simulated_mass: (&'static str, f64),
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     pub simulated_cylinders: fn() -> Vec<String>,
     /// Names and texts of the scenarios.
@@ -111,6 +113,7 @@ impl Entry {
             usual_scenario: M::USUAL,
             shown_scenario: M::SHOWN,
             shown_settings: M::SHOWN_SETTINGS,
+            simulated_mass: M::SIMULATED_MASS,
             simulated_cylinders: M::simulated_cylinders,
             scenarios: M::scenarios,
             quantities: || headlines::<M::Estimate>().map(|p| p.label).collect(),
@@ -144,6 +147,8 @@ trait MachineKind {
     const SHOWN: &'static str;
     /// What the demonstration states beside the defaults.
     const SHOWN_SETTINGS: &'static [&'static str];
+    /// Key of its mass, and that of the simulated machine \[kg\].
+    const SIMULATED_MASS: (&'static str, f64);
     /// What looks at its samples.
     type Look: Look<Sensors = Self::Sensors> + 'static;
 

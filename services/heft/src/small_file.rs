@@ -1,6 +1,5 @@
 //! Files that people write by hand: read up to a size, so that a device or a wrong file is an error and not a wait.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -12,7 +11,8 @@ const LARGEST: u64 = 100_000;
 /// The text of a description.
 pub fn text(file: &Path) -> Result<String, Failure> {
     let mut text = String::new();
-    let read = File::open(file).and_then(|f| f.take(LARGEST + 1).read_to_string(&mut text));
+    let read =
+        recording::open_file(file).and_then(|f| f.take(LARGEST + 1).read_to_string(&mut text));
     read.map_err(|error| Failure::file("read", file, &error))?;
     if text.len() as u64 > LARGEST {
         return Err(Failure::input(
@@ -35,6 +35,16 @@ pub fn text(file: &Path) -> Result<String, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_named_pipe_is_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("m.toml");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        let error = text(&pipe).expect_err("a pipe");
+        assert!(error.to_string().contains("named pipe"), "{error}");
+    }
 
     #[test]
     fn a_device_without_end_and_a_file_of_nothing_are_refused() {

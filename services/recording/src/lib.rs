@@ -66,4 +66,5 @@ pub use signal::{Row, Sensors, measured};
 pub use suggest::{STEEPEST, Suggestion, suggest};
 pub use time::date_and_time;
 pub use time_unit::{time_unit, usual_step};
+pub use whole::open_file;
 pub use writer::{Metadata, Writer, sha256};

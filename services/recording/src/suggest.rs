@@ -7,6 +7,7 @@ pub(crate) mod names;
 pub(crate) mod suggestion;
 pub(crate) mod table;
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::{BufRead, BufReader, ErrorKind};
@@ -30,7 +31,7 @@ pub use table::STEEPEST;
 /// a machine, the one whose signals fit best.
 ///
 /// # Errors
-/// A file cannot be read, or is neither a table nor a log.
+/// A file cannot be read, or is neither a table nor a log; or its names do not tell the machine.
 pub fn suggest(
     path: &Path,
     dbc: &[PathBuf],
@@ -63,17 +64,19 @@ pub fn suggest(
     let guesses = machines
         .into_iter()
         .map(|machine| guess(machine, path, &file));
-    let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
-    // Of equals the last.
-    let best = guesses.into_iter().max_by_key(|guess| guess.found);
-    best.filter(|best| best.found > 0 || machine.is_some())
-        .ok_or_else(|| {
-            Error::new(
-                "nothing in this file has a name like a signal of a machine",
-                path.display().to_string(),
-                "give --machine for a map to fill in by hand; it lists what the file holds",
-            )
-        })
+    let mut guesses = guesses.collect::<Result<Vec<_>, _>>()?;
+    guesses.sort_by_key(|guess| Reverse(guess.found));
+    if let [first, second, ..] = &guesses[..]
+        && first.found == second.found
+    {
+        let machines = Machine::ALL.map(|m| format!("--machine {m}")).join(" or ");
+        return Err(Error::new(
+            "the names in this file do not tell which machine it is of",
+            path.display().to_string(),
+            format!("give {machines}; the map lists what the file holds, to fill in by hand"),
+        ));
+    }
+    Ok(guesses.swap_remove(0))
 }
 
 /// What a file that heft did not write holds.
@@ -301,6 +304,25 @@ mod tests {
         let expected = crate::map::Origin::Column(names[0].into());
         assert_eq!(origin, Some(&expected), "{text}");
         assert!(!map.has_can(), "{text}");
+    }
+
+    #[test]
+    fn names_that_speak_tell_the_machine_and_opaque_ones_do_not() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let of = |header: &str| {
+            std::fs::write(&file, format!("{header}\n0,1,2\n")).expect("writable");
+            suggest(&file, &[], None).map(|suggestion| suggestion.text)
+        };
+        for opaque in ["ch1,ch2,ch3", "t,ch2,ch3", "Time [s],A,B", "t,truck,x"] {
+            let error = of(opaque).expect_err("no machine").to_string();
+            assert!(error.contains("do not tell which machine"), "{error}");
+            assert!(error.contains("--machine excavator or"), "{error}");
+        }
+        for (speaking, machine) in [("t,swing_rate,x", "excavator"), ("t,speed,x", "loader")] {
+            let text = of(speaking).expect("a machine");
+            assert!(text.contains(&format!("for the {machine},")), "{text}");
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Files that people write by hand, read whole: up to a size, so that a device or a wrong file is an error and not a wait.
 
-use std::fs::File;
-use std::io::Read;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 use crate::Error;
@@ -9,10 +10,24 @@ use crate::Error;
 /// No signal map and no DBC file is so large \[bytes\].
 const LARGEST: u64 = 50_000_000;
 
+/// Opens a file, and no named pipe: to open one waits for whoever writes into it. That of a shell, `<(command)`, has a writer.
+///
+/// # Errors
+/// It cannot be opened, or it is a named pipe.
+pub fn open_file(path: &Path) -> io::Result<File> {
+    if fs::symlink_metadata(path).is_ok_and(|there| there.file_type().is_fifo()) {
+        return Err(io::Error::new(
+            io::ErrorKind::Unsupported,
+            "this is a named pipe, and nobody may ever write into it",
+        ));
+    }
+    File::open(path)
+}
+
 /// The content of a file; `what` it should be, in words.
 pub(crate) fn read(path: &Path, what: &str) -> Result<Vec<u8>, Error> {
     let mut content = Vec::new();
-    let read = File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut content));
+    let read = open_file(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut content));
     read.map_err(|e| Error::system(&format!("read the {what}"), path, &e))?;
     if content.len() as u64 > LARGEST {
         return Err(Error::new(

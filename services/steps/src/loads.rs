@@ -13,19 +13,19 @@ use messages::{
     excavator_bits, loader_bits,
 };
 
+mod guessed;
 mod report;
 mod scale;
 mod why;
 
+pub use guessed::guessed;
 pub use report::{channel, message};
 use scale::Scale;
 use why::why;
-pub use why::why_words;
+pub use why::{reason_and_flags, why_words};
 
 /// Loads that are remembered; sums know all.
 const REMEMBERED: usize = 1000;
-/// Payload of a full bucket: prior mean plus so many prior standard deviations, as the estimator means it.
-const RATED_STDS: f64 = 1.25;
 
 /// What the counter is given beside the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,7 @@ pub struct LoadCounter {
     mass: Option<f64>,
     /// The cylinders are described: their pressures weigh.
     is_described: bool,
+    guessed: Option<String>,
     /// The latest sample has pressures; unknown where only estimates are seen.
     pressure: Option<bool>,
     /// Samples have had pressures, and a mass.
@@ -68,11 +69,7 @@ impl LoadCounter {
     #[must_use]
     pub fn new(description: &Description, options: Options) -> Self {
         let (rated, empty, common) = match description {
-            Description::Excavator(d) => {
-                let prior = &d.prior;
-                let rated = prior.payload + RATED_STDS * prior.payload_std;
-                (rated, 0.0, d.loads_common())
-            }
+            Description::Excavator(d) => (d.full_load(), 0.0, d.loads_common()),
             Description::Loader(d) => (
                 RATED_SHARE * d.machine.mass,
                 d.machine.mass,
@@ -96,6 +93,7 @@ impl LoadCounter {
             truck: None,
             mass: None,
             is_described,
+            guessed: guessed(description),
             pressure: None,
             measured: [false; 2],
             loads: VecDeque::new(),
@@ -154,6 +152,12 @@ impl LoadCounter {
                 (true, [true, _]) => None,
             },
         }
+    }
+
+    /// What the machine file leaves to a guess, see [`guessed`].
+    #[must_use]
+    pub fn guessed(&self) -> Option<&str> {
+        self.guessed.as_deref()
     }
 
     /// Begins another truck.

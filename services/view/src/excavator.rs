@@ -6,6 +6,7 @@ mod words;
 
 #[cfg(test)]
 pub(crate) use words::REMEDIES;
+pub(crate) use words::advice;
 
 use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,

@@ -5,6 +5,7 @@ mod words;
 
 #[cfg(test)]
 pub(crate) use words::REMEDIES;
+pub(crate) use words::load_advice;
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 

@@ -7,9 +7,10 @@ use estimation::HALF_WIDTH_95;
 use estimation::loads::{Load, Now, Stage, Total, Truck, Weight};
 use messages::Machine;
 use serde_json::{Value, json};
-use steps::loads::{LoadCounter, why_words};
+use steps::loads::{LoadCounter, reason_and_flags, why_words};
 
 use crate::number::{interval_95, value_and_std};
+use crate::{excavator, loader};
 
 /// What one recording, or a run so far, adds up to.
 #[derive(Debug, Clone)]
@@ -28,6 +29,8 @@ pub struct Account {
     pub all: Total,
     /// What would weigh a load and is not there, and what to do.
     pub lacks: Option<&'static str>,
+    /// What the machine file leaves to a guess, how wide that makes the loads, and what to state.
+    pub guessed: Option<String>,
     /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
     pub truths: BTreeMap<u32, f64>,
 }
@@ -96,7 +99,36 @@ impl Account {
             trucks,
             all: counter.ledger().all(),
             lacks: counter.lacks(),
+            guessed: counter.guessed().map(str::to_owned),
         }
+    }
+
+    /// For each reason why loads are not trusted: the reason and what to do, once.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = Vec::new();
+        for load in self
+            .loads
+            .iter()
+            .chain(&self.carried)
+            .filter(|l| !l.trusted)
+        {
+            let (why, to_do) = (
+                why_words(self.machine, load),
+                what_to_do(self.machine, load),
+            );
+            let doubt = format!("Not trusted, because {why}. What to do: {to_do}.");
+            if !doubts.contains(&doubt) {
+                doubts.push(doubt);
+            }
+        }
+        doubts
+    }
+
+    /// Whether no load was found.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.loads.is_empty() && self.carried.is_none()
     }
 
     /// How many intervals of the trusted loads hold the truth, in words; nothing where it is known of none.
@@ -118,6 +150,18 @@ impl Account {
         held.fold((0, 0), |(held, all), holds| {
             (held + usize::from(holds), all + 1)
         })
+    }
+}
+
+/// What would bring trust to a load; empty where it is trusted.
+fn what_to_do(machine: Machine, load: &Load) -> &'static str {
+    if load.trusted {
+        return "";
+    }
+    let (reason, flags) = reason_and_flags(load);
+    match machine {
+        Machine::Excavator => excavator::advice(reason, flags),
+        Machine::Loader => loader::load_advice(reason, flags),
     }
 }
 
@@ -191,6 +235,7 @@ pub fn load_json(machine: Machine, load: &Load) -> Value {
         "carry_back": weight_json(&load.carry_back), "carry_back_weighed": load.carry_back_weighed,
         "delivered": weight_json(&load.delivered()),
         "witness": load.witness.name(), "trusted": load.trusted, "reason": why_words(machine, load),
+        "what_to_do": what_to_do(machine, load),
     })
 }
 
@@ -230,7 +275,7 @@ pub fn json(account: &Account) -> Value {
         "loads": account.loads.iter().map(load).collect::<Vec<_>>(),
         "in_the_bucket_at_the_end": account.carried.as_ref().map(load),
         "trucks": account.trucks.iter().map(truck_json).collect::<Vec<_>>(),
-        "total": total_json(&account.all),
+        "total": total_json(&account.all), "guessed": account.guessed,
     })
 }
 
@@ -247,6 +292,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
         "truck": truck_json(&ledger.truck()),
         "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
         "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
+        "guessed": counter.guessed(),
     })
 }
 
@@ -379,6 +425,7 @@ pub(crate) fn account() -> Account {
         trucks: vec![truck],
         all: total,
         lacks: None,
+        guessed: None,
         truths: BTreeMap::new(),
     }
 }
@@ -412,6 +459,10 @@ mod tests {
         assert_eq!(
             value["loads"][0]["reason"],
             "the bucket's content may have changed"
+        );
+        assert_eq!(
+            value["loads"][0]["what_to_do"],
+            "swing on: the next swing decides"
         );
     }
 

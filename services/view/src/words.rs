@@ -182,6 +182,35 @@ mod tests {
         assert!(!verdict(&inertia(ALL | x::TRUSTED)).contains("What to do"));
     }
 
+    /// Whatever makes an estimate untrusted, by reason or by flag, something is said to do.
+    #[test]
+    fn every_reason_and_every_missing_flag_has_something_to_do() {
+        let of_excavator = 0..messages::EXCAVATOR_REASONS.len() as u32;
+        let of_loader = 0..messages::LOADER_REASONS.len() as u32;
+        for flags in (0..8).map(|bit| 0xff & !(1 << bit)).chain([0, 0xff]) {
+            for reason in of_excavator.clone() {
+                let e = ExcavatorEstimate {
+                    reason,
+                    ..inertia(flags & !x::TRUSTED)
+                };
+                assert!(!e.judgements()[0].advice.is_empty(), "{reason}, {flags}");
+            }
+            for reason in of_loader.clone() {
+                let e = LoaderEstimate {
+                    reason,
+                    flags,
+                    estimated: l::STATE,
+                    ..Default::default()
+                };
+                let judgements = e.judgements();
+                assert!(
+                    judgements.iter().all(|j| !j.advice.is_empty()),
+                    "{reason}, {flags}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn standstill_and_a_changing_payload_are_named() {
         let held = verdict(&inertia(ALL & !x::EXCITED | x::HELD));

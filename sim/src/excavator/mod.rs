@@ -14,6 +14,7 @@
 //! leaves the bucket takes its own momentum with it, so J' is that of the posture. The paper's form
 //! (`Dynamics::Paper`) leaves out `J' w`.
 
+mod calibration;
 mod course;
 mod cycle;
 mod event;

@@ -1,5 +1,6 @@
 //! What can be simulated, by name.
 
+use super::calibration;
 use super::cycle;
 use super::event::Event;
 use super::path::{Joint, Path};
@@ -46,6 +47,7 @@ scenarios! {
     PickUpAccelerating,
     PickUpBraking,
     Cycle,
+    Calibration,
 }
 
 impl Scenario {
@@ -118,6 +120,10 @@ impl Scenario {
             "cycle",
             "without end: dig, swing, dump, swing back, with 288, 423, 200 and 350 kg in turn",
         ),
+        (
+            "calibration",
+            "without end: four times the same with 423 kg, then slow full lifts of the boom",
+        ),
     ];
 
     /// The scenario of a name.
@@ -136,7 +142,7 @@ impl Scenario {
         Self::ALL[self as usize].0
     }
 
-    /// The mass in the bucket when it is full, where the run does not say otherwise \[kg\]. `cycle` has its own.
+    /// The mass in the bucket when it is full, where the run does not say otherwise \[kg\]. `cycle` and `calibration` have their own.
     pub fn default_payload(self) -> f64 {
         match self {
             Constant => 150.0,
@@ -147,15 +153,20 @@ impl Scenario {
 
     /// Time at which the record begins \[s\].
     pub fn start(self) -> f64 {
-        if self == Cycle { 0.0 } else { 5.0 }
+        if self.is_endless() { 0.0 } else { 5.0 }
     }
 
-    /// Length of the record \[s\]; infinite for `cycle`.
+    /// Whether it goes on for as long as the run lasts, from its first second on.
+    pub fn is_endless(self) -> bool {
+        matches!(self, Cycle | Calibration)
+    }
+
+    /// Length of the record \[s\]; infinite where it has no end.
     pub fn duration(self) -> f64 {
         match self {
             Constant => 11.5,
             TwoSwings => 11.0,
-            Cycle => f64::INFINITY,
+            Cycle | Calibration => f64::INFINITY,
             _ => 4.8,
         }
     }
@@ -181,6 +192,7 @@ impl Scenario {
             SoftBrake => soft_brake(mass),
             Drop => drop_in_swing(mass),
             Cycle => cycle::plant(payload),
+            Calibration => calibration::plant(payload),
             _ => self.event().map_or_else(
                 || working(Path::base(), mass, (9.6, 10.5)),
                 |e| e.plant(mass),
@@ -294,7 +306,9 @@ mod tests {
 
     #[test]
     fn every_working_swing_meets_its_velocities() {
-        for scenario in Scenario::all().filter(|s| !matches!(s, SoftBrake | Constant | Cycle)) {
+        for scenario in
+            Scenario::all().filter(|s| !matches!(s, SoftBrake | Constant) && !s.is_endless())
+        {
             let plant = scenario.plant(None);
             let swing = plant.swings[0];
             let rest = Plant {

@@ -28,6 +28,8 @@ const LOAD_RADIUS: f64 = 1.1;
 /// A guessed centre of the load is off by this share of its distance from the bucket pin, along and beside the line to the tip:
 /// buckets are bent, and .12 to .25 of the tip's distance deep beside it.
 const LOAD_CENTRE_SPREAD: f64 = 0.28;
+/// Standard deviations of the payload's prior from its middle to a full bucket.
+const FULL_STDS: f64 = 1.25;
 /// Centres beside the lines of the pins: goosenecks stand .05 to .12 of the boom above theirs; bucket and load lie .12 to .25 of the
 /// tip's distance behind the line to it [m/kg^(1/3)].
 const BOOM_RISE: f64 = 0.085;
@@ -144,10 +146,12 @@ impl Description {
         }
     }
 
-    /// The same by the load's centre in the bucket.
-    fn guessed_centre_std(&self) -> f64 {
+    /// The same by the load's centre in the bucket. Who has calibrated with weighed loads knows what it does.
+    #[must_use]
+    pub fn guessed_centre_std(&self) -> f64 {
         let (g, guess) = (&self.geometry, self.of_its_size().geometry);
-        if self.machine.operating_mass.is_some() && g.payload_centre == guess.payload_centre {
+        let sized = self.machine.operating_mass.is_some() && !self.is_calibrated();
+        if sized && g.payload_centre == guess.payload_centre {
             LOAD_CENTRE_SPREAD * g.payload_centre / (LOAD_RADIUS * g.boom_length)
         } else {
             0.0
@@ -163,12 +167,23 @@ impl Description {
         let drawn = [g.boom_centre, g.bucket_centre] != [guess.boom_centre, guess.bucket_centre];
         let bent = [g.boom_rise, g.bucket_rise] != [guess.boom_rise, guess.bucket_rise];
         let share = match mass < COMPACT {
-            _ if drawn && bent => 0.0,
+            _ if drawn && bent || self.is_calibrated() => 0.0,
             _ if drawn => FORM_SPREAD_DRAWN,
             true => FORM_SPREAD_COMPACT,
             false => FORM_SPREAD,
         };
-        share * (self.prior.payload + 1.25 * self.prior.payload_std)
+        share * self.full_load()
+    }
+
+    /// Masses and gain were found together, from weighed loads.
+    fn is_calibrated(&self) -> bool {
+        self.machine.links_gain_correlation.is_some()
+    }
+
+    /// A full load: so many standard deviations above what is expected \[kg\].
+    #[must_use]
+    pub fn full_load(&self) -> f64 {
+        self.prior.payload + FULL_STDS * self.prior.payload_std
     }
 
     /// What all loads together are off: what lengths, a guessed boom pin and guessed centres do to the inertia of a kilogram, though not
@@ -222,7 +237,7 @@ impl Description {
         self.prior.payload = 0.5 * rated;
         self.prior.payload_std = 0.4 * rated;
         let reference = Self::default();
-        let scale = rated / (reference.prior.payload + 1.25 * reference.prior.payload_std);
+        let scale = rated / reference.full_load();
         let e = &mut self.estimator;
         e.payload_min = scale * reference.estimator.payload_min;
         e.payload_max = 1.6 * rated;
@@ -266,6 +281,48 @@ mod tests {
             assert_eq!(d.guessed_radius_std(), 0.0);
         }
         assert_eq!(Description::default().guessed_radius_std(), 0.0);
+    }
+
+    #[test]
+    fn centres_that_nobody_states_are_doubted_in_all_loads_and_stated_ones_are_not() {
+        let class = |mass: f64| {
+            let mut d = Description::default();
+            d.machine.operating_mass = Some(mass);
+            d.of_its_size()
+        };
+        let d = class(21_500.0);
+        let rated = RATED * 21_500.0;
+        assert!((d.loads_common().zero_std / rated - FORM_SPREAD).abs() < 0.01);
+        assert!(class(5500.0).loads_common().zero_std > 0.1 * RATED * 5500.0);
+        let mut drawn = d;
+        drawn.geometry.boom_centre = 2.7;
+        assert!((drawn.loads_common().zero_std / rated - FORM_SPREAD_DRAWN).abs() < 0.01);
+        drawn.geometry.boom_rise = 0.4;
+        assert_eq!(drawn.loads_common().zero_std, 0.0);
+        let by_centre = drawn.loads_common().scale_std;
+        drawn.geometry.payload_centre = 0.9;
+        assert!(drawn.loads_common().scale_std < by_centre);
+    }
+
+    #[test]
+    fn a_centre_beside_the_line_is_one_on_a_line_turned_by_their_angle() {
+        let mut d = Description::default();
+        d.geometry.payload_rise = 0.2;
+        let mut on_line = Description::default();
+        let centre = d.geometry.payload_centre;
+        on_line.geometry.payload_centre = norm(&[centre, 0.2]);
+        let angle = f64::atan2(0.2, centre);
+        let posture = [0.5, -1.4, -0.9];
+        let of = |d: &Description, turned: f64| {
+            let [boom, arm, bucket] = posture;
+            Geometry::of(d).inertia([boom, arm, bucket + turned])
+        };
+        let [beside, line] = [of(&d, 0.0).radius, of(&on_line, angle).radius];
+        assert!((beside - line).abs() < 1e-12, "{beside} {line}");
+        assert!(
+            beside > of(&Description::default(), 0.0).radius,
+            "it hangs in front"
+        );
     }
 
     #[test]

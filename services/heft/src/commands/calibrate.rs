@@ -28,7 +28,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
 /// What is known before: the machine file that is named, else that of the first recording, as `heft estimate` has it.
 fn before(args: &CalibrateArgs) -> Result<Description, Failure> {
     let Some(first) = args.files.first() else {
-        return description(args.machine, &args.description);
+        return description(Some(args.machine), &args.description);
     };
     let found = described(Some(args.machine), &args.description, first)?;
     if found.machine() == args.machine {

@@ -12,6 +12,7 @@ pub use self::args::EstimateArgs;
 use crate::args::described;
 use crate::failure::Failure;
 use crate::results::{self, IsOurs, is_json_of};
+use crate::size;
 use crate::{machines, page};
 
 /// `heft estimate`
@@ -31,6 +32,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
     let description = described(args.machine, &args.with.description, file)?;
+    size::tell_assumed_size(&description, &args.with.description, file);
     (machines::entry(description.machine()).estimate)(args, file, output, &description)
 }
 

@@ -9,11 +9,12 @@ use serde_json::json;
 use steps::loads::{LoadCounter, Options, why_words};
 use view::loads::{self, Account, Truths};
 use view::number::{grouped, interval_95, value_and_std};
+use view::words::wrapped;
 
 use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
-use crate::{machines, many, page, quantity};
+use crate::{machines, many, page, quantity, size};
 
 /// `heft loads`
 #[derive(Debug, Args)]
@@ -26,7 +27,7 @@ pub struct LoadsArgs {
     /// Recordings (.mcap), tables (.csv), CAN logs (.log), or folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine; a recording of heft names it
+    /// The machine; a recording of heft or the machine file (--config) names it
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
     /// What estimates are made with; a recording of heft brings its machine file
@@ -126,6 +127,7 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
 /// The loads of an input, and whether all of it could be read.
 fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>), Failure> {
     let description = described(args.machine, &args.with.description, input)?;
+    size::tell_assumed_size(&description, &args.with.description, input);
     let options = Options {
         target: args.target,
         pause: args.pause,
@@ -147,7 +149,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();
     let account = Account::of(&name, &counter, trucks, &truths);
-    if account.loads.is_empty() && account.carried.is_none() {
+    if account.is_empty() {
         tell_why_none(&account);
     }
     Ok((account, read))
@@ -231,6 +233,12 @@ fn print(account: &Account) {
     }
     if let Some(covered) = account.covered_words() {
         println!("{covered}");
+    }
+    let guessed = account.guessed.iter().filter(|_| !account.is_empty());
+    for sentence in account.doubts().iter().chain(guessed) {
+        for line in wrapped(sentence, 79) {
+            println!("{line}");
+        }
     }
     // Of nothing there is no sum, and no interval of it.
     if account.trucks.len() > 1 {

@@ -195,6 +195,9 @@ fn tell_loads(loads: &SharedLoads) {
     if let Some(truck) = last {
         println!("{}", view::loads::truck_line(&truck));
     }
+    if let Some(guessed) = counter.guessed() {
+        println!("{guessed}");
+    }
 }
 
 fn verdict(end: &End, watch: &Watch, args: &RunArgs) -> Result<(), Failure> {

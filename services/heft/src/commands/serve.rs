@@ -47,7 +47,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// `heft serve`
 pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
-    let description = description(args.machine, &args.with.description)?;
+    let description = description(Some(args.machine), &args.with.description)?;
     let method = method(args.machine, args.with.method.as_deref());
     let entry = machines::entry(args.machine);
     let form = if args.messages {

@@ -33,7 +33,7 @@ pub struct WeighArgs {
 
 /// `heft weigh`
 pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
-    let Description::Loader(loader) = description(Machine::Loader, &args.description)? else {
+    let Description::Loader(loader) = description(Some(Machine::Loader), &args.description)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
     let reference = reference(&args.file, &loader)?;

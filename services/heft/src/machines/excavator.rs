@@ -27,6 +27,7 @@ impl MachineKind for Excavator {
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
     const SHOWN_SETTINGS: &'static [&'static str] = &[];
+    const SIMULATED_MASS: (&'static str, f64) = ("machine.operating_mass", 5500.0);
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();

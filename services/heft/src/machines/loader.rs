@@ -32,6 +32,9 @@ impl MachineKind for Loader {
         "machine.lift_arm.empty_height_std=0.045",
     ];
 
+    const SIMULATED_MASS: (&'static str, f64) =
+        ("machine.mass", sim::loader::Machine::NOMINAL.mass);
+
     fn scenarios() -> Vec<(String, String)> {
         all_scenarios(Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
     }

@@ -11,6 +11,7 @@
 
 mod dbc;
 mod map;
+mod page;
 mod table;
 
 use std::path::Path;

@@ -64,10 +64,37 @@ impl Dialect {
 }
 
 /// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
-/// sheet's formulas, dashes of a logger.
-const MISSING: [&str; 21] = [
-    "na", "n/a", "#n/a", "#na", "#nv", "<na>", "null", "none", "missing", "-", "--", "---", "?",
-    "nil", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "1.#qnan", "-1.#ind",
+/// sheet's formulas, dashes of a logger, the words of a historian for a bad value.
+const MISSING: [&str; 29] = [
+    "na",
+    "n/a",
+    "#n/a",
+    "#na",
+    "#nv",
+    "<na>",
+    "null",
+    "none",
+    "missing",
+    "-",
+    "--",
+    "---",
+    "?",
+    "nil",
+    "(null)",
+    "no data",
+    "nodata",
+    "bad",
+    "invalid",
+    "error",
+    "err",
+    "undefined",
+    "#div/0!",
+    "#value!",
+    "#ref!",
+    "#num!",
+    "#name?",
+    "1.#qnan",
+    "-1.#ind",
 ];
 
 fn is_missing(cell: &[u8]) -> bool {
@@ -220,7 +247,8 @@ mod tests {
     fn a_word_for_a_missing_sample_is_an_empty_cell() {
         let english = Dialect { separator: b',' };
         for word in [
-            "NA", "n/a", "NULL", "None", "#N/A", "#NV", "-", "--", "#DIV/0!",
+            "NA", "n/a", "NULL", "None", "#N/A", "#NV", "-", "--", "#DIV/0!", "(null)", "No Data",
+            "Bad",
         ] {
             let number = english.number(word.as_bytes());
             assert!(number.is_some_and(f64::is_nan), "{word}");

@@ -180,16 +180,17 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
         if width < 2 || !is_row(pair[1].1) || !is_words(pair[0].1) {
             return None;
         }
+        let is_above = |line: &[u8]| {
+            units(&cells(line, dialect), &cells(pair[0].1, dialect), dialect).is_some()
+        };
+        let is_first = is_words(first) && is_row(all[0].1) || last == 0 && is_above(first);
         if dialect.separator == BLANK {
-            let is_above = |line: &[u8]| {
-                units(&cells(line, dialect), &cells(pair[0].1, dialect), dialect).is_some()
-            };
-            let is_first = is_words(first) && is_row(all[0].1) || last == 0 && is_above(first);
             let names = last.checked_sub(1).filter(|at| is_above(all[*at].1));
             return (!is_first).then(|| all[names.unwrap_or(last)].0);
         }
         if cells(first, dialect).len() >= width {
-            return None;
+            let names = names_below_as_wide(first, &all[..=last], dialect);
+            return names.filter(|_| !is_first);
         }
         // Units may stand below the names.
         let words = all[..=last]
@@ -198,6 +199,28 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
             .take_while(|(_, line)| is_words(line));
         words.last().map(|(at, _)| *at)
     })
+}
+
+/// Where the names stand, the last of these lines or the one above its units, if `first` is words with as many cells: padded to the
+/// width of the names, or a name with its value above two columns.
+fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -> Option<usize> {
+    let (last, above) = all.split_last()?;
+    let below = cells(last.1, dialect);
+    // Any two words may stand above each other: units are all units, and `t` is a name.
+    let is_unit = |text: &String| text.is_empty() || unit::guess(text).is_some();
+    let are_units = |line: &[u8]| {
+        units(&cells(line, dialect), &below, dialect).is_some_and(|texts| texts.iter().all(is_unit))
+    };
+    let names = above
+        .last()
+        .filter(|line| are_units(line.1))
+        .unwrap_or(last);
+    let (of_first, of_names) = (cells(first, dialect), cells(names.1, dialect));
+    let filled = |cells: &Record| cells.iter().filter(|cell| !cell.is_empty()).count();
+    let is_padded = filled(&of_first) < filled(&of_names);
+    let is_name = |cell: &[u8]| cell.first().is_some_and(u8::is_ascii_alphabetic);
+    let is_pair = of_names.len() == 2 && !above.is_empty() && of_names.iter().all(is_name);
+    (is_padded || is_pair).then_some(names.0)
 }
 
 /// Whether a line may be a row of so many cells. Sentences have blanks and numbers too.
@@ -341,6 +364,26 @@ mod tests {
                 of(&format!("{front}t;speed;x\ns;m/s;\n0;1;2\n1;1;2\n"));
             assert_eq!((header.as_str(), separator), ("t;speed;x", b';'), "{front}");
             assert!(units.is_some(), "{front}");
+        }
+        for (front, rest) in [
+            ("Site;North\nDate;2026-11-21\n", "t;speed\n0;1\n1;1\n"),
+            ("Site;North\nDate;2026-11-21\n", "t;speed\n[s];[m/s]\n0;1\n"),
+            ("Serial;12\nSite;North\n\n", "t;speed\n0;1\n"),
+            // As a sheet pads them, and groups above names.
+            ("Site;North;;\nBy;K. Ito;;\n;;;\n", "t;speed;x;y\n0;1;2;3\n"),
+            ("Logger;;;\n", "t;speed;x;y\ns;m/s;-;-\n0;1;2;3\n"),
+            (";Drive;;Cabin\n", "t;speed;x;y\n0;1;2;3\n"),
+        ] {
+            let (header, ..) = of(&format!("{front}{rest}"));
+            assert_eq!(Some(header.as_str()), rest.lines().next(), "{front}");
+        }
+        for header in [
+            "t;speed\n2026-11-26;-\n2026-11-26;-\n2026-11-26;1.5\n",
+            "t;speed;\n0;1;\n1;1;\n",
+            ";t;speed\n0;0;1\n1;1;1\n",
+            "t;speed\ns;m/s\n-;-\n0;1\n",
+        ] {
+            assert_eq!(Some(of(header).0.as_str()), header.lines().next());
         }
         // A header that lacks a name is one all the same.
         assert_eq!(of("t,speed\n0,1,2\n1,1,2\n").0, "t,speed");

@@ -26,7 +26,11 @@ pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
         } else {
             reasons_against(e)
         },
-        advice: if trusted { "" } else { advice(e) },
+        advice: if trusted {
+            ""
+        } else {
+            advice(e.reason, e.flags)
+        },
     }
 }
 
@@ -115,36 +119,42 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
         "slope",
         "measure pitch and roll, or work on: small slopes are estimated",
     ),
-    ("losses", "calibrate, or set machine.drive_efficiency"),
-    ("friction", "warm up, then calibrate"),
+    (
+        "losses",
+        "run heft calibrate, or set machine.drive_efficiency",
+    ),
+    ("friction", "warm up, then run heft calibrate"),
     (
         "gain",
-        "check displacement, gear ratio and unit of the torque; calibrate with a weighed load",
+        "check displacement, gear ratio and unit of the torque; then run heft calibrate with a weighed load",
     ),
     (
         "delay",
-        "calibrate, or set sensors.swing_torque_delay or sensors.swing_velocity_delay",
+        "run heft calibrate, or set sensors.swing_torque_delay or sensors.swing_velocity_delay",
     ),
     (
         "offset",
-        "zero the torque sensor at standstill, or calibrate",
+        "zero the torque sensor at standstill, or run heft calibrate",
     ),
-    ("damping", "warm up, then calibrate"),
+    ("damping", "warm up, then run heft calibrate"),
     (
         "unexplained",
-        "look for a brake, a collision, a swinging load, or a wrong column",
+        "swing freely; if it stays so, look for a brake, a swinging load, or a wrong column",
     ),
     (
         "disagreement",
-        "look for changes between swings: slope, temperature, load that spills",
+        "swing on: swings that agree end it; look for slope, temperature, load that spills",
     ),
-    ("limit", "check units and signs of torque and velocity"),
+    (
+        "limit",
+        "check units and signs of torque and velocity, and machine.operating_mass",
+    ),
     ("content", "swing on: the next swing decides"),
     ("frozen", "check the sensor and its cable"),
     ("sign", "check the signs in the map (sign = -1)"),
     (
         "method",
-        "use the method auto with torque and angles, or calibrate",
+        "use the method auto with torque and angles, or run heft calibrate",
     ),
     ("restarted", "wait for half a second of motion"),
     (
@@ -153,22 +163,22 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "contradiction",
-        "check torque and velocity; two swings with an emptied bucket clear it",
+        "there from the start: run heft calibrate; new: check torque, velocity and angles, then swing twice with an emptied bucket",
     ),
     (
         "hanging",
-        "wait until the load hangs still; a bucket is weighed better than a hook",
+        "wait until the load hangs still, or carry it in the bucket",
     ),
     (
         "attachment",
-        "state machine.geometry.bucket_mass of the bucket that is mounted",
+        "state machine.geometry.bucket_mass of the mounted bucket",
     ),
 ];
 
 /// What would bring trust: what the reason asks for, else the first condition that is missing.
-fn advice(e: &ExcavatorEstimate) -> &'static str {
-    let has = |bit| e.flags & bit != 0;
-    let of_reason = remedy(e.reason, EXCAVATOR_REASONS, REMEDIES);
+pub(crate) fn advice(reason: u32, flags: u32) -> &'static str {
+    let has = |bit| flags & bit != 0;
+    let of_reason = remedy(reason, EXCAVATOR_REASONS, REMEDIES);
     if !has(bits::FRESH) {
         of_reason
             .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
@@ -183,6 +193,6 @@ fn advice(e: &ExcavatorEstimate) -> &'static str {
     } else if has(bits::CHANGING) {
         "keep the bucket still while swinging"
     } else {
-        "swing once more, best with an empty bucket; or calibrate"
+        "swing once more, best with an emptied bucket; or run heft calibrate"
     }
 }

@@ -243,7 +243,7 @@ fn the_loads_panel_shows_a_load_and_a_button_of_another_site_moves_no_truck() {
         target: Some(5000.0),
         ..Options::default()
     };
-    let machine = "[machine]\nkind = \"excavator\"\n";
+    let machine = "[machine]\nkind = \"excavator\"\noperating_mass = 21500\n";
     let counter = LoadCounter::of_text(machine, options).expect("a description");
     let loads = SharedLoads::new(counter);
     for i in 0..900u32 {
@@ -264,7 +264,9 @@ fn the_loads_panel_shows_a_load_and_a_button_of_another_site_moves_no_truck() {
     let mut json = request(&server, "/loads.json", "localhost");
     let text = read_until(&mut json, &["remaining"]);
     assert!(
-        text.contains("\"target\":5000.0") && text.contains("\"loads\":1"),
+        ["\"target\":5000.0", "\"loads\":1", "boom_pin"]
+            .iter()
+            .all(|part| text.contains(part)),
         "{text}"
     );
     let mut page = request(&server, "/loads", "localhost");

@@ -95,7 +95,7 @@ impl Part {
         moving: "the axle torques change",
         to_do: [
             "accelerate and brake with the drive",
-            "accelerate and brake some more; or calibrate",
+            "accelerate and brake some more; or run heft calibrate",
         ],
     };
     const HEIGHT: Self = Self {
@@ -181,10 +181,13 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("stuck acceleration", "check the accelerometer"),
     (
         "unexplained",
-        "look for soft ground, a collision or a wrong column",
+        "drive on over firm ground; if it stays so, look for a wrong column",
     ),
-    ("latency", "calibrate, or set sensors.speed_delay"),
-    ("stiffness", "check wheel radius, speeds and torques"),
+    ("latency", "run heft calibrate, or set sensors.speed_delay"),
+    (
+        "stiffness",
+        "check units of wheel speeds and torques, and machine.wheel_radius; then run heft calibrate",
+    ),
     ("brakes", "map the brake signal, or brake with the drive"),
     (
         "steering",
@@ -192,18 +195,24 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "slope",
-        "check sign and unit of the slope; calibrate its sensitivity to acceleration",
+        "check sign and unit of the slope, then run heft calibrate",
     ),
     (
         "torque",
-        "check unit, sign and gear ratio of the torques; state the mass",
+        "check unit, sign and gear ratio of the torques; state machine.mass; run heft calibrate",
     ),
-    ("load", "drive on; map the payload if it is weighed"),
+    (
+        "load",
+        "accelerate and brake with the new load; map the payload if it is weighed",
+    ),
     (
         "disagreement",
-        "look for changes between manoeuvres: ground, load, tyres",
+        "drive on: manoeuvres that agree end it; look for changes of ground, load, tyres",
     ),
-    ("limit", "check units; check the mass in the machine file"),
+    (
+        "limit",
+        "check units, machine.mass, and whether front and rear wheel speeds are exchanged",
+    ),
     ("restarted", "wait for one acceleration"),
     (
         "locked drive",
@@ -219,13 +228,25 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
 ];
 
+const MISSING: &str = "check the sensors and the map: an input is missing, rejected or too old";
+const WEIGH: &str = "weigh the axles of the empty machine once, level and on a ramp (heft weigh); or run heft calibrate";
+
+/// What would bring trust to a load: what the reason asks for, else what is missing.
+pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
+    let missing = if flags & bits::FRESH == 0 {
+        MISSING
+    } else {
+        WEIGH
+    };
+    remedy(reason, LOADER_REASONS, REMEDIES).unwrap_or(missing)
+}
+
 /// What would bring trust: what the reason asks for, else the first condition that is missing.
 fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
     let has = |bit| e.flags & bit != 0;
     let of_reason = remedy(e.reason, LOADER_REASONS, REMEDIES);
     if !has(bits::FRESH) {
-        of_reason
-            .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
+        of_reason.unwrap_or(MISSING)
     } else if has(bits::FROZEN) {
         "drive, faster than 0.5 m/s and without digging"
     } else if let Some(of_reason) = of_reason {
@@ -235,7 +256,7 @@ fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
     } else if !has(bits::CONSISTENT) {
         "drive on; if it stays so, check the sensors and the machine file"
     } else if e.estimated & bits::PAYLOAD != 0 {
-        "weigh the axles of the empty machine once, level and on a ramp (heft weigh); or calibrate"
+        WEIGH
     } else {
         part.to_do[1]
     }

@@ -21,7 +21,7 @@ pub fn loads_page(accounts: &[Account]) -> String {
             account.machine,
             text(&total_words(&account.all))
         );
-        truth_line(&mut body, account);
+        facts(&mut body, account);
         for truck in &account.trucks {
             truck_table(&mut body, account, truck);
         }
@@ -58,7 +58,7 @@ pub(super) fn section(body: &mut String, account: &Account) {
             text(&total_words(&account.all))
         );
     }
-    truth_line(body, account);
+    facts(body, account);
     let _ = write!(
         body,
         "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
@@ -66,9 +66,13 @@ pub(super) fn section(body: &mut String, account: &Account) {
     );
 }
 
-fn truth_line(body: &mut String, account: &Account) {
-    if let Some(covered) = account.covered_words() {
-        let _ = write!(body, "<p>{covered}</p>");
+/// What holds of all loads: how many intervals hold the truth, why some are not trusted, what the machine file leaves to a guess.
+fn facts(body: &mut String, account: &Account) {
+    let doubts = account.doubts().into_iter();
+    let words = doubts.chain(account.guessed.clone());
+    let words = words.map(|words| text(&words));
+    for fact in account.covered_words().into_iter().chain(words) {
+        let _ = write!(body, "<p>{fact}</p>");
     }
 }
 
@@ -162,6 +166,10 @@ mod tests {
         section(&mut body, &account);
         assert!(body.contains("<td>not yet</td>"), "{body}");
         assert!(body.contains("<td></td><td></td>"), "{body}");
+        account.guessed = Some("Lengths are guessed.".to_owned());
+        body.clear();
+        section(&mut body, &account);
+        assert!(body.contains("<p>Lengths are guessed.</p>"), "{body}");
         (account.carried, account.lacks) = (None, Some("map the pressures"));
         body.clear();
         section(&mut body, &account);

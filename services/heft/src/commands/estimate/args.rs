@@ -17,7 +17,7 @@ pub struct EstimateArgs {
     /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine; a recording of heft names it
+    /// The machine; a recording of heft or the machine file (--config) names it
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
     /// What they are made with; a recording of heft brings its machine file

@@ -58,20 +58,21 @@ impl<E: Estimate> InputSummary<E> {
     }
 
     /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same,
-    /// and `doubt` why the result is no good one.
+    /// `guessed` what makes all loads wide, and `doubt` why the result is no good one.
     pub fn write(
         &self,
         path: &Path,
         refused: usize,
         made_by: &str,
+        guessed: Option<&str>,
         doubt: Option<&Failure>,
     ) -> Result<(), Failure> {
         let doubt = doubt.map(ToString::to_string);
-        let summary = self.json(refused, doubt.as_deref());
+        let summary = self.json(refused, guessed, doubt.as_deref());
         results::json(path, &[], "estimate", made_by, &summary)
     }
 
-    fn json(&self, refused: usize, doubt: Option<&str>) -> Value {
+    fn json(&self, refused: usize, guessed: Option<&str>, doubt: Option<&str>) -> Value {
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
         let quantities = self.tally.iter().zip(headlines).map(|(tally, p)| {
@@ -90,6 +91,7 @@ impl<E: Estimate> InputSummary<E> {
             "rows": self.rows,
             "refused": refused,
             "doubt": doubt,
+            "guessed": guessed,
             "seconds": self.last.stamp().time - self.first_time,
             "quantities": quantities.collect::<Vec<_>>(),
             "verdict": view::words::verdict(&self.last),

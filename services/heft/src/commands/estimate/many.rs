@@ -35,7 +35,7 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     if let Some(machine) = args.machine {
         // What is wrong with the arguments is said once.
-        let description = description(machine, &args.with.description)?;
+        let description = description(Some(machine), &args.with.description)?;
         way(&description, method(machine, args.with.method.as_deref()))?;
     }
     if let Some(summary) = &args.summary {

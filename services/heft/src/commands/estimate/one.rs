@@ -7,8 +7,9 @@ use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
 use recording::output::Beside;
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer};
+use steps::loads::guessed;
 use steps::stages::{Pipeline, Role};
-use view::estimate::Estimate;
+use view::estimate::{Estimate, Parameter};
 
 use super::args::EstimateArgs;
 use super::found::InputSummary;
@@ -64,13 +65,12 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         notes.report(report)?;
     }
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
-    tell(
-        args,
-        output,
-        written,
-        rows,
-        &in_words(&last, trusted.zip(age)),
-    );
+    let weighs = |p: &Parameter<_, _>| p.is_load && p.value(&last).is_finite();
+    let is_weighed = E::PARAMETERS.iter().any(weighs);
+    let guessed = guessed(description).filter(|_| is_weighed);
+    let mut words = in_words(&last, trusted.zip(age));
+    words.extend(guessed.clone());
+    tell(args, output, written, rows, &words);
     doubts.tell();
     let is_trusted = match args.require_trust {
         true => summary::require_trust(age),
@@ -80,7 +80,13 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     if let Some(json) = &args.json {
         let made_by = many::identity(args, description);
         let refused = rows.saturating_sub(written);
-        found.write(json, refused, &made_by, judged.as_ref().err())?;
+        found.write(
+            json,
+            refused,
+            &made_by,
+            guessed.as_deref(),
+            judged.as_ref().err(),
+        )?;
     }
     judged
 }
@@ -128,14 +134,14 @@ fn is_known<T: Message>(truth: &T) -> bool {
     truth.bits_of("known") != 0
 }
 
-fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdicts: &[String]) {
+fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, words: &[String]) {
     // With the estimates on standard output, words would be rows among them.
     let say = |line: &str| match recording::output::is_standard_output(output) {
         true => eprintln!("{line}"),
         false => println!("{line}"),
     };
-    for verdict in verdicts {
-        for line in view::words::wrapped(verdict, 79) {
+    for sentence in words {
+        for line in view::words::wrapped(sentence, 79) {
             say(&line);
         }
     }

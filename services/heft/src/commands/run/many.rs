@@ -17,8 +17,8 @@ use crate::plan::Plan;
 use crate::serve::{Machines, Out, Played, is_table};
 use crate::signals::Signals;
 use crate::sources::LiveInput;
-use crate::summary;
 use crate::way::{method, way};
+use crate::{size, summary};
 
 /// The table in the folder of the run.
 const TABLE: &str = "estimates.csv";
@@ -30,6 +30,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let method = method(machine, args.method.as_deref());
     way(&description, method)?;
     tell_idle_keys(&description, &[method]);
+    size::tell_other_size(&plan, &description);
     let inputs = args.input.as_deref().map(|input| inputs(input, count));
     let machines = Machines {
         plan: &plan,

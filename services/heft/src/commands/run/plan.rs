@@ -15,6 +15,7 @@ use crate::group;
 use crate::machines;
 use crate::outputs::CanOutput;
 use crate::plan::Plan;
+use crate::size;
 use crate::sources::LiveInput;
 use crate::spin::{self, Spinners};
 
@@ -39,6 +40,7 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     check(&plan, &description)?;
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
+    size::tell_other_size(&plan, &description);
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     if let Some(group) = plan.group {
         group::share(&folder, group)?;
@@ -69,7 +71,7 @@ impl Plan {
     pub(super) fn of(args: &RunArgs) -> Result<(Self, Description), Failure> {
         let machine = args.machine;
         let pressures = !args.without.contains(&Equipment::Pressure);
-        let description = description(machine, &described(args, pressures))?;
+        let description = description(Some(machine), &described(args, pressures))?;
         let rate = args.rate.unwrap_or(description.rate());
         if let Some(duration) = args.duration
             && (duration.is_nan() || duration <= 0.0)

@@ -1,0 +1,108 @@
+//! A number in the place of a missing sample, where it could be a measurement: exactly the same in many rows, and far from all others.
+
+/// So many rows have it at least.
+const LEAST_ROWS: usize = 10;
+
+/// It is further from the others than this share of their range.
+const APART: f64 = 0.5;
+
+/// The values of a signal, from one of their ends.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    /// 1 for the least value, -1 for the largest.
+    sign: f64,
+    /// The outermost value, how often it was there, and the next one, each times the sign.
+    first: f64,
+    count: usize,
+    next: f64,
+}
+
+impl End {
+    fn of(sign: f64) -> Self {
+        Self {
+            sign,
+            first: f64::INFINITY,
+            count: 0,
+            next: f64::INFINITY,
+        }
+    }
+
+    fn see(&mut self, value: f64) {
+        let value = self.sign * value;
+        if value < self.first {
+            (self.next, self.first, self.count) = (self.first, value, 1);
+        } else if value == self.first {
+            self.count += 1;
+        } else if value < self.next {
+            self.next = value;
+        }
+    }
+}
+
+/// Both ends of the values of a signal.
+#[derive(Debug, Clone, Copy)]
+pub struct Ends {
+    least: End,
+    largest: End,
+}
+
+impl Default for Ends {
+    fn default() -> Self {
+        Self {
+            least: End::of(1.0),
+            largest: End::of(-1.0),
+        }
+    }
+}
+
+impl Ends {
+    /// Takes a value.
+    pub fn see(&mut self, value: f64) {
+        self.least.see(value);
+        self.largest.see(value);
+    }
+
+    /// A value that stands for a missing sample: far from all others, and how often it was there.
+    pub fn mark(&self) -> Option<(f64, usize)> {
+        let marks = [(self.least, self.largest), (self.largest, self.least)];
+        let found = marks.into_iter().find(|(end, other)| {
+            let width = -other.first - end.next;
+            end.count >= LEAST_ROWS && width > 0.0 && end.next - end.first > APART * width
+        });
+        found.map(|(end, _)| (end.sign * end.first, end.count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
+        let mut ends = Ends::default();
+        values.for_each(|value| ends.see(value));
+        ends.mark()
+    }
+
+    #[test]
+    fn a_value_far_from_all_others_in_many_rows_is_a_mark_and_states_and_ends_of_a_motion_are_none()
+    {
+        let motion = || (0..500).map(|i| 0.9 + 0.3 * (0.02 * f64::from(i)).sin());
+        let with = |value: f64, every: usize| {
+            motion()
+                .enumerate()
+                .map(move |(i, x)| if i % every == 0 { value } else { x })
+        };
+        assert_eq!(mark(with(-1.0, 10)), Some((-1.0, 50)));
+        assert_eq!(mark(with(9999.0, 7)), Some((9999.0, 72)));
+        assert_eq!(mark(with(0.4, 7)), None, "as near as a motion goes");
+        assert_eq!(mark(with(9999.0, 100)), None, "five rows");
+        assert_eq!(mark(motion()), None);
+        assert_eq!(mark(motion().map(|x| x.clamp(0.8, 1.0))), None, "held");
+        assert_eq!(
+            mark((0..500).map(|i| f64::from(i / 100 % 2))),
+            None,
+            "states"
+        );
+        assert_eq!(mark([0.0; 500].into_iter()), None);
+    }
+}

@@ -1,0 +1,99 @@
+//! Lengths of a machine file that are guessed and make all loads wrong alike, in words.
+
+use config::{Description, Excavator};
+use estimation::HALF_WIDTH_95;
+
+/// What is guessed of an excavator's lengths, how wide that makes its loads, and what to state; `None` where all are stated.
+#[must_use]
+pub fn guessed(description: &Description) -> Option<String> {
+    let Description::Excavator(d) = description else {
+        return None;
+    };
+    let of_class = of_class(d).geometry;
+    // Who states how well the lengths are known answers for them.
+    let tolerance = d.of_its_size().machine.geometry_tolerance;
+    let is_doubted = tolerance > Excavator::default().machine.geometry_tolerance
+        && d.machine.geometry_tolerance == tolerance;
+    let lengths = [
+        (
+            is_doubted && d.geometry.boom_length == of_class.boom_length,
+            "machine.geometry.boom_length (boom foot to arm pin)",
+        ),
+        (
+            is_doubted && d.geometry.arm_length == of_class.arm_length,
+            "machine.geometry.arm_length (arm pin to bucket pin)",
+        ),
+        (
+            d.guessed_radius_std() > 0.0,
+            "machine.geometry.boom_pin (swing axis to boom foot, horizontal)",
+        ),
+        (
+            d.guessed_centre_std() > 0.0,
+            "machine.geometry.payload_centre (bucket pin to the middle of a load)",
+        ),
+    ];
+    let keys: Vec<&str> = lengths
+        .iter()
+        .filter(|(is_guessed, _)| *is_guessed)
+        .map(|(_, key)| *key)
+        .collect();
+    let full = d.full_load();
+    let percent = 100.0 * HALF_WIDTH_95 * d.loads_common().std(full) / full;
+    (!keys.is_empty()).then(|| {
+        format!(
+            "All loads may be too heavy or too light alike, up to {percent:.0} % of a full one (95 %): lengths are guessed from the \
+             operating mass. Measure and state in the machine file: {}; or weigh one load (heft calibrate).",
+            keys.join(", ")
+        )
+    })
+}
+
+/// The machine of which nothing but the operating mass is stated.
+fn of_class(d: &Excavator) -> Excavator {
+    let mut class = Excavator::default();
+    class.machine.operating_mass = d.machine.operating_mass;
+    class.of_its_size()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(keys: &str) -> Option<String> {
+        let text = format!("[machine]\nkind = \"excavator\"\n{keys}");
+        let description = Description::parse(&text, "test", None).expect("a description");
+        let written = Description::parse(&description.to_toml(), "test", None).expect("the same");
+        assert_eq!(guessed(&written), guessed(&description));
+        guessed(&description)
+    }
+
+    const FIVE: &str = "operating_mass = 21500\nrated_payload = 1900\nswing_torque = 68000\n\
+        [machine.geometry]\nboom_length = 5.7\narm_length = 2.9\n";
+
+    #[test]
+    fn five_numbers_leave_the_boom_pin_to_a_guess_and_six_the_load_s_centre() {
+        let words = of(FIVE).expect("a guess");
+        assert!(
+            words.contains("machine file: machine.geometry.boom_pin"),
+            "{words}"
+        );
+        let six = of(&format!("{FIVE}boom_pin = 0.2\n")).expect("a guess");
+        assert!(
+            !six.contains("boom_pin") && six.contains("payload_centre"),
+            "{six}"
+        );
+        let seven = of(&format!("{FIVE}boom_pin = 0.2\npayload_centre = 0.9\n"));
+        assert_eq!(seven, None);
+        assert_eq!(of(""), None, "the reference machine");
+    }
+
+    #[test]
+    fn a_class_alone_names_all_three_lengths_and_a_stated_tolerance_answers_for_two() {
+        let words = of("operating_mass = 21500\n").expect("a guess");
+        for key in ["boom_length", "arm_length", "boom_pin"] {
+            assert!(words.contains(key), "{key}: {words}");
+        }
+        let words = of("operating_mass = 21500\ngeometry_tolerance = 0.01\n").expect("a guess");
+        assert!(!words.contains("boom_length"), "{words}");
+    }
+}
