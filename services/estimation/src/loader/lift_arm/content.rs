@@ -4,6 +4,9 @@
 //! a part of it, and pushes. Whatever carries a bucket that does not turn comes as a jump of the moment (`scale`). A bucket that
 //! the ground has had is free when the arm has lifted it or the machine has driven away: until then it may be pushed on, and what
 //! it holds grows without any sign.
+//!
+//! A cylinder that carries less than a quarter of the empty arm and bucket weighs nothing: the arm floats, lies on its bucket, or the
+//! sensor reads nothing.
 
 /// Rate of the bucket beyond which it turns [rad/s].
 const TURNS: f64 = 0.12;
@@ -84,6 +87,16 @@ impl Content {
             settling: self.settling > 0.0,
             held,
             open: turning || held || self.settling > 0.0,
+        }
+    }
+
+    /// The cylinders do not carry the arm: what does, nobody tells.
+    pub fn put_down(&mut self, motion: &Motion) -> Motion {
+        self.touch();
+        Motion {
+            held: true,
+            open: true,
+            ..*motion
         }
     }
 
