@@ -43,8 +43,8 @@ impl Emptied {
     /// stays empty: only the ground fills it.
     pub fn see(&mut self, shown: Quantity, motion: &Motion, capacity: f64) -> Option<Tare> {
         self.empty &= !motion.held;
-        self.turned |= motion.turning;
-        if motion.open {
+        self.turned |= motion.changing > 0.0;
+        if motion.open || motion.changing > 0.0 {
             self.at_dump = false;
             return None;
         }
@@ -70,6 +70,7 @@ mod tests {
     const CAPACITY: f64 = 5000.0;
     const STILL: Motion = Motion {
         turning: false,
+        changing: 0.0,
         lifting: false,
         settling: false,
         held: false,
@@ -77,6 +78,7 @@ mod tests {
     };
     const OPEN: Motion = Motion {
         turning: true,
+        changing: 1.0,
         open: true,
         ..STILL
     };

@@ -209,3 +209,31 @@ fn a_load_that_the_rear_axle_cannot_balance_is_not_believed() {
     let wrong = at(4.0);
     assert!(wrong.wrong && wrong.payload.value > 15_000.0, "{wrong:?}");
 }
+
+#[test]
+fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
+    let mut work: Vec<Second> = stays(6, [0.5, 0.75], 3600.0).collect();
+    // Dumped at .06 rad/s.
+    work.extend((1..=20).map(|k| {
+        let part = f64::from(k) / 20.0;
+        Second(0.5, 0.75 - 1.2 * part, 3600.0 * (1.0 - part), 1.0)
+    }));
+    work.extend(stays(6, [0.5, -0.45], 0.0));
+    work.push(Second(-0.5, 0.2, 0.0, -1.0));
+    work.extend(stays(8, [-0.5, 0.2], 0.0));
+    // Filled from above in 15 s.
+    work.extend((1..=15).map(|k| Second(-0.5, 0.2, 240.0 * f64::from(k), -1.0)));
+    work.extend(stays(8, [-0.5, 0.2], 3600.0));
+    let mut open = 0;
+    for (second, (said, by)) in run(&work).iter().zip(&work).enumerate().skip(3) {
+        let Weighed {
+            payload,
+            open: is_open,
+            ..
+        } = said.expect("fresh");
+        open += usize::from(is_open);
+        let error = (payload.value - by.2).abs();
+        assert!(is_open || error < 500.0, "{second}: {payload:?} {}", by.2);
+    }
+    assert!(open < 30, "{open}");
+}
