@@ -132,7 +132,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("damping", "warm up, then calibrate"),
     (
         "unexplained",
-        "look for a brake, a collision, a swinging load, or a wrong column",
+        "look for a brake, collision, swinging load or wrong column",
     ),
     (
         "disagreement",

@@ -181,7 +181,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("stuck acceleration", "check the accelerometer"),
     (
         "unexplained",
-        "look for soft ground, a collision or a wrong column",
+        "look for soft ground, collision or wrong column",
     ),
     ("latency", "calibrate, or set sensors.speed_delay"),
     ("stiffness", "check wheel radius, speeds and torques"),
@@ -203,7 +203,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
         "disagreement",
         "look for changes between manoeuvres: ground, load, tyres",
     ),
-    ("limit", "check units; check the mass in the machine file"),
+    ("limit", "check units and the machine file's mass"),
     ("restarted", "wait for one acceleration"),
     (
         "locked drive",
@@ -215,8 +215,9 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "wheel radius",
-        "check unit and gear ratio of the wheel speeds, the speed, and machine.wheel_radius",
+        "check unit and gear ratio of both, and machine.wheel_radius",
     ),
+    ("lift cylinder", "check its pressures, machine.lift_arm"),
 ];
 
 /// What would bring trust: what the reason asks for, else the first condition that is missing.
