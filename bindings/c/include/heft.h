@@ -410,6 +410,7 @@ int32_t heft_excavator_restore(void *memory, size_t size, const void *state, siz
 #define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* both axles turn alike: the reported axle torques are not theirs */
 #define HEFT_LOADER_REASON_ONE_WAY 21 /* driven one way only: how the tyres give under a load is not known */
 #define HEFT_LOADER_REASON_WHEEL_RADIUS 22 /* speed and wheel speeds do not fit the rolling radius that is described */
+#define HEFT_LOADER_REASON_LIFT_CYLINDER 23 /* the lift cylinder shows less than nothing in the bucket, or more than the machine can carry */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_loader_reason(uint32_t code) {
@@ -437,6 +438,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
     case 20: return "locked drive";
     case 21: return "one way";
     case 22: return "wheel radius";
+    case 23: return "lift cylinder";
     default: return "unknown";
   }
 }

@@ -167,6 +167,7 @@ macro_rules! loader_reasons {
             20 Locked "locked drive" "both axles turn alike: the reported axle torques are not theirs";
             21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
             22 Radius "wheel radius" "speed and wheel speeds do not fit the rolling radius that is described";
+            23 LiftCylinder "lift cylinder" "the lift cylinder shows less than nothing in the bucket, or more than the machine can carry";
         }
     };
 }

@@ -226,6 +226,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
         "wheel radius",
         "check unit and gear ratio of the wheel speeds, the speed, and machine.wheel_radius",
     ),
+    ("lift cylinder", "check its pressures, machine.lift_arm"),
 ];
 
 const MISSING: &str = "check the sensors and the map: an input is missing, rejected or too old";

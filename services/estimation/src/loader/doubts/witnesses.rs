@@ -79,7 +79,12 @@ impl Witnesses {
         }
         answer.trusted_payload = believed && weighed.payload.std <= KNOWN_PAYLOAD * weighed.mass;
         if differ {
-            (answer.consistent, answer.reason) = (false, Reason::Disagreement);
+            let reason = if weighed.wrong {
+                Reason::LiftCylinder
+            } else {
+                Reason::Disagreement
+            };
+            (answer.consistent, answer.reason) = (false, reason);
         } else if weighed.open {
             answer.reason = Reason::Load;
         }

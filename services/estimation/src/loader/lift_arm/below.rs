@@ -1,8 +1,11 @@
-//! A bucket holds no less than nothing: a payload below zero says that a described number is off by more than it claims.
+//! A bucket holds no less than nothing, and no more than the rear axle balances: a payload beyond says that a described number is off by
+//! more than it claims.
 //!
 //! ```text
-//! z = -m_p/sigma,   averaged over some seconds of a bucket that may be empty
+//! z = max(-m_p, m_p - m_max)/sigma,   averaged over some seconds,   m_max: lam = 1
 //! ```
+//! A bucket that the ground carries in part is not below zero.
+//!
 //! Of the sensor's zero, the arm's weight or the cylinders' areas nobody can say which. So the largest z beyond 1 widens what all of
 //! them do to the answer by as much, and fades over minutes.
 
@@ -15,7 +18,7 @@ const FADES: f64 = 300.0;
 /// z beyond which the description is wrong: 1 in 40 by chance.
 const WRONG: f64 = 2.0;
 
-/// Memory of payloads below zero.
+/// Memory of payloads beyond what a bucket holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Below {
@@ -24,10 +27,17 @@ pub(super) struct Below {
 }
 
 impl Below {
-    /// Takes a payload with its whole deviation, `dt` after the last, while the bucket's content is known.
-    pub fn see(&mut self, payload: Quantity, dt: f64) {
+    /// Takes a payload with its whole deviation, `dt` after the last, while the bucket's content is known. `most`: what the rear axle
+    /// balances; `low`: the ground is within reach.
+    pub fn see(&mut self, payload: Quantity, most: f64, low: bool, dt: f64) {
         self.largest *= 1.0 - (dt / FADES).min(1.0);
-        let z = -payload.value / payload.std;
+        let above = payload.value - most;
+        let beyond = if low {
+            above
+        } else {
+            above.max(-payload.value)
+        };
+        let z = beyond / payload.std;
         // A load tells nothing.
         if z.is_finite() && z > -1.0 {
             self.mean += (dt / MEMORY).min(1.0) * (z - self.mean);
@@ -53,7 +63,7 @@ mod tests {
     fn after(seconds: u32, value: f64) -> Below {
         let mut below = Below::default();
         for _ in 0..100 * seconds {
-            below.see(Quantity { value, std: 100.0 }, 0.01);
+            below.see(Quantity { value, std: 100.0 }, 9000.0, false, 0.01);
         }
         below
     }
@@ -64,6 +74,7 @@ mod tests {
         let low = after(20, -170.0);
         assert!((low.factor() - 1.7).abs() < 0.1 && !low.is_wrong());
         assert!(after(20, -260.0).is_wrong());
+        assert!(after(20, 9260.0).is_wrong(), "the rear axle would lift");
         // Loads and a moment below zero say nothing.
         assert_eq!(after(60, 3000.0).factor(), 1.0);
         assert_eq!(after(60, f64::NAN).factor(), 1.0);
@@ -74,6 +85,8 @@ mod tests {
                     value: -300.0,
                     std: 100.0,
                 },
+                9000.0,
+                false,
                 0.01,
             )
         });

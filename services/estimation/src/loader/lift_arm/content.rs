@@ -4,9 +4,14 @@
 //! a part of it, and pushes. Whatever carries a bucket that does not turn comes as a jump of the moment (`scale`). A bucket that
 //! the ground has had is free when the arm has lifted it or the machine has driven away: until then it may be pushed on, and what
 //! it holds grows without any sign.
+//!
+//! A cylinder that carries less than a quarter of the empty arm and bucket weighs nothing: the arm floats, lies on its bucket, or the
+//! sensor reads nothing.
 
 /// Rate of the bucket beyond which it turns [rad/s].
 const TURNS: f64 = 0.12;
+/// Rate of the bucket beyond which it turns slowly [rad/s]: five standard deviations of an angle's noise of 2 mrad, smoothed.
+const TURNS_SLOWLY: f64 = 0.02;
 /// Rate of the arm beyond which it lifts or lowers [rad/s].
 const LIFTS: f64 = 0.04;
 /// How long the content settles after the bucket turned [s].
@@ -46,6 +51,8 @@ impl Default for Content {
 pub(super) struct Motion {
     /// The bucket turns, the arm lifts or lowers.
     pub turning: bool,
+    /// How fast the content may change, as a share of what it does while the bucket turns.
+    pub changing: f64,
     pub lifting: bool,
     /// The content still moves.
     pub settling: bool,
@@ -65,6 +72,15 @@ impl Content {
         dt: f64,
     ) -> Motion {
         let turning = bucket.abs() > TURNS;
+        // What a bucket that turns slowly loses it loses by the angle; only the ground fills one that turns up.
+        let slowly = bucket < -TURNS_SLOWLY || (low && bucket > TURNS_SLOWLY);
+        let changing = if turning {
+            1.0
+        } else if slowly {
+            bucket.abs() / TURNS
+        } else {
+            0.0
+        };
         self.settling = (self.settling - dt).max(0.0);
         self.held = (self.held - dt).max(0.0);
         let speed = speed.map_or(FREE_AFTER / HOLDS, |v| v.abs().max(CREEPS));
@@ -80,10 +96,21 @@ impl Content {
         let held = low && (self.held > 0.0 || self.way > 0.0);
         Motion {
             turning,
+            changing,
             lifting: lift.abs() > LIFTS,
             settling: self.settling > 0.0,
             held,
             open: turning || held || self.settling > 0.0,
+        }
+    }
+
+    /// The cylinders do not carry the arm: what does, nobody tells.
+    pub fn put_down(&mut self, motion: &Motion) -> Motion {
+        self.touch();
+        Motion {
+            held: true,
+            open: true,
+            ..*motion
         }
     }
 

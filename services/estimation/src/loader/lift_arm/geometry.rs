@@ -19,6 +19,8 @@ const UNKNOWN_BUCKET: f64 = 0.4;
 const LEAST_LEVER: f64 = 0.2;
 /// A cylinder is no shorter, whatever its drawing says [m].
 const LEAST_LENGTH: f64 = 1e-3;
+/// Share of the empty arm's and bucket's moment that cylinders carry at least if they carry anything.
+const CARRIED_AT_LEAST: f64 = 0.25;
 /// The ground can carry the bucket while its pin is below this share of the arm's length.
 const LOW: f64 = 0.4;
 
@@ -60,6 +62,11 @@ pub(super) struct Empty {
 }
 
 impl Empty {
+    /// The payload with which the rear axle carries nothing [kg].
+    pub fn most(&self) -> f64 {
+        (self.mass - self.front) / (self.ahead - 1.0)
+    }
+
     /// Ratio and height of the centre of gravity with this payload.
     pub fn with(&self, payload: f64) -> Each<f64> {
         let mass = self.mass + payload;
@@ -164,6 +171,12 @@ impl Drawing {
         let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
         let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
         lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
+    }
+
+    /// The cylinders carry arm and bucket, or at least a part that no description is off by.
+    pub fn carries_itself(&self, posture: &Posture) -> bool {
+        let (empty, _) = self.moments(&self.values, posture);
+        self.lifting(&self.values, posture) > CARRIED_AT_LEAST * empty
     }
 
     /// The payload that the pressures of this row show [kg].

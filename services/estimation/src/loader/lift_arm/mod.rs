@@ -10,7 +10,7 @@
 //! | `turn` | sine and cosine of an angle, taken once a row |
 //! | `scale` | payload and rest of friction from row to row |
 //! | `tare` | an emptied bucket is a weight that is known |
-//! | `below` | a payload below zero: the description is off by more than it claims |
+//! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
@@ -236,11 +236,14 @@ impl LiftWitness {
         let rod_length = self.drawing.rod_length(posture.arm);
         self.seals.take(rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
-        let motion = self.content.motion(self.rates, low, sample.speed, dt);
+        let mut motion = self.content.motion(self.rates, low, sample.speed, dt);
         let posture = Posture {
             seals: self.seals.share(),
             ..*posture
         };
+        if !self.drawing.carries_itself(&posture) {
+            motion = self.content.put_down(&motion);
+        }
         let accelerated = sample.acceleration.is_some();
         let seals = &self.seals;
         self.scale
@@ -261,7 +264,8 @@ impl LiftWitness {
         self.doubts.empty(tare);
         if !motion.open {
             let std = crate::math::norm(&[payload.std, self.doubts.shown()]);
-            self.below.see(Quantity { std, ..payload }, dt);
+            self.below
+                .see(Quantity { std, ..payload }, empty.most(), low, dt);
         }
         let answer = self.answer(&empty, payload, motion.open);
         self.answer = Some(answer);

@@ -3,7 +3,8 @@
 //! ```text
 //! tau_row = empty + m_p k + r F (s f + e) + noise         k: moment of a kilogram; F: full force; f, s: friction and its direction
 //! ```
-//! While the bucket turns, m_p walks by as much as the bucket holds; else it stays. e fades to what the seals leave unknown.
+//! While the bucket turns, m_p walks by as much as the bucket holds, by the angle where it turns slowly; else it stays. e fades to what
+//! the seals leave unknown. An e that no seals have is content that comes or goes: a jump, however slow.
 //! The noise is that of the pressures and of the load that heaves while the machine drives: found in the innovations, as a
 //! share of the moment. Heaving goes on for some tenths of a second, in which rows tell the same.
 //! Doubts of the drawing are no noise: they are added to the answer (`doubt`).
@@ -14,7 +15,7 @@ use super::geometry::Posture;
 use super::numbers::FRICTION;
 use super::seals::Seals;
 use crate::Quantity;
-use crate::math::sqrt;
+use crate::math::{norm, sqrt};
 
 /// How long heaving, lifting and settling contents do the same to the moment, and rows tell the same [s].
 const TOGETHER: f64 = 0.3;
@@ -110,15 +111,17 @@ impl Scale {
         let carried = shown.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
         let noise = lever * drawing.force_std();
+        let friction = drawing.values[FRICTION] * seals.unknown();
+        let usual = norm(&[friction, drawing.std[FRICTION]]);
         self.listen(innovation / carried, motion, dt);
         self.jumped = !motion.settling
             && !motion.lifting
-            && self.is_jump([carried, predicted, noise])
+            && (self.is_jump([carried, predicted, noise]) || self.state[1].abs() > JUMPS * usual)
             && !motion.held;
         if self.jumped {
             let open = JUMP * drawing.capacity;
             self.covariance[0][0] += open * open;
-            self.fast = 0.0;
+            (self.fast, self.state[1]) = (0.0, 0.0);
         }
         if motion.held || self.jumped {
             self.dig(drawing, dt);
@@ -141,13 +144,8 @@ impl Scale {
 
     /// Time passes over payload and rest of friction.
     fn walk(&mut self, drawing: &Drawing, seals: &Seals, motion: &Motion, dt: f64) {
-        let walk = if motion.turning {
-            TURNING_WALK
-        } else {
-            CARRIED_WALK
-        };
-        let walk = walk * drawing.capacity;
-        self.covariance[0][0] += walk * walk * dt;
+        let walk = TURNING_WALK * TURNING_WALK * motion.changing + CARRIED_WALK * CARRIED_WALK;
+        self.covariance[0][0] += walk * drawing.capacity * drawing.capacity * dt;
         let unknown = seals.unknown() * drawing.values[FRICTION];
         let time = if motion.lifting {
             REST_MOVING

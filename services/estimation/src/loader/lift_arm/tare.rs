@@ -1,7 +1,8 @@
 //! An emptied bucket is a weight that is known: what it shows beyond what usually stays in it is an error of the drawing.
 //!
 //! Every weighing system on a machine has its zero set with an empty bucket. Here the machine does it at each dump: where a load has
-//! left the bucket, what is weighed then is `left`, .015 +- .03 of the capacity, give or take the rows' own noise.
+//! left the bucket, what is weighed then is `left`, .015 +- .03 of the capacity, give or take the rows' own noise. A bucket that did not
+//! turn was not emptied, whatever the pressures show.
 
 use super::content::Motion;
 use crate::Quantity;
@@ -28,8 +29,9 @@ pub(super) struct Tare {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Emptied {
-    /// It held a load when it opened.
+    /// It held a load when it was last seen, and has turned since.
     was_loaded: bool,
+    turned: bool,
     /// It has been emptied since, and the ground has not filled it.
     empty: bool,
     /// It has not turned since it was emptied.
@@ -41,13 +43,14 @@ impl Emptied {
     /// stays empty: only the ground fills it.
     pub fn see(&mut self, shown: Quantity, motion: &Motion, capacity: f64) -> Option<Tare> {
         self.empty &= !motion.held;
-        if motion.open {
+        self.turned |= motion.changing > 0.0;
+        if motion.open || motion.changing > 0.0 {
             self.at_dump = false;
             return None;
         }
         if shown.value - 2.0 * shown.std > LOADED * capacity {
-            (self.was_loaded, self.empty) = (true, false);
-        } else if core::mem::take(&mut self.was_loaded) {
+            (self.was_loaded, self.turned, self.empty) = (true, false, false);
+        } else if core::mem::take(&mut self.was_loaded) && self.turned {
             (self.empty, self.at_dump) = (true, true);
         }
         let left = LEFT.1 * capacity;
@@ -67,6 +70,7 @@ mod tests {
     const CAPACITY: f64 = 5000.0;
     const STILL: Motion = Motion {
         turning: false,
+        changing: 0.0,
         lifting: false,
         settling: false,
         held: false,
@@ -74,6 +78,7 @@ mod tests {
     };
     const OPEN: Motion = Motion {
         turning: true,
+        changing: 1.0,
         open: true,
         ..STILL
     };
@@ -106,6 +111,8 @@ mod tests {
         );
         assert_eq!(dumped(3000.0, 2500.0), None, "a part is left");
         assert_eq!(dumped(3000.0, 800.0), None, "too much for what sticks");
+        let still = shown_after(&[(3000.0, &STILL), (250.0, &STILL)]);
+        assert_eq!(still, None, "it did not turn");
     }
 
     #[test]

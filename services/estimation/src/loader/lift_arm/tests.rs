@@ -41,6 +41,11 @@ struct Second(f64, f64, f64, f64);
 
 /// What the witness says at the end of each second.
 fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
+    run_shown(seconds, &|_, head| head)
+}
+
+/// The same where the sensor shows another head pressure, by the arm's angle and the true one.
+fn run_shown(seconds: &[Second], shown: &dyn Fn(f64, f64) -> f64) -> Vec<Option<Weighed>> {
     let settings = settings();
     let mut witness = LiftWitness::new(&settings).expect("a described arm");
     let drawing = witness.drawing;
@@ -73,7 +78,7 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
                 time,
                 lift_angle: Some(lift),
                 tilt_angle: Some(bucket - lift),
-                lift_head_pressure: Some(missing / per_pascal),
+                lift_head_pressure: Some(shown(lift, missing / per_pascal)),
                 lift_rod_pressure: Some(0.7e6),
                 acceleration: Some(0.0),
                 ..Sample::default()
@@ -156,4 +161,79 @@ fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
         });
     }
     assert_eq!(said, None);
+}
+
+/// Seconds of standing like this.
+fn stays(seconds: usize, posture: [f64; 2], load: f64) -> impl Iterator<Item = Second> {
+    (0..seconds).map(move |_| Second(posture[0], posture[1], load, 1.0))
+}
+
+#[test]
+fn a_bucket_that_rests_on_the_ground_says_nothing_of_the_description() {
+    let mut work: Vec<Second> = stays(20, [-0.66, 0.35], 0.0).collect();
+    work.extend(stays(10, [-0.4, 0.35], 0.0));
+    for part in [0.1, 0.5] {
+        let said = run_shown(&work, &|lift, head| {
+            if lift < -0.64 { part * head } else { head }
+        });
+        let at = |second: usize| said[second].expect("fresh");
+        assert!(part > 0.25 || at(15).open, "{:?}", at(15));
+        let after = at(29);
+        assert!(!after.open && !after.wrong, "{part}: {after:?}");
+        assert!(after.payload.value.abs() < 50.0 && after.payload.std < 500.0);
+    }
+}
+
+#[test]
+fn a_pressure_that_reads_nothing_is_no_weight() {
+    let mut work: Vec<Second> = stays(8, [-0.5, 0.75], 3600.0).collect();
+    work.extend(stays(20, [0.5, 0.75], 3600.0));
+    let rows = core::cell::Cell::new(0);
+    let said = run_shown(&work, &|_, head| {
+        rows.set(rows.get() + 1);
+        // .6 s each 5 s.
+        if rows.get() % 500 < 60 { 0.0 } else { head }
+    });
+    for weighed in said[7..].iter().flatten().filter(|w| !w.open) {
+        let Weighed { payload, wrong, .. } = *weighed;
+        let error = (payload.value - 3600.0).abs();
+        assert!(error < 1.96 * payload.std && !wrong, "{payload:?}");
+    }
+}
+
+#[test]
+fn a_load_that_the_rear_axle_cannot_balance_is_not_believed() {
+    let work: Vec<Second> = stays(20, [0.5, 0.75], 3600.0).collect();
+    let at = |gain: f64| run_shown(&work, &|_, head| gain * head)[19].expect("fresh");
+    assert!(!at(1.0).wrong && !at(1.3).wrong);
+    let wrong = at(4.0);
+    assert!(wrong.wrong && wrong.payload.value > 15_000.0, "{wrong:?}");
+}
+
+#[test]
+fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
+    let mut work: Vec<Second> = stays(6, [0.5, 0.75], 3600.0).collect();
+    // Dumped at .06 rad/s.
+    work.extend((1..=20).map(|k| {
+        let part = f64::from(k) / 20.0;
+        Second(0.5, 0.75 - 1.2 * part, 3600.0 * (1.0 - part), 1.0)
+    }));
+    work.extend(stays(6, [0.5, -0.45], 0.0));
+    work.push(Second(-0.5, 0.2, 0.0, -1.0));
+    work.extend(stays(8, [-0.5, 0.2], 0.0));
+    // Filled from above in 15 s.
+    work.extend((1..=15).map(|k| Second(-0.5, 0.2, 240.0 * f64::from(k), -1.0)));
+    work.extend(stays(8, [-0.5, 0.2], 3600.0));
+    let mut open = 0;
+    for (second, (said, by)) in run(&work).iter().zip(&work).enumerate().skip(3) {
+        let Weighed {
+            payload,
+            open: is_open,
+            ..
+        } = said.expect("fresh");
+        open += usize::from(is_open);
+        let error = (payload.value - by.2).abs();
+        assert!(is_open || error < 500.0, "{second}: {payload:?} {}", by.2);
+    }
+    assert!(open < 30, "{open}");
 }
