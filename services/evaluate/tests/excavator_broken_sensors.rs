@@ -146,7 +146,7 @@ fn a_boom_angle_that_is_half_a_second_late_is_hardly_ever_trusted_and_wrong() {
         (run.duration, run.seed) = (60.0, seed);
         let rows: Vec<Row> = Simulation::new(&run).expect("a run").collect();
         let late = rows.iter().enumerate().map(|(k, row)| {
-            let mut row = row.clone();
+            let mut row = *row;
             row.posture[0] = rows[k.saturating_sub(LATE)].posture[0];
             row
         });
