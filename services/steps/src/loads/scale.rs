@@ -130,7 +130,7 @@ mod tests {
             12_000.0,
             &[(5.0, 12_100.0), (2.5, 15_700.0), (3.0, 15_700.0)],
         );
-        assert!(said[520..740].iter().all(|s| s.changing));
+        assert!(said[550..740].iter().all(|s| s.changing));
         let full = said.last().expect("rows");
         assert!(!full.changing && full.payload.holds(3600.0));
         assert!((full.payload.value - 3600.0).abs() < 1e-6, "{full:?}");
