@@ -244,6 +244,7 @@ fn lift_arm() -> (loader::keys::LiftArm, loader::keys::LiftCylinder) {
             mass_distance: arm.mass_distance,
             bucket_mass: arm.bucket_mass,
             payload_distance: arm.payload_distance,
+            bucket_turn: Some(1.0),
             reference_angle: arm.reference.lift,
             reference_tilt: arm.reference.bucket - arm.reference.lift,
             ..loader::keys::LiftArm::default()

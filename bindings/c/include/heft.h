@@ -507,7 +507,7 @@ typedef struct {
   double articulation; /* Angle between front and rear body, positive when the machine turns left. [rad] */
   double yaw_rate; /* Yaw rate of the rear body, positive anticlockwise from above. [rad/s] */
   double brake; /* Above 0 while friction brakes act; 0 or NAN: they do not. */
-  double lift_angle; /* Angle of the lift arm to the horizontal, up positive. [rad] */
+  double lift_angle; /* Angle of the lift arm to the machine's frame, 0 where it is level on level ground, up positive. [rad] */
   double tilt_angle; /* Angle of the bucket relative to the lift arm, tip up positive. [rad] */
   double lift_head_pressure; /* Pressure at the head side of the lift cylinders, their mean. [Pa] */
   double lift_rod_pressure; /* Pressure at the rod side of the lift cylinders, their mean. [Pa] */

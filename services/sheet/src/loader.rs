@@ -22,7 +22,7 @@ macro_rules! loader_signals {
                 12 YAW_RATE yaw_rate (yaw_rate) "rad/s" "Yaw rate of the rear body, positive anticlockwise from above." Declared;
             }
             later {
-                14 LIFT_ANGLE lift_angle (lift_angle) "rad" "Angle of the lift arm to the horizontal, up positive." Observed;
+                14 LIFT_ANGLE lift_angle (lift_angle) "rad" "Angle of the lift arm to the machine's frame, 0 where it is level on level ground, up positive." Observed;
                 15 TILT_ANGLE tilt_angle (tilt_angle) "rad" "Angle of the bucket relative to the lift arm, tip up positive." Observed;
                 16 LIFT_HEAD_PRESSURE lift_head_pressure (lift_head_pressure) "Pa" "Pressure at the head side of the lift cylinders, their mean." Observed;
                 17 LIFT_ROD_PRESSURE lift_rod_pressure (lift_rod_pressure) "Pa" "Pressure at the rod side of the lift cylinders, their mean." Observed;

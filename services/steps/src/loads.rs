@@ -258,12 +258,15 @@ impl LoadCounter {
         };
         self.row(&Row {
             time: m.stamp.time,
-            payload: weighed.or(scale.map(|(payload, _)| payload)),
+            payload: weighed.or(scale.map(|shown| shown.payload)),
             common_std: scale
                 .filter(|_| weighed.is_none())
-                .map(|(_, common)| common),
+                .map(|shown| shown.common),
             speed: m.speed,
-            changing: weighed.is_some() && m.reason == Reason::Load as u32,
+            changing: match weighed {
+                Some(_) => m.reason == Reason::Load as u32,
+                None => scale.is_some_and(|shown| shown.changing),
+            },
             trusted,
             why: why(m.reason, m.flags, trusted),
             witness: if weighed.is_some() {

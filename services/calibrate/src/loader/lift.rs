@@ -64,6 +64,15 @@ pub fn moments(settings: &Settings, samples: &[Sample]) -> Vec<LiftMoment> {
     samples.iter().filter_map(|s| lifts.step(s)).collect()
 }
 
+/// How far the bucket turns with the arm, by the angles of all recordings; none where it is stated.
+pub fn bucket_turn(d: &Description, inputs: &[Input]) -> Option<Quantity> {
+    let mut lifts = Lifts::new(&Settings::of(d, Method::Full))?;
+    for sample in inputs.iter().flat_map(|input| &input.samples) {
+        lifts.step(sample);
+    }
+    lifts.bucket_turn()
+}
+
 /// Time in which the arm rises (1) or sinks (-1) \[s\].
 fn moved<'a>(moments: impl Iterator<Item = &'a LiftMoment>, sign: f64) -> f64 {
     let these = moments.filter(|m| m.direction * sign > 0.0);
@@ -299,6 +308,12 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
     );
     let together = known.correlation * known.span_std * known.offset_std;
     Solution::before(&stds, &[(SPAN, ZERO, together)])
+}
+
+/// Takes it into a description.
+pub fn write_turn(turn: Quantity, pen: &mut Pen<Description>) {
+    pen.value("machine.lift_arm.bucket_turn", turn);
+    pen.std("machine.lift_arm.bucket_turn_std", turn.std);
 }
 
 /// The keys of the description.

@@ -18,12 +18,16 @@ fn described() -> Description {
     (a.length, a.pivot_x, a.pivot_z) = (2.68, -1.05, 1.32);
     (a.mass, a.mass_distance) = (690.0, 1.47);
     (a.bucket_mass, a.payload_distance) = (560.0, 0.59);
+    a.bucket_turn = Some(TURN);
     let c = &mut d.lift_cylinder;
     (c.head_area, c.rod_area) = (4.33e-3, 2.38e-3);
     (c.base_distance, c.rod_distance, c.angle) = (0.91, 1.39, 1.31);
     (c.friction, c.friction_std) = (0.03, 0.01);
     d
 }
+
+/// How far its bucket turns with its arm: a Z-bar.
+const TURN: f64 = 0.15;
 
 /// A machine that differs from its drawing.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +66,8 @@ impl Truth {
         let row = |k: i32| {
             let time = 0.02 * f64::from(k);
             let (th, rises) = (lift(time), (lift(time + 0.01) - lift(time - 0.01)).signum());
-            let tilt = 0.3 - 0.5 * th;
-            let reach = a.length * th.cos() + a.payload_distance * (th + tilt).cos();
+            let tilt = 0.3 - (1.0 - TURN) * th;
+            let reach = a.length * th.cos() + TURN * a.payload_distance * (th + tilt).cos();
             let moment = GRAVITY
                 * (self.arm * a.mass_distance * (th + self.beside).cos()
                     + (self.bucket + load) * reach);
@@ -233,6 +237,16 @@ fn a_machine_that_only_lifts_needs_no_wheels() {
     assert_eq!(outcome.faults, Vec::<String>::new());
     let (found, text) = outcome.description(&d, &[]).expect("a description");
     assert!(found.lift_cylinder.span_std > 0.0 && text.contains("only its lift cylinders"));
+    assert_eq!(found.lift_arm.bucket_turn, Some(TURN));
+    // Where nobody states how far the bucket turns with the arm, the angles tell.
+    let mut unstated = d.clone();
+    unstated.lift_arm.bucket_turn = None;
+    let outcome = calibrate(&inputs, &Options::of(&unstated)).expect("keys");
+    let (found, _) = outcome.description(&unstated, &[]).expect("a description");
+    let turn = found.lift_arm.bucket_turn.expect("it was learnt");
+    assert!((turn - TURN).abs() < 0.05, "{turn}");
+    let other = weighed(&found, &truth.record(2000.0, 9, up_and_down));
+    assert!((other.value - 2000.0).abs() < 40.0, "{other:?}");
     // One load alone is no result.
     let outcome = calibrate(&inputs[..1], &options).expect("keys");
     assert!(

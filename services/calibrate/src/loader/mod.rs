@@ -38,6 +38,7 @@ use crate::fit::{EXACT, Fit, Progress, Task, UNSTOPPED, values};
 use crate::honesty::{self, Direction};
 use crate::model::Model;
 use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
+use crate::output::Pen;
 
 /// The fit begins with scatters this much larger than usual, in their tolerances.
 const LARGE_SCATTER: f64 = 2.0;
@@ -106,6 +107,8 @@ pub struct Outcome {
     pub remarks: Vec<String>,
     /// What pressures showed of the lift cylinders.
     pub lift: Option<CylinderFit>,
+    /// How far the bucket turns with the arm, where nobody stated it.
+    turn: Option<Quantity>,
     /// Recordings in which the machine stands and lifts its arm.
     lifting: Vec<String>,
 }
@@ -187,6 +190,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         faults,
         remarks: noises.remarks,
         lift: None,
+        turn: lift::bucket_turn(options.description, inputs),
         lifting: lifting
             .iter()
             .map(|(_, input, _)| input.name.clone())
@@ -206,9 +210,13 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
             },
         );
     }
+    let mut linked = Pen::new(options.description.clone());
+    if let Some(turn) = outcome.turn {
+        lift::write_turn(turn, &mut linked);
+    }
     // Not where only some keys are asked for.
     if options.free.is_none()
-        && let Some(learnt) = lift::learn(options.description, inputs)
+        && let Some(learnt) = lift::learn(&linked.description, inputs)
     {
         let words = learnt.as_ref().map_or_else(String::clone, lift::words);
         if numbers.is_empty() && learnt.is_err() {

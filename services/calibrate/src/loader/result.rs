@@ -42,6 +42,9 @@ impl Outcome {
             pen.value(key, noise);
         }
         if let Some(learnt) = &self.lift {
+            if let Some(turn) = self.turn {
+                lift::write_turn(turn, &mut pen);
+            }
             lift::write(learnt, &mut pen);
         }
         let text = pen.text(&self.summary(), origin);

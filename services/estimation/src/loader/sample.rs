@@ -35,7 +35,7 @@ pub struct Sample {
     pub yaw_rate: Option<f64>,
     /// Friction brakes act.
     pub brake: bool,
-    /// Angle of the lift arm to the horizontal, up positive \[rad\].
+    /// Angle of the lift arm to the machine's frame, 0 where it is level on level ground, up positive \[rad\].
     pub lift_angle: Option<f64>,
     /// Angle of the bucket relative to the lift arm, tip up positive \[rad\].
     pub tilt_angle: Option<f64>,

@@ -49,6 +49,8 @@ impl MachineKind for Loader {
             ("mass_distance", arm.mass_distance),
             ("bucket_mass", arm.bucket_mass),
             ("payload_distance", arm.payload_distance),
+            // Its tilt cylinder sits on the arm, and its driver levels the bucket.
+            ("bucket_turn", 1.0),
             ("reference_angle", arm.reference.lift),
             ("reference_tilt", arm.reference.bucket - arm.reference.lift),
         ]

@@ -1,62 +1,160 @@
 //! A machine whose mass is measured: its payload is what it has more than empty.
+//!
+//! Empty is the least mass that has held, where it is about the described one or a load has left the machine with it: what a scale shows too
+//! much it shows empty as well. A mass that does not hold is a bucket that fills or empties, and no load.
 
 use estimation::Quantity;
 use estimation::math::norm;
 
-/// The machine's mass is measured: its payload is what it has more than empty.
-///
 /// Nobody states what such a scale is worth: half a percent of the machine, two percent of the load.
+const SCALE_STD: [f64; 2] = [0.005, 0.02];
+/// Smoothing of the mass [s].
+const SMOOTH: f64 = 0.2;
+/// A mass that stays within this share is the same one.
+const SAME: f64 = 0.01;
+/// It weighs a load after so long, and an empty machine after so long [s].
+const HOLDS: f64 = 0.3;
+const EMPTY_HOLDS: f64 = 1.0;
+/// A mass further below the described one is not that of this machine, in masses.
+const BELOW: f64 = 0.2;
+/// The empty machine weighs at most so much more than described, in masses; a load is more.
+const EMPTY: f64 = 0.05;
+
+/// The machine's mass is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// Described mass of the empty machine [kg].
     described: f64,
     /// Least mass that has held [kg].
-    empty: Option<f64>,
+    least: Option<f64>,
+    /// A load was on it, and has left.
+    was_loaded: bool,
+    was_emptied: bool,
+    /// Smoothed mass [kg], and when [s].
+    smooth: Option<(f64, f64)>,
     /// Mass that holds, and since when [kg], [s].
-    anchor: Option<(f64, f64)>,
+    anchor: (f64, f64),
 }
 
-/// Standard deviation of a mass, in masses, and of a load, in loads.
-const SCALE_STD: [f64; 2] = [0.005, 0.02];
-/// A mass holds that has stayed within this share for this long [s].
-const HOLDS: (f64, f64) = (0.01, 1.0);
-/// A mass further below the described one is not that of this machine, in masses.
-const BELOW: f64 = 0.2;
-/// The empty machine weighs at most so much more than described, in masses.
-const EMPTY: f64 = 0.05;
+/// What it shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shown {
+    pub payload: Quantity,
+    /// Standard deviation of what all loads share [kg].
+    pub common: f64,
+    /// The mass does not hold: the bucket fills, or empties.
+    pub changing: bool,
+}
 
 impl Scale {
     pub(super) fn new(described: f64) -> Self {
         Self {
             described,
-            empty: None,
-            anchor: None,
+            least: None,
+            was_loaded: false,
+            was_emptied: false,
+            smooth: None,
+            anchor: (0.0, 0.0),
         }
     }
 
-    /// Payload of this mass, and the standard deviation of what all loads share.
-    pub(super) fn step(&mut self, mass: f64, time: f64) -> Option<(Quantity, f64)> {
+    /// What this mass shows.
+    pub(super) fn step(&mut self, mass: f64, time: f64) -> Option<Shown> {
         if !(mass.is_finite() && mass > (1.0 - BELOW) * self.described) {
             return None;
         }
-        match self.anchor {
-            Some((anchor, since)) if (mass - anchor).abs() < HOLDS.0 * anchor => {
-                if time - since >= HOLDS.1 {
-                    self.empty = Some(self.empty.map_or(anchor, |e| e.min(anchor)));
-                }
-            }
-            _ => self.anchor = Some((mass, time)),
+        let (smooth, last) = self.smooth.unwrap_or((mass, time));
+        let smooth = smooth + ((time - last) / SMOOTH).clamp(0.0, 1.0) * (mass - smooth);
+        self.smooth = Some((smooth, time));
+        if (smooth - self.anchor.0).abs() > SAME * smooth {
+            self.anchor = (smooth, time);
         }
-        // Until it has been about as light as described, the machine that began may have been loaded already.
-        let learnt = self.empty.filter(|e| *e < (1.0 + EMPTY) * self.described);
+        let (held, since) = self.anchor;
+        if time - since >= EMPTY_HOLDS {
+            self.see_held(held);
+        }
+        // Until then the machine that began may have been loaded already.
+        let is_known = |least: &f64| self.was_emptied || *least < (1.0 + EMPTY) * self.described;
+        let learnt = self.least.filter(is_known);
+        let empty = learnt.unwrap_or(self.described);
         let zero = if learnt.is_some() {
             0.0
         } else {
             EMPTY * self.described
         };
-        let value = mass - learnt.unwrap_or(self.described);
-        let common = norm(&[SCALE_STD[1] * value, zero]);
-        let std = norm(&[SCALE_STD[0] * mass, common]);
-        Some((Quantity { value, std }, common))
+        // By the mass that holds: no row of it is worth more than another.
+        let common = norm(&[SCALE_STD[1] * (held - empty), zero]);
+        Some(Shown {
+            payload: Quantity {
+                value: mass - empty,
+                std: norm(&[SCALE_STD[0] * held, common]),
+            },
+            common,
+            changing: time - since < HOLDS,
+        })
+    }
+
+    /// A mass has held.
+    fn see_held(&mut self, mass: f64) {
+        let least = self.least.map_or(mass, |least| least.min(mass));
+        self.least = Some(least);
+        self.was_loaded |= mass > (1.0 + EMPTY) * least;
+        self.was_emptied |= self.was_loaded && mass < (1.0 + SAME) * least;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Masses at 100 Hz through a scale; what it says last of each, [from, to) in seconds.
+    fn shown(described: f64, parts: &[(f64, f64)]) -> Vec<Shown> {
+        let mut scale = Scale::new(described);
+        let (mut time, mut mass) = (0.0, parts[0].1);
+        let mut said = Vec::new();
+        for (seconds, to) in parts {
+            let rows = (100.0 * seconds) as u32;
+            let by = (to - mass) / f64::from(rows.max(1));
+            for _ in 0..rows {
+                mass += by;
+                time += 0.01;
+                said.push(scale.step(mass, time).expect("a mass of this machine"));
+            }
+        }
+        said
+    }
+
+    #[test]
+    fn a_bucket_that_fills_is_changing_and_a_full_one_is_not() {
+        let said = shown(
+            12_000.0,
+            &[(5.0, 12_100.0), (2.5, 15_700.0), (3.0, 15_700.0)],
+        );
+        assert!(said[550..740].iter().all(|s| s.changing));
+        let full = said.last().expect("rows");
+        assert!(!full.changing && full.payload.holds(3600.0));
+        assert!((full.payload.value - 3600.0).abs() < 1e-6, "{full:?}");
+    }
+
+    #[test]
+    fn a_scale_that_is_off_shows_it_empty_once_a_load_has_left() {
+        // 7 % more than described, whatever it is of.
+        let off = |kg: f64| 1.07 * kg;
+        let parts = [
+            (5.0, off(12_000.0)),
+            (1.0, off(15_500.0)),
+            (5.0, off(15_500.0)),
+            (1.0, off(12_000.0)),
+            (5.0, off(12_000.0)),
+            (1.0, off(15_500.0)),
+            (5.0, off(15_500.0)),
+        ];
+        let said = shown(12_000.0, &parts);
+        let (first, second) = (said[1090].payload, said.last().expect("rows").payload);
+        assert!(first.std > 600.0 && first.holds(3500.0), "{first:?}");
+        assert!(
+            (second.value - off(3500.0)).abs() < 1.0 && second.std < 150.0,
+            "{second:?}"
+        );
     }
 }

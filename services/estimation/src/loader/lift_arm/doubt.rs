@@ -22,7 +22,7 @@
 
 use super::drawing::Drawing;
 use super::geometry::{Empty, Posture};
-use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO};
+use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO, TURN};
 use super::tare::Tare;
 use crate::Quantity;
 use crate::loader::layout::Each;
@@ -30,7 +30,8 @@ use crate::math::sqrt;
 use crate::positive::positive;
 
 /// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
-/// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already.
+/// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already, and a linkage
+/// as all that there are.
 const MISSTATED: f64 = 1.6;
 
 /// Effects of each number on payload, ratio and height.
@@ -117,7 +118,7 @@ pub(super) struct Doubted {
 /// By how much the variance of a number is more than stated.
 fn weight(number: usize) -> f64 {
     match number {
-        LIFT_ZERO | TILT_ZERO => 1.0,
+        LIFT_ZERO | TILT_ZERO | TURN => 1.0,
         _ => MISSTATED * MISSTATED,
     }
 }
@@ -148,6 +149,23 @@ impl Doubts {
             .add(&effects, tared, weight);
         self.round = self.round.add(&effects, tared, weight);
         self.effects[number] = effects;
+    }
+
+    /// A number was learnt: its deviation is `by` times the old one, its value `moved` old deviations away.
+    pub fn learnt(&mut self, number: usize, by: f64, moved: f64) {
+        let (old, weight) = (self.effects[number], weight(number));
+        let new = old.map(|effect| by * effect);
+        let tared = self.last.map_or(0.0, |t| t.effects[number]);
+        self.sums = self
+            .sums
+            .add(&old, tared, -weight)
+            .add(&new, by * tared, weight);
+        self.effects[number] = new;
+        if let Some(last) = &mut self.last {
+            last.total += weight * (by * by - 1.0) * tared * tared;
+            last.tare.apart += moved * tared;
+            last.effects[number] = by * tared;
+        }
     }
 
     /// The bucket is empty and shows this now, or nobody knows what is in it.
@@ -188,6 +206,15 @@ impl Doubts {
             (None, None) => return (self.sums, [0.0; 3]),
         };
         (sums, gains.map(|gain| gain * apart))
+    }
+
+    /// How far the payload is off by what an emptied bucket tells, with what the numbers leave open [kg].
+    pub fn off(&self) -> Quantity {
+        let (sums, error) = self.conditioned();
+        Quantity {
+            value: error[0],
+            std: sqrt(sums.variances[0].max(0.0)),
+        }
     }
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.

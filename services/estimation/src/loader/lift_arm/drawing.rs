@@ -1,16 +1,19 @@
 //! The described numbers of the lift arm and of the machine, each with its doubt.
 
+use super::linkage::Linkage;
 use super::numbers::{
     BASE, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
     HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, NUMBERS, OFFSET, ROD_ZERO, SPAN,
     TILT_ZERO,
 };
 use super::turn::Turn;
+use crate::Quantity;
 use crate::loader::RATED_SHARE;
+use crate::loader::keys::LiftArm;
 use crate::loader::layout::Each;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
-use crate::math::sqrt;
+use crate::math::{norm, sqrt};
 
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
 const LEFT: [usize; 6] = [
@@ -24,6 +27,8 @@ const LEFT: [usize; 6] = [
 
 /// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
 pub(super) const FULL_PRESSURE: f64 = 20e6;
+/// Standard deviation of the pressure on the rod side where nobody measures it: valves hold up to 3 MPa there [Pa].
+const UNMEASURED_ROD: f64 = 0.8e6;
 /// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.
 const OTHER_BUCKET: f64 = 0.08;
 
@@ -35,6 +40,8 @@ const BUCKET_MASS: f64 = 0.2;
 const LOAD_PLACE: f64 = 0.1;
 const WEIGHED: f64 = 0.02;
 const SEALS: f64 = 0.5;
+/// The same of how far the bucket turns with the arm, which differs from posture to posture.
+const LINKAGE: f64 = 0.05;
 
 /// The described numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +54,8 @@ pub(super) struct Drawing {
     weighing: [f64; NUMBERS],
     /// How many of them are in doubt.
     pub doubted: usize,
+    /// Nobody states how far the bucket turns with the arm.
+    pub learns_turn: bool,
     /// Correlation of the errors of span and offset.
     pub correlation: f64,
     /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket [N m].
@@ -60,8 +69,9 @@ pub(super) struct Drawing {
     pub cylinder: Turn,
     /// What the bucket may carry [kg].
     pub capacity: f64,
-    /// Noise of a pressure [Pa].
+    /// Noise of a pressure, and standard deviation of its zero [Pa].
     pub pressure_std: f64,
+    pressure_zero_std: f64,
 }
 
 impl Drawing {
@@ -86,6 +96,7 @@ impl Drawing {
             values,
             std,
             weighing: weighing(std, span, offset),
+            learns_turn: arm.bucket_turn.is_none() && !span,
             doubted: if span || offset { NUMBERS } else { SPAN },
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
@@ -97,6 +108,7 @@ impl Drawing {
             ],
             cylinder: Turn::of(cylinder.angle),
             pressure_std: settings.sensors.pressure_std,
+            pressure_zero_std: settings.sensors.pressure_offset_std,
         })
     }
 
@@ -113,6 +125,29 @@ impl Drawing {
             values[number] += std[number];
             values
         })
+    }
+
+    /// A number is known better, or otherwise.
+    pub fn set(&mut self, number: usize, known: Quantity) {
+        self.values[number] = known.value;
+        self.std[number] = known.std;
+        // What a calibration has taken in stays there.
+        if self.weighing[number] > 0.0 {
+            self.weighing[number] = known.std;
+        }
+    }
+
+    /// What the rod side shows too much: by its sensor, and by what is usual where there is none.
+    pub fn rod_zero(&self, measured: bool) -> Quantity {
+        let zero = self.pressure_zero_std;
+        Quantity {
+            value: 0.0,
+            std: if measured {
+                zero
+            } else {
+                norm(&[zero, UNMEASURED_ROD])
+            },
+        }
     }
 
     /// Ratio and height of the empty machine, with standard deviations.
@@ -169,9 +204,22 @@ fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
         (0.0, sensors.angle_offset_std),
         (0.0, sensors.angle_offset_std),
         (0.0, OTHER_BUCKET * arm.bucket_mass),
+        turn(arm, cylinder.span_std > 0.0),
         (0.0, cylinder.span_std),
         (cylinder.force_offset, cylinder.force_offset_std),
     ]
+}
+
+/// How far the bucket turns with the arm: as stated, or of any machine. A calibration that states none had its loads carried with the arm.
+fn turn(arm: &LiftArm, calibrated: bool) -> (f64, f64) {
+    let std = if arm.bucket_turn_std > 0.0 {
+        arm.bucket_turn_std
+    } else {
+        LINKAGE
+    };
+    let stated = arm.bucket_turn.or(calibrated.then_some(1.0));
+    let known = stated.map_or(Linkage::NEW.known(), |value| Quantity { value, std });
+    (known.value, known.std)
 }
 
 /// The deviations that are left for the payload where the moment's span or offset was calibrated.

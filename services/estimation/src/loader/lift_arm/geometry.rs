@@ -4,7 +4,7 @@ use super::drawing::{Drawing, full_force};
 use super::numbers::{
     BASE, BUCKET, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
     HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, MASS, MASS_DISTANCE, NUMBERS, OFFSET,
-    PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO,
+    PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO, TURN,
 };
 use super::turn::Turn;
 use crate::loader::layout::Each;
@@ -46,7 +46,16 @@ pub(super) struct Posture {
 /// Places of the masses from the pivot [m].
 struct Places {
     arm: [f64; 2],
-    load: [f64; 2],
+    pin: [f64; 2],
+    /// The load from the bucket's pin.
+    beyond: [f64; 2],
+}
+
+impl Places {
+    /// The load, or what a raised arm moves of it: of the part beyond the pin as much as the bucket turns with the arm.
+    fn load(&self, turn: f64) -> [f64; 2] {
+        core::array::from_fn(|axis| self.pin[axis] + turn * self.beyond[axis])
+    }
 }
 
 /// The machine with its arm where it is, before a payload is added.
@@ -133,9 +142,10 @@ impl Drawing {
     fn places(v: &[f64; NUMBERS], arm: Turn, bucket: Turn) -> Places {
         Places {
             arm: [v[MASS_DISTANCE] * arm.cosine, v[MASS_DISTANCE] * arm.sine],
-            load: [
-                v[LENGTH] * arm.cosine + v[LOAD_DISTANCE] * bucket.cosine,
-                v[LENGTH] * arm.sine + v[LOAD_DISTANCE] * bucket.sine,
+            pin: [v[LENGTH] * arm.cosine, v[LENGTH] * arm.sine],
+            beyond: [
+                v[LOAD_DISTANCE] * bucket.cosine,
+                v[LOAD_DISTANCE] * bucket.sine,
             ],
         }
     }
@@ -147,11 +157,12 @@ impl Drawing {
         Self::places(v, arm, bucket)
     }
 
-    /// Moment of the empty arm and bucket, and that of a kilogram of load [N m], [N m/kg].
+    /// What the cylinders of the arm carry of the empty arm and bucket, and of a kilogram of load [N m], [N m/kg].
     pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
         let places = Self::places_now(v, posture);
         let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
-        let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
+        let carried = of(places.load(v[TURN]));
+        let per_load = carried.max(LEAST_LEVER * v[LENGTH] * GRAVITY);
         let missed: f64 = self
             .missed
             .iter()
@@ -159,7 +170,7 @@ impl Drawing {
             .map(|(m, turn)| m * turn)
             .sum();
         (
-            v[MASS] * of(places.arm) + (v[BUCKET] + v[EXCHANGED]) * of(places.load) + missed,
+            v[MASS] * of(places.arm) + (v[BUCKET] + v[EXCHANGED]) * carried + missed,
             per_load,
         )
     }
@@ -190,12 +201,12 @@ impl Drawing {
         let now = Self::places_now(v, posture);
         // The reference is where the arm truly stood.
         let then = Self::places(v, self.reference[0], self.reference[1]);
+        let (load, stated) = (now.load(1.0), then.load(1.0));
         let moved = |axis: usize| {
-            v[MASS] * (now.arm[axis] - then.arm[axis])
-                + v[BUCKET] * (now.load[axis] - then.load[axis])
+            v[MASS] * (now.arm[axis] - then.arm[axis]) + v[BUCKET] * (load[axis] - stated[axis])
         };
-        let ahead = (self.wheelbase + v[PIVOT_X] + now.load[0]) / self.wheelbase;
-        let height = v[PIVOT_Z] + now.load[1];
+        let ahead = (self.wheelbase + v[PIVOT_X] + load[0]) / self.wheelbase;
+        let height = v[PIVOT_Z] + load[1];
         Empty {
             mass: v[EMPTY_MASS] + v[EXCHANGED],
             front: v[EMPTY_MASS] * v[EMPTY_RATIO]

@@ -8,6 +8,7 @@
 use super::Quantity;
 use super::drawing::{Drawing, FULL_PRESSURE};
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
+use super::linkage::Linkage;
 use super::numbers::{
     BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, OFFSET, ROD_AREA, ROD_ZERO, SPAN,
 };
@@ -81,6 +82,7 @@ pub struct Lifts {
     seals: Seals,
     last: Option<Row>,
     block: Block,
+    linkage: Linkage,
     /// The rod side has a sensor.
     rod: Option<f64>,
 }
@@ -122,6 +124,7 @@ impl Lifts {
             seals: Seals::default(),
             last: None,
             block: Block::NONE,
+            linkage: Linkage::NEW,
             rod: None,
         })
     }
@@ -160,6 +163,12 @@ impl Lifts {
         }
     }
 
+    /// How far the bucket turns with the arm, by the rows so far; none where it is stated.
+    #[must_use]
+    pub fn bucket_turn(&self) -> Option<Quantity> {
+        self.drawing.learns_turn.then(|| self.linkage.known())
+    }
+
     /// A row; the moment of a block that ended with it.
     pub fn step(&mut self, sample: &Sample) -> Option<LiftMoment> {
         let (lift, head) = (sample.lift_angle?, sample.lift_head_pressure?);
@@ -185,7 +194,10 @@ impl Lifts {
         self.seals.take(self.drawing.rod_length(Turn::of(lift)), dt);
         let share = self.seals.share();
         let stands = sample.speed.is_none_or(|v| v.abs() < STANDS);
-        if !stands || share.abs() < FULLY {
+        let moves = stands && share.abs() >= FULLY;
+        self.linkage
+            .see([lift, row.bucket], moves && sample.tilt_angle.is_some());
+        if !moves {
             self.block = Block::NONE;
             return None;
         }
@@ -259,8 +271,9 @@ impl Lifts {
         }
         let block = core::mem::replace(&mut self.block, Block::NONE);
         let [lift, bucket] = [row.lift - first.lift, row.bucket - first.bucket];
-        // Linkages keep the bucket to the arm, or to the horizontal.
-        let turning = bucket.abs().min((bucket - lift).abs()) > TURNS * period;
+        // Linkages keep the bucket to the arm, or to the horizontal, or between.
+        let by_linkage = bucket.clamp(lift.min(0.0), lift.max(0.0));
+        let turning = (bucket - by_linkage).abs() > TURNS * period;
         if turning || lift.abs() < MOVES * period || block.direction == 0.0 {
             return None;
         }

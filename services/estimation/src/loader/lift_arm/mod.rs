@@ -6,22 +6,27 @@
 //! | `drawing`, `numbers` | the described numbers, each with its doubt |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
+//! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `turn` | sine and cosine of an angle, taken once a row |
+//! | `stops` | the ends of the arm's travel: what a stop carries is no weight |
 //! | `scale` | payload and rest of friction from row to row |
+//! | `saturation` | a pressure sensor at its end |
 //! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
 //! ```text
-//! tau = r(th) [n (A_h p_h - A_r p_r) - F]  =  m_a (x_a g' - z_a a) + (m_b + m_p)(x_b g' - z_b a)        about the pivot
+//! tau = r(th) [n (A_h p_h - A_r p_r) - F]  =  m_a (x_a g' - z_a a) + (m_b + m_p)(x_t g' - z_t a)        about the pivot
+//! (x_t, z_t) = pin + t (x_b - x_pin, z_b - z_pin)
 //! m = m_0 + m_p,   lam = [m_0 lam_0 + moved + m_p (l + x_f)/l]/m,   h = [m_0 h_0 + raised + m_p (pivot_z + z_b)]/m
 //! ```
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | th, beta | angle of the arm, of the bucket (pin to load) from the horizontal | rad |
 //! | x, z | centre of mass from the pivot, forward and up, of arm a, bucket and load b | m |
+//! | t | how far the bucket turns with the arm while nobody tilts (`linkage`): the tilt cylinder on a frame carries the rest | - |
 //! | r | lever of the cylinder, dl/dth | m |
 //! | F | friction of the seals | N |
 //! | g', a | g cos(slope), specific force along the body | m/s^2 |
@@ -34,9 +39,12 @@ mod doubt;
 mod drawing;
 mod geometry;
 mod lifts;
+mod linkage;
 mod numbers;
+mod saturation;
 mod scale;
 mod seals;
+mod stops;
 mod tare;
 mod turn;
 
@@ -46,15 +54,19 @@ use super::physics::cg_model::Loading;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
+use crate::math::norm;
 use below::Below;
-use content::Content;
+use content::{Content, Motion};
 use doubt::Doubts;
 use drawing::Drawing;
 use geometry::{Empty, Posture, USUAL_ROD_PRESSURE};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
-use numbers::EMPTY_MASS;
+use linkage::Linkage;
+use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
+use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
+use stops::{End, Stops};
 use tare::Emptied;
 use turn::Turn;
 
@@ -66,6 +78,8 @@ const STUCK: f64 = 3.0;
 const CHANGED: f64 = 60.0;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
+/// Deviations below nothing beyond which a bucket at the lower end of the arm's travel rests on something.
+const CARRIED: f64 = 1.9;
 /// Faster than this the machine shakes its sensors [m/s].
 const DRIVING: f64 = 0.5;
 
@@ -81,12 +95,16 @@ pub(super) struct LiftWitness {
     /// The last head pressure and lift angle, and how long they have stood still while the machine moved [s].
     held: [f64; 2],
     still: [f64; 2],
-    /// Rod pressure and specific force, held.
-    rod: f64,
+    saturation: Saturation,
+    /// The last rod pressure; none where nobody measures it.
+    rod: Option<f64>,
     carriage: Carriage,
     seals: Seals,
     content: Content,
+    stops: Stops,
     scale: Scale,
+    /// What the angles tell of the linkage; none where it is stated, or no angle of the bucket is measured.
+    linkage: Option<Linkage>,
     doubts: Doubts,
     emptied: Emptied,
     below: Below,
@@ -118,19 +136,23 @@ pub(super) struct Weighed {
 impl LiftWitness {
     /// The witness that a description allows; none where no arm is described.
     pub fn new(settings: &Settings) -> Option<Self> {
-        let drawing = Drawing::of(settings)?;
+        let mut drawing = Drawing::of(settings)?;
+        drawing.set(ROD_ZERO, drawing.rod_zero(false));
         Some(Self {
             scale: Scale::new(&drawing),
+            linkage: drawing.learns_turn.then_some(Linkage::NEW),
             drawing,
             angles: None,
             rates: [0.0; 2],
             last_time: 0.0,
             held: [f64::NAN; 2],
             still: [0.0; 2],
-            rod: USUAL_ROD_PRESSURE,
+            saturation: Saturation::NEW,
+            rod: None,
             carriage: Carriage::default(),
             seals: Seals::default(),
             content: Content::default(),
+            stops: Stops::default(),
             doubts: Doubts::default(),
             emptied: Emptied::default(),
             below: Below::default(),
@@ -162,7 +184,10 @@ impl LiftWitness {
             self.answer = None;
             return None;
         }
-        self.rod = sample.lift_rod_pressure.unwrap_or(self.rod);
+        if self.rod.is_none() && sample.lift_rod_pressure.is_some() {
+            self.know(ROD_ZERO, self.drawing.rod_zero(true));
+        }
+        self.rod = sample.lift_rod_pressure.or(self.rod);
         let bucket = self.drawing.bucket_angle(lift, sample.tilt_angle);
         let old = self.angles.filter(|_| dt > 0.0 && dt < FRESH);
         if old.is_none() {
@@ -224,7 +249,7 @@ impl LiftWitness {
             arm: Turn::of(lift),
             bucket: Turn::of(bucket),
             head,
-            rod: self.rod,
+            rod: self.rod.unwrap_or(USUAL_ROD_PRESSURE),
             gravity: self.drawing.gravity(sample.slope.unwrap_or(0.0)),
             acceleration: sample.acceleration.unwrap_or(0.0),
             seals: 0.0,
@@ -237,6 +262,7 @@ impl LiftWitness {
         self.seals.take(rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
         let mut motion = self.content.motion(self.rates, low, sample.speed, dt);
+        self.learn(posture, sample, &motion);
         let posture = Posture {
             seals: self.seals.share(),
             ..*posture
@@ -244,13 +270,7 @@ impl LiftWitness {
         if !self.drawing.carries_itself(&posture) {
             motion = self.content.put_down(&motion);
         }
-        let accelerated = sample.acceleration.is_some();
-        let seals = &self.seals;
-        self.scale
-            .step(&self.drawing, &posture, seals, &motion, accelerated, dt);
-        if self.scale.jumped() {
-            self.content.touch();
-        }
+        self.take(&posture, sample, &motion, dt);
         let posture = Posture {
             rest: self.scale.rest(),
             ..posture
@@ -263,13 +283,89 @@ impl LiftWitness {
         let tare = self.emptied.see(payload, &motion, capacity);
         self.doubts.empty(tare);
         if !motion.open {
-            let std = crate::math::norm(&[payload.std, self.doubts.shown()]);
+            let std = norm(&[payload.std, self.doubts.shown()]);
             self.below
                 .see(Quantity { std, ..payload }, empty.most(), low, dt);
         }
         let answer = self.answer(&empty, payload, motion.open);
         self.answer = Some(answer);
         answer
+    }
+
+    /// The payload by this row, as far as no stop and no ground carries.
+    fn take(&mut self, posture: &Posture, sample: &Sample, motion: &Motion, dt: f64) {
+        let lift = self.angles.map_or(0.0, |[lift, _]| lift);
+        self.stops.see(lift);
+        let drawing = &self.drawing;
+        self.scale.walk(drawing, &self.seals, motion, dt);
+        if self.stops.carry() {
+            self.scale.stop();
+            return;
+        }
+        let moves = motion.lifting || sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        if self.saturation.see(posture.head, moves, dt) {
+            return;
+        }
+        let accelerated = sample.acceleration.is_some();
+        self.scale
+            .step(drawing, posture, &self.seals, motion, accelerated, dt);
+        let jumped = self.scale.jumped();
+        let is_low = self.stops.is_at(End::Lower, lift);
+        let shown = drawing.payload(&drawing.values, posture);
+        if self.stops.is_at(End::Upper, lift) && self.scale.presses(drawing, posture, motion) {
+            self.scale.stop();
+            self.stops.meet(End::Upper, lift);
+        } else if is_low && jumped && self.is_less_than_nothing(shown, posture) {
+            self.scale.stop();
+            self.stops.meet(End::Lower, lift);
+        } else if is_low
+            && !motion.open
+            && self.is_less_than_nothing(self.scale.payload().value, posture)
+        {
+            // Nobody saw it come to rest.
+            self.scale.forget(drawing);
+            self.stops.meet(End::Lower, lift);
+        } else if jumped {
+            self.scale.open(drawing);
+            self.scale.dig(drawing, dt);
+            self.content.touch();
+        } else if motion.held {
+            self.scale.dig(drawing, dt);
+        }
+    }
+
+    /// The cylinders carry less than the empty arm and bucket, whatever the drawing and the seals leave open.
+    fn is_less_than_nothing(&self, payload: f64, posture: &Posture) -> bool {
+        let (drawing, v) = (&self.drawing, &self.drawing.values);
+        let (_, per_load) = drawing.moments(v, posture);
+        let friction = self.seals.unknown() * v[FRICTION] * drawing.full_force(v);
+        let seals = friction * drawing.lever(posture.arm) / per_load;
+        let off = self.doubts.off();
+        payload - off.value < -CARRIED * norm(&[seals, off.std])
+    }
+
+    /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
+    fn learn(&mut self, posture: &Posture, sample: &Sample, motion: &Motion) {
+        let (Some(linkage), Some(angles), Some(_)) =
+            (&mut self.linkage, self.angles, sample.tilt_angle)
+        else {
+            return;
+        };
+        let Some(turn) = linkage.see(angles, motion.lifting && !motion.held) else {
+            return;
+        };
+        let old = self.drawing;
+        self.know(TURN, turn);
+        let moments = [&old, &self.drawing].map(|d| d.moments(&d.values, posture));
+        self.scale.redraw(moments);
+    }
+
+    /// A number of the drawing is known better, or otherwise.
+    fn know(&mut self, number: usize, known: Quantity) {
+        let (value, std) = (self.drawing.values[number], self.drawing.std[number]);
+        let moved = (known.value - value) / std;
+        self.doubts.learnt(number, known.std / std, moved);
+        self.drawing.set(number, known);
     }
 
     /// The centre of gravity with this payload, with all doubts.

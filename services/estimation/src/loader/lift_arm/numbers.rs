@@ -22,8 +22,10 @@ pub(super) const LIFT_ZERO: usize = 18;
 pub(super) const TILT_ZERO: usize = 19;
 /// What the bucket weighs beyond the one that the empty machine was weighed with.
 pub(super) const EXCHANGED: usize = 20;
+/// How far the bucket turns with the arm while nobody tilts.
+pub(super) const TURN: usize = 21;
 /// Numbers of a calibration: relative error of the moment, and force that the pressures show too much.
-pub(super) const SPAN: usize = 21;
-pub(super) const OFFSET: usize = 22;
+pub(super) const SPAN: usize = 22;
+pub(super) const OFFSET: usize = 23;
 /// How many there are.
-pub(super) const NUMBERS: usize = 23;
+pub(super) const NUMBERS: usize = 24;

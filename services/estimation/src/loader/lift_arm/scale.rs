@@ -65,6 +65,21 @@ pub(super) struct Scale {
     fast: f64,
     heaving: f64,
     jumped: bool,
+    /// What was lifted: known, and the ground has not had it since.
+    lifted: Option<Lifted>,
+}
+
+/// A payload that was known in the air, where nothing comes into a bucket.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Lifted {
+    /// [kg], [kg^2]
+    payload: f64,
+    variance: f64,
+    /// Variance of what may have left since [kg^2].
+    left: f64,
+    /// Smoothed moment beyond it, as a share of the moment.
+    above: f64,
 }
 
 impl Scale {
@@ -78,6 +93,7 @@ impl Scale {
             fast: 0.0,
             heaving: HEAVING.0 * HEAVING.0,
             jumped: false,
+            lifted: None,
         }
     }
 
@@ -100,7 +116,6 @@ impl Scale {
         accelerated: bool,
         dt: f64,
     ) {
-        self.walk(drawing, seals, motion, dt);
         let (empty, per_load) = drawing.moments(&drawing.values, posture);
         let lever = drawing.lever(posture.arm).abs();
         let full = lever * drawing.full_force(&drawing.values);
@@ -114,17 +129,13 @@ impl Scale {
         let friction = drawing.values[FRICTION] * seals.unknown();
         let usual = norm(&[friction, drawing.std[FRICTION]]);
         self.listen(innovation / carried, motion, dt);
-        self.jumped = !motion.settling
+        let jumped = !motion.settling
             && !motion.lifting
             && (self.is_jump([carried, predicted, noise]) || self.state[1].abs() > JUMPS * usual)
             && !motion.held;
-        if self.jumped {
-            let open = JUMP * drawing.capacity;
-            self.covariance[0][0] += open * open;
-            (self.fast, self.state[1]) = (0.0, 0.0);
-        }
-        if motion.held || self.jumped {
-            self.dig(drawing, dt);
+        self.jumped = jumped;
+        self.lift(innovation, [per_load, carried], motion, dt);
+        if jumped || motion.held {
             return;
         }
         let mut share = self.heaving.max(HEAVING.1 * HEAVING.1);
@@ -142,10 +153,71 @@ impl Scale {
         self.correct(by, innovation, variance);
     }
 
+    /// Follows what was lifted, and how far the moment is beyond it.
+    fn lift(&mut self, innovation: f64, [per_load, carried]: [f64; 2], motion: &Motion, dt: f64) {
+        if motion.held {
+            self.lifted = None;
+        } else if !motion.open && !self.jumped && self.fast.abs() < 2.0 * UNEXPLAINED {
+            self.lifted = Some(Lifted {
+                payload: self.state[0],
+                variance: self.covariance[0][0],
+                left: 0.0,
+                above: 0.0,
+            });
+        }
+        if let Some(lifted) = &mut self.lifted {
+            let beyond = innovation + per_load * (self.state[0] - lifted.payload);
+            let share = (beyond / carried).clamp(-1.0, 1.0);
+            lifted.above += (dt / FAST).min(1.0) * (share - lifted.above);
+        }
+    }
+
+    /// The cylinders press with more than what was lifted.
+    pub fn presses(&self, drawing: &Drawing, posture: &Posture, motion: &Motion) -> bool {
+        self.lifted.is_some_and(|lifted| {
+            let moment = |payload: f64| {
+                let (empty, per_load) = drawing.moments(&drawing.values, posture);
+                empty + per_load * payload
+            };
+            let known = moment(lifted.payload).abs();
+            let std = moment(lifted.payload + sqrt(lifted.variance)).abs() - known;
+            let moves = if motion.lifting || motion.settling {
+                LIFTING
+            } else {
+                UNEXPLAINED
+            };
+            let usual = LEFT.0 * self.heaving + moves * moves;
+            // `above` is a share of what is shown now.
+            let above = lifted.above / (1.0 - lifted.above.min(0.9)) * known;
+            above > JUMPS * sqrt(std * std + usual * known * known)
+        })
+    }
+
+    /// A stop carries: the bucket holds what was lifted, or what is left of it.
+    pub fn stop(&mut self) {
+        if let Some(lifted) = self.lifted {
+            self.state[0] = lifted.payload;
+            self.covariance[0] = [lifted.variance + lifted.left, 0.0];
+            self.covariance[1][0] = 0.0;
+        }
+        (self.fast, self.jumped) = (0.0, false);
+    }
+
+    /// The content may have become another one at once.
+    pub fn open(&mut self, drawing: &Drawing) {
+        let open = JUMP * drawing.capacity;
+        self.covariance[0][0] += open * open;
+        (self.fast, self.state[1]) = (0.0, 0.0);
+    }
+
     /// Time passes over payload and rest of friction.
-    fn walk(&mut self, drawing: &Drawing, seals: &Seals, motion: &Motion, dt: f64) {
+    pub fn walk(&mut self, drawing: &Drawing, seals: &Seals, motion: &Motion, dt: f64) {
         let walk = TURNING_WALK * TURNING_WALK * motion.changing + CARRIED_WALK * CARRIED_WALK;
-        self.covariance[0][0] += walk * drawing.capacity * drawing.capacity * dt;
+        let variance = walk * drawing.capacity * drawing.capacity * dt;
+        self.covariance[0][0] += variance;
+        if let Some(lifted) = &mut self.lifted {
+            lifted.left += variance;
+        }
         let unknown = seals.unknown() * drawing.values[FRICTION];
         let time = if motion.lifting {
             REST_MOVING
@@ -185,7 +257,7 @@ impl Scale {
     }
 
     /// The ground carries a part: the content may become anything.
-    fn dig(&mut self, drawing: &Drawing, dt: f64) {
+    pub fn dig(&mut self, drawing: &Drawing, dt: f64) {
         let capacity = drawing.capacity;
         let (walk, most) = (DUG_WALK * capacity, DUG * capacity);
         let variance = &mut self.covariance[0][0];
@@ -211,6 +283,15 @@ impl Scale {
                 self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
             }
         }
+    }
+
+    /// The arm's own moment and that of a kilogram are other ones than was thought: the same moment is another payload.
+    pub fn redraw(&mut self, [before, after]: [(f64, f64); 2]) {
+        let by = before.1 / after.1;
+        self.state[0] = by * self.state[0] + (before.0 - after.0) / after.1;
+        self.covariance[0][0] *= by * by;
+        self.covariance[0][1] *= by;
+        self.covariance[1][0] *= by;
     }
 
     /// What the bucket holds, as far as the rows tell [kg].

@@ -71,6 +71,8 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
         mass_distance: real.mass_distance,
         bucket_mass: real.bucket_mass,
         payload_distance: real.payload_distance,
+        // The tilt cylinder sits on the arm, and the driver levels the bucket.
+        bucket_turn: Some(1.0),
         reference_angle: real.reference.lift,
         reference_tilt: real.reference.bucket - real.reference.lift,
         ..LiftArm::default()
