@@ -28,11 +28,11 @@ pub(super) struct Below {
 
 impl Below {
     /// Takes a payload with its whole deviation, `dt` after the last, while the bucket's content is known. `most`: what the rear axle
-    /// balances; `low`: the ground is within reach.
-    pub fn see(&mut self, payload: Quantity, most: f64, low: bool, dt: f64) {
+    /// balances; `rests`: the ground may carry a part.
+    pub fn see(&mut self, payload: Quantity, most: f64, rests: bool, dt: f64) {
         self.largest *= 1.0 - (dt / FADES).min(1.0);
         let above = payload.value - most;
-        let beyond = if low {
+        let beyond = if rests {
             above
         } else {
             above.max(-payload.value)

@@ -284,8 +284,10 @@ impl LiftWitness {
         self.doubts.empty(tare);
         if !motion.open {
             let std = norm(&[payload.std, self.doubts.shown()]);
+            // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
+            let rests = low && !sample.speed.is_some_and(|v| v.abs() > DRIVING);
             self.below
-                .see(Quantity { std, ..payload }, empty.most(), low, dt);
+                .see(Quantity { std, ..payload }, empty.most(), rests, dt);
         }
         let answer = self.answer(&empty, payload, motion.open);
         self.answer = Some(answer);
