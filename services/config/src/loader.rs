@@ -33,11 +33,14 @@ const FLOOR: f64 = 0.0444;
 const ENOUGH: f64 = 0.0889;
 const WALK: f64 = 3.3e-5;
 
+/// A mass that differs by no more from the reference machine's is its own, weighed or calibrated.
+const SAME: f64 = 0.05;
+
 /// The defaults of a loader of the stated mass; those of the reference machine where none is stated.
 fn of_its_size(loader: &Loader) -> Loader {
     let mut d = Loader::default();
     let mass = loader.machine.mass;
-    if mass == d.machine.mass {
+    if (mass / d.machine.mass - 1.0).abs() <= SAME {
         return d;
     }
     let stated = |value: f64, default: f64, guess: f64| {
