@@ -1,6 +1,6 @@
 //! What all weights of a machine are off together.
 
-use crate::math::norm;
+use crate::math::sqrt;
 
 /// Standard deviations of the errors that all weights of a machine share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,9 +13,16 @@ pub struct CommonError {
 }
 
 impl CommonError {
-    /// Of one weight \[kg\].
+    /// Variance of one weight \[kg\] by it [kg^2].
+    #[must_use]
+    pub fn variance(&self, kg: f64) -> f64 {
+        let scale = self.scale_std * kg;
+        scale * scale + self.zero_std * self.zero_std
+    }
+
+    /// Standard deviation of one weight \[kg\] by it \[kg\].
     #[must_use]
     pub fn std(&self, kg: f64) -> f64 {
-        norm(&[self.scale_std * kg, self.zero_std])
+        sqrt(self.variance(kg))
     }
 }

@@ -86,8 +86,8 @@ impl Row {
     /// The payload without what all are off together.
     pub(super) fn own(&self, common: &CommonError) -> Option<Quantity> {
         let Quantity { value, std } = self.weighed()?;
-        let (variance, together) = (std * std, common.std(value));
-        let own = (variance - together * together).max(LEAST_OWN * variance);
+        let variance = std * std;
+        let own = (variance - common.variance(value)).max(LEAST_OWN * variance);
         Some(Quantity {
             value,
             std: sqrt(own),

@@ -60,7 +60,7 @@ pub fn described(work: &Work) -> Settings {
         centres: [nominal.boom.centre, nominal.arm.centre, tool.link.centre],
         payload_centre: tool.payload_centre,
         payload_gyration: tool.payload_gyration,
-        rises: [0.0; 4],
+        rises: [0.0; 3],
         masses: [nominal.boom.mass, nominal.arm.mass, tool.link.mass],
         inertias: [
             nominal.boom.flat_inertia,

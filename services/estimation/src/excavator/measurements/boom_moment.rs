@@ -233,16 +233,19 @@ impl Block {
         };
         let [l1, l2] = g.lengths;
         let [c1, c2, c3] = g.centres;
+        let beside = |(x, z): (f64, f64), rise: f64, (sin, cos): (f64, f64)| {
+            (x - rise * sin, z + rise * cos)
+        };
+        let [boom, bucket, payload] = g.rises;
         let bodies = [
-            along([c1, 0.0, 0.0]),
+            beside(along([c1, 0.0, 0.0]), boom, turns[0]),
             along([l1, c2, 0.0]),
-            along([l1, l2, c3]),
-            along([l1, l2, g.payload_centre]),
+            beside(along([l1, l2, c3]), bucket, turns[2]),
+            beside(along([l1, l2, g.payload_centre]), payload, turns[2]),
         ];
         for (i, (x, z)) in bodies.into_iter().enumerate() {
-            let (sin, cos) = turns[i.min(2)];
-            self.x[i] += dt * (x - g.rises[i] * sin);
-            self.z[i] += dt * (z + g.rises[i] * cos);
+            self.x[i] += dt * x;
+            self.z[i] += dt * z;
         }
         for (sum, angle) in self.alpha.iter_mut().zip(alpha) {
             *sum += dt * angle;

@@ -41,7 +41,7 @@ impl Geometry {
             lengths: [g.boom_length, g.arm_length],
             centres: [g.boom_centre, g.arm_centre, g.bucket_centre],
             payload_centre: g.payload_centre,
-            rises: [g.boom_rise, 0.0, g.bucket_rise, g.payload_rise],
+            rises: [g.boom_rise, g.bucket_rise, g.payload_rise],
             payload_gyration: g.payload_gyration,
             masses: [g.boom_mass, g.arm_mass, g.bucket_mass],
             inertias: [g.boom_inertia, g.arm_inertia, g.bucket_inertia],

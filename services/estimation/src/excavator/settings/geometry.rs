@@ -26,8 +26,8 @@ pub struct Geometry {
     pub centres: [f64; 3],
     /// Bucket pin to the payload's centre of mass (cp) \[m\].
     pub payload_centre: f64,
-    /// Centres of boom, arm, bucket and payload beside the lines of the pins, on the side to which the link turns up (n1, 0, n3, np) \[m\].
-    pub rises: [f64; 4],
+    /// Centres of boom, bucket and payload beside the lines of the pins, on the side to which the link turns up (n1, n3, np) \[m\].
+    pub rises: [f64; 3],
     /// Radius of gyration of the payload (kp) \[m\].
     pub payload_gyration: f64,
     /// Masses of boom, arm, bucket \[kg\].
@@ -129,8 +129,8 @@ impl Geometry {
         let bucket_pin = arm_pin + self.lengths[1] * cos2;
         let radii = [
             self.boom_pin + self.centres[0] * cos1 - beside(0, 0),
-            arm_pin + self.centres[1] * cos2 - beside(1, 1),
-            bucket_pin + self.centres[2] * cos3 - beside(2, 2),
+            arm_pin + self.centres[1] * cos2,
+            bucket_pin + self.centres[2] * cos3 - beside(1, 2),
         ];
         let turned = |i: usize| {
             let (sin, cos) = turns[i];
@@ -139,7 +139,7 @@ impl Geometry {
         let of = |i: usize| self.masses[i] * radii[i] * radii[i] + turned(i);
         let own = turned(2) / self.masses[2].max(f64::MIN_POSITIVE);
         let links = of(0) + of(1);
-        let payload = bucket_pin + self.payload_centre * cos3 - beside(3, 2);
+        let payload = bucket_pin + self.payload_centre * cos3 - beside(2, 2);
         Inertia {
             empty: self.upper_inertia + (links + of(2)),
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,

@@ -89,11 +89,10 @@ impl Smoother {
         let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
         let (moved, identified) = self.said(&trail.along);
         let variance = left(trail.variance, identified) * self.disagreement;
-        let together = trail.loads.std(payload);
         Smoothed {
             payload: Quantity {
                 value: payload,
-                std: sqrt(left(own, known) * self.disagreement + together * together),
+                std: sqrt(left(own, known) * self.disagreement + trail.loads.variance(payload)),
             },
             inertia: Quantity {
                 value: trail.inertia - moved,

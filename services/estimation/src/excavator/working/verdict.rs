@@ -79,8 +79,7 @@ impl Working {
         let [payload, inertia] = if contradicted && weighs {
             self.scale.answer(&drive.now, [least, most], anything)
         } else {
-            let together = self.loads.std(payload);
-            let variance = p[M][M].max(0.0) * factor + together * together;
+            let variance = p[M][M].max(0.0) * factor + self.loads.variance(payload);
             [
                 (payload, variance + parallel[0] + anything),
                 (

@@ -186,8 +186,11 @@ impl Drawing {
 
     /// The cylinders carry arm and bucket, or at least a part that no description is off by.
     pub fn carries_itself(&self, posture: &Posture) -> bool {
-        let (empty, _) = self.moments(&self.values, posture);
-        self.lifting(&self.values, posture) > CARRIED_AT_LEAST * empty
+        let v = &self.values;
+        let lifting = self.lifting(v, posture);
+        // All of its mass at its end would ask for more than any posture does.
+        let most = (v[MASS] + v[BUCKET]) * (v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY;
+        lifting > CARRIED_AT_LEAST * most || lifting > CARRIED_AT_LEAST * self.moments(v, posture).0
     }
 
     /// The payload that the pressures of this row show [kg].

@@ -313,11 +313,13 @@ impl LiftWitness {
             .step(drawing, posture, &self.seals, motion, accelerated, dt);
         let jumped = self.scale.jumped();
         let is_low = self.stops.is_at(End::Lower, lift);
-        let shown = drawing.payload(&drawing.values, posture);
         if self.stops.is_at(End::Upper, lift) && self.scale.presses(drawing, posture, motion) {
             self.scale.stop();
             self.stops.meet(End::Upper, lift);
-        } else if is_low && jumped && self.is_less_than_nothing(shown, posture) {
+        } else if is_low
+            && jumped
+            && self.is_less_than_nothing(drawing.payload(&drawing.values, posture), posture)
+        {
             self.scale.stop();
             self.stops.meet(End::Lower, lift);
         } else if is_low

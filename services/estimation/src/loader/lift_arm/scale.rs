@@ -15,7 +15,7 @@ use super::geometry::Posture;
 use super::numbers::FRICTION;
 use super::seals::Seals;
 use crate::Quantity;
-use crate::math::{norm, sqrt};
+use crate::math::sqrt;
 
 /// How long heaving, lifting and settling contents do the same to the moment, and rows tell the same [s].
 const TOGETHER: f64 = 0.3;
@@ -126,13 +126,12 @@ impl Scale {
         let carried = shown.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
         let noise = lever * drawing.force_std();
-        let friction = drawing.values[FRICTION] * seals.unknown();
-        let usual = norm(&[friction, drawing.std[FRICTION]]);
         self.listen(innovation / carried, motion, dt);
         let jumped = !motion.settling
             && !motion.lifting
-            && (self.is_jump([carried, predicted, noise]) || self.state[1].abs() > JUMPS * usual)
-            && !motion.held;
+            && !motion.held
+            && (self.is_jump([carried, predicted, noise])
+                || self.is_no_friction(drawing, seals.unknown()));
         self.jumped = jumped;
         self.lift(innovation, [per_load, carried], motion, dt);
         if jumped || motion.held {
@@ -254,6 +253,12 @@ impl Scale {
             + LEFT.1 * noise * noise
             + UNEXPLAINED * UNEXPLAINED * square;
         self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
+    }
+
+    /// The rest of friction is more than that of any seals.
+    fn is_no_friction(&self, drawing: &Drawing, unknown: f64) -> bool {
+        let (friction, std) = (unknown * drawing.values[FRICTION], drawing.std[FRICTION]);
+        self.state[1] * self.state[1] > JUMPS * JUMPS * (friction * friction + std * std)
     }
 
     /// The ground carries a part: the content may become anything.
