@@ -166,7 +166,7 @@ impl Lifts {
     /// How far the bucket turns with the arm, by the rows so far; none where it is stated.
     #[must_use]
     pub fn bucket_turn(&self) -> Option<Quantity> {
-        self.drawing.learns_turn.then(|| self.linkage.known())
+        self.drawing.learns_turn.then(|| self.linkage.untouched())
     }
 
     /// A row; the moment of a block that ended with it.

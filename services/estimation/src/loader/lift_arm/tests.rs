@@ -208,13 +208,10 @@ fn a_tilt_cylinder_on_the_frame_carries_a_part_of_the_load() {
     };
     let by = weighed(Some(0.15));
     assert!((by.value - 3600.0).abs() < 60.0, "{by:?}");
-    // Nobody states it: the bucket tells, and is no surer than its drawing.
-    let learnt = weighed(None);
-    assert!((learnt.value - 3600.0).abs() < 120.0, "{learnt:?}");
-    assert!(
-        (by.std..2.0 * by.std).contains(&learnt.std),
-        "{learnt:?} {by:?}"
-    );
+    // Nobody states it: a hand may have turned the bucket as well.
+    let open = weighed(None);
+    assert!((open.value - 3600.0).abs() < 1.96 * open.std, "{open:?}");
+    assert!(open.std > by.std, "{open:?} {by:?}");
     // On the arm it would be an eighth less.
     let other = weighed(Some(1.0));
     assert!(other.value < 0.9 * 3600.0, "{other:?}");
