@@ -69,7 +69,7 @@ impl LoadCounter {
     #[must_use]
     pub fn new(description: &Description, options: Options) -> Self {
         let (rated, empty, common) = match description {
-            Description::Excavator(d) => (d.full_load(), 0.0, d.loads_common()),
+            Description::Excavator(d) => (d.prior.full_load(), 0.0, d.loads_common()),
             Description::Loader(d) => (
                 RATED_SHARE * d.machine.mass,
                 d.machine.mass,

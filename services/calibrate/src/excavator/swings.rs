@@ -245,11 +245,12 @@ const OFFSET_STD: f64 = 0.03;
 /// Noises within a factor of e or so.
 const NOISE_STD: f64 = 1.0;
 
-/// Relative standard deviation of the lengths that fix the radius of a load. By a guessed boom pin gain and masses err together, and
-/// an estimator that takes them for independent halves the variance: hence the root of 2.
+/// Relative standard deviation of the lengths that fix the radius of a load. By a guessed boom pin or centre of the load gain and masses
+/// err together, and an estimator that takes them for independent halves the variance: hence the 2.
 fn lengths(d: &Description) -> f64 {
-    let (tolerance, by_pin) = (d.machine.geometry_tolerance, d.guessed_radius_std());
-    (tolerance * tolerance + 2.0 * by_pin * by_pin).sqrt()
+    let tolerance = d.machine.geometry_tolerance;
+    let (by_pin, by_centre) = (d.guessed_radius_std(), d.guessed_centre_std());
+    (tolerance * tolerance + 2.0 * (by_pin * by_pin + by_centre * by_centre)).sqrt()
 }
 
 fn parameters(

@@ -78,12 +78,6 @@ impl Settings {
         Self::of(&Description::paper_preset(inertia))
     }
 
-    /// The payload of a full bucket, as the prior means it: two thirds of the payloads lie within one standard
-    /// deviation of the prior, and a full one a little beyond [kg].
-    pub(super) fn rated_payload(&self) -> f64 {
-        self.prior.payload + 1.25 * self.prior.payload_std
-    }
-
     /// Whether torque alone, or posture alone, can tell the inertia: on a machine that is calibrated, at an inertia
     /// that is declared constant, or on an axis that is no excavator's (lighter than its geometry).
     pub(super) fn is_partly_identifiable(&self) -> bool {
@@ -99,14 +93,14 @@ impl Settings {
             let stretched = self.geometry.inertia([0.0; 3]);
             return PartialRange {
                 least: self.geometry.folded_inertia(),
-                most: stretched.with_payload(self.rated_payload()),
+                most: stretched.with_payload(self.prior.full_load()),
                 scale: 0.0,
             };
         };
         let here = self.geometry.inertia(posture);
         PartialRange {
             least: here.empty,
-            most: here.with_payload(self.rated_payload()),
+            most: here.with_payload(self.prior.full_load()),
             scale: (self.prior.damping_std / self.nominal_damping.max(f64::MIN_POSITIVE)).min(1.0),
         }
     }

@@ -6,7 +6,7 @@
 //! and scales what hangs on it: a stated boom length its centre of mass, a stated rated payload the bucket.
 
 use super::geometry::Geometry;
-use super::keys::Description;
+use super::keys::{Description, Prior};
 use crate::CommonError;
 use crate::math::{cbrt, norm, sqrt};
 
@@ -28,7 +28,8 @@ const LOAD_RADIUS: f64 = 1.1;
 /// A guessed centre of the load is off by this share of its distance from the bucket pin, along and beside the line to the tip:
 /// buckets are bent, and .12 to .25 of the tip's distance deep beside it.
 const LOAD_CENTRE_SPREAD: f64 = 0.28;
-/// Standard deviations of the payload's prior from its middle to a full bucket.
+/// Standard deviations of the payload's prior from its middle to a full bucket: two thirds of the payloads lie within one, and a full
+/// one a little beyond.
 const FULL_STDS: f64 = 1.25;
 /// Centres beside the lines of the pins: goosenecks stand .05 to .12 of the boom above theirs; bucket and load lie .12 to .25 of the
 /// tip's distance behind the line to it [m/kg^(1/3)].
@@ -146,7 +147,7 @@ impl Description {
         }
     }
 
-    /// The same by the load's centre in the bucket. Who has calibrated with weighed loads knows what it does.
+    /// The same by the load's centre in the bucket. A calibration with weighed loads has it in the deviations that it found.
     #[must_use]
     pub fn guessed_centre_std(&self) -> f64 {
         let (g, guess) = (&self.geometry, self.of_its_size().geometry);
@@ -159,7 +160,8 @@ impl Description {
     }
 
     /// What the centres of boom and bucket, where nobody stated them, do to the weight of the empty attachment \[kg\].
-    fn guessed_form_std(&self) -> f64 {
+    #[must_use]
+    pub fn guessed_form_std(&self) -> f64 {
         let Some(mass) = self.machine.operating_mass else {
             return 0.0;
         };
@@ -172,18 +174,12 @@ impl Description {
             true => FORM_SPREAD_COMPACT,
             false => FORM_SPREAD,
         };
-        share * self.full_load()
+        share * self.prior.full_load()
     }
 
     /// Masses and gain were found together, from weighed loads.
     fn is_calibrated(&self) -> bool {
         self.machine.links_gain_correlation.is_some()
-    }
-
-    /// A full load: so many standard deviations above what is expected \[kg\].
-    #[must_use]
-    pub fn full_load(&self) -> f64 {
-        self.prior.payload + FULL_STDS * self.prior.payload_std
     }
 
     /// What all loads together are off: what lengths, a guessed boom pin and guessed centres do to the inertia of a kilogram, though not
@@ -237,13 +233,21 @@ impl Description {
         self.prior.payload = 0.5 * rated;
         self.prior.payload_std = 0.4 * rated;
         let reference = Self::default();
-        let scale = rated / reference.full_load();
+        let scale = rated / reference.prior.full_load();
         let e = &mut self.estimator;
         e.payload_min = scale * reference.estimator.payload_min;
         e.payload_max = 1.6 * rated;
         e.opening_change_max = scale * reference.estimator.opening_change_max;
         e.change_rate_std = scale * reference.estimator.change_rate_std;
         e.drop_q_m = scale * scale * reference.estimator.drop_q_m;
+    }
+}
+
+impl Prior {
+    /// The payload of a full bucket \[kg\].
+    #[must_use]
+    pub fn full_load(&self) -> f64 {
+        self.payload + FULL_STDS * self.payload_std
     }
 }
 

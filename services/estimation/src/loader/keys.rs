@@ -103,7 +103,7 @@ table! {
         payload_distance: f64 = 0.0, "m", 0.0 to 10.0;
         /// Its standard deviation.
         payload_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
-        /// How far the bucket turns with the arm while nobody tilts, in angles of the arm: 1 with the tilt cylinder on the arm; with the cylinder on the frame 0 for parallel lift, .1 to .3 for a Z-bar; "none" learns it from the angles.
+        /// How far the bucket turns with the arm while nobody tilts, in angles of the arm: 1 with the tilt cylinder on the arm; with the cylinder on the frame 0 for parallel lift, .1 to .3 for a Z-bar; "none" holds both cylinders for possible.
         bucket_turn: Option<f64> = None, "", -0.5 to 1.5;
         /// Its standard deviation; 0 for .05.
         bucket_turn_std: f64 = 0.0, "", 0.0 to 1.0;

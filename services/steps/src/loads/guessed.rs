@@ -1,14 +1,23 @@
-//! Lengths of a machine file that are guessed and make all loads wrong alike, in words.
+//! What a machine file leaves open that makes all loads wrong alike, in words.
 
 use config::{Description, Excavator};
 use estimation::HALF_WIDTH_95;
 
-/// What is guessed of an excavator's lengths, how wide that makes its loads, and what to state; `None` where all are stated.
+/// Where nobody says where a loader's tilt cylinder sits.
+const TILT_CYLINDER: &str = "All loads may be too heavy or too light alike: nothing says where the tilt cylinder sits, on the arm or on the frame. State \
+    machine.lift_arm.bucket_turn in the machine file, or lift a weighed load (heft calibrate).";
+
+/// What is open, how wide that makes the loads, and what to state; `None` where all is stated.
 #[must_use]
 pub fn guessed(description: &Description) -> Option<String> {
-    let Description::Excavator(d) = description else {
-        return None;
-    };
+    match description {
+        Description::Excavator(d) => guessed_lengths(d),
+        Description::Loader(d) => d.leaves_tilt_cylinder_open().then(|| TILT_CYLINDER.into()),
+    }
+}
+
+/// What is guessed of an excavator's lengths.
+fn guessed_lengths(d: &Excavator) -> Option<String> {
     let of_class = of_class(d).geometry;
     // Who states how well the lengths are known answers for them.
     let tolerance = d.of_its_size().machine.geometry_tolerance;
@@ -31,13 +40,17 @@ pub fn guessed(description: &Description) -> Option<String> {
             d.guessed_centre_std() > 0.0,
             "machine.geometry.payload_centre (bucket pin to the middle of a load)",
         ),
+        (
+            d.guessed_form_std() > 0.0,
+            "boom_centre, boom_rise, bucket_centre, bucket_rise (centres of mass along and beside the lines of the pins)",
+        ),
     ];
     let keys: Vec<&str> = lengths
         .iter()
         .filter(|(is_guessed, _)| *is_guessed)
         .map(|(_, key)| *key)
         .collect();
-    let full = d.full_load();
+    let full = d.prior.full_load();
     let percent = 100.0 * HALF_WIDTH_95 * d.loads_common().std(full) / full;
     (!keys.is_empty()).then(|| {
         format!(
@@ -82,9 +95,24 @@ mod tests {
             !six.contains("boom_pin") && six.contains("payload_centre"),
             "{six}"
         );
-        let seven = of(&format!("{FIVE}boom_pin = 0.2\npayload_centre = 0.9\n"));
-        assert_eq!(seven, None);
+        let seven = format!("{FIVE}boom_pin = 0.2\npayload_centre = 0.9\n");
+        let open = of(&seven).expect("a guess");
+        assert!(open.contains("file: boom_centre, boom_rise"), "{open}");
+        let drawing = "boom_centre = 2.7\nboom_rise = 0.4\n";
+        assert_eq!(of(&format!("{seven}{drawing}")), None);
         assert_eq!(of(""), None, "the reference machine");
+    }
+
+    #[test]
+    fn a_loader_s_tilt_cylinder_is_asked_for_where_an_arm_is_described() {
+        let of = |keys: &str| {
+            let text = format!("[machine]\nkind = \"loader\"\n{keys}");
+            guessed(&Description::parse(&text, "test", None).expect("a description"))
+        };
+        assert_eq!(of(""), None, "no arm");
+        let arm = "[machine.lift_arm]\nlength = 2.6\n";
+        assert!(of(arm).is_some_and(|words| words.contains("bucket_turn")));
+        assert_eq!(of(&format!("{arm}bucket_turn = 0.2\n")), None);
     }
 
     #[test]

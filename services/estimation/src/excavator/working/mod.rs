@@ -177,7 +177,7 @@ impl Working {
             noise: Noise::new(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
-            rated: settings.rated_payload(),
+            rated: settings.prior.full_load(),
             turn: 0.0,
             torque: 0.0,
             largest: 0.0,

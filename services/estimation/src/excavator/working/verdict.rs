@@ -31,7 +31,8 @@ const HARDLY_LEARNT: f64 = 0.05;
 const LOWEST_BOOM_ANGLE: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
 const MIN_SHARE: f64 = 0.33;
-/// Factor of the torque's noise variance above which the motion does not follow the model: sound machines stay below 3.
+/// Factor of the torque's noise variance above which the motion does not follow the model: at 3 no recording of a sound machine loses
+/// trust.
 const UNEXPLAINED: f64 = 10.0;
 /// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
 const FAULT_DEVIATIONS: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];

@@ -9,7 +9,7 @@ use super::numbers::{
 use super::turn::Turn;
 use crate::Quantity;
 use crate::loader::RATED_SHARE;
-use crate::loader::keys::LiftArm;
+use crate::loader::keys::{Description, LiftArm, LiftCylinder};
 use crate::loader::layout::Each;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
@@ -96,7 +96,7 @@ impl Drawing {
             values,
             std,
             weighing: weighing(std, span, offset),
-            learns_turn: arm.bucket_turn.is_none() && !span,
+            learns_turn: leaves_turn_open(arm, cylinder),
             doubted: if span || offset { NUMBERS } else { SPAN },
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
@@ -208,6 +208,19 @@ fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
         (0.0, cylinder.span_std),
         (cylinder.force_offset, cylinder.force_offset_std),
     ]
+}
+
+impl Description {
+    /// An arm is described, and nothing says where its tilt cylinder sits: both places are possible, and make its loads uncertain.
+    #[must_use]
+    pub fn leaves_tilt_cylinder_open(&self) -> bool {
+        self.lift_arm.length > 0.0 && leaves_turn_open(&self.lift_arm, &self.lift_cylinder)
+    }
+}
+
+/// Nobody states how far the bucket turns with the arm, and no calibration of the cylinders has taken it in.
+fn leaves_turn_open(arm: &LiftArm, cylinder: &LiftCylinder) -> bool {
+    arm.bucket_turn.is_none() && cylinder.span_std <= 0.0
 }
 
 /// How far the bucket turns with the arm: as stated, or of any machine. A calibration that states none had its loads carried with the arm.

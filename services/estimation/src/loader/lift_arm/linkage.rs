@@ -14,6 +14,9 @@
 //! It is a share and no product over stretches: what a hand does in one stretch it does in the next. Stretches are forgotten beyond a number,
 //! so no share is less than that of doubt. With a cylinder on the arm a hand must level a full bucket on the way up: for t = 1 a share
 //! of the level stretches counts there as well.
+//!
+//! At work a hand may level both ways, so no angles make the arm less likely than one in two. Who lifts for a calibration tilts nothing,
+//! and there the posterior stands as it is.
 
 use core::f64::consts::TAU;
 
