@@ -4,7 +4,7 @@ use super::Method;
 use super::estimate::Estimate;
 use super::filter::{Belief, CgFilter, RowReport};
 use super::floors::{Learns, with_floors};
-use super::layout::{Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
+use super::layout::{CG_HEIGHT, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
 use super::settings::Settings;
 use super::verdict::{Doubt, Intervals};
 use crate::Quantity;
@@ -18,7 +18,11 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
 ) -> (Each<f64>, Intervals) {
     let x = filter.state();
     let layout = const { Layout::of(N) };
-    let (own, std) = (Each::of(|i| x[i]), Each::of(|i| filter.std(i)));
+    let own = Each::of(|i| x[i]);
+    let std = Each {
+        ratio: filter.ratio_std(settings),
+        height: filter.std(CG_HEIGHT),
+    };
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
     let learns = Learns {
         radii: layout.radii.is_some(),

@@ -8,10 +8,12 @@
 //! | `curves` | curves that nobody reports |
 //! | `coupling` | a centre drive that is locked |
 //! | `directions` | whether the load sensitivity of the radii can be learnt |
+//! | `axles` | what the slips of each axle tell to first order |
 //! | `shared_slip` | errors that the slips of all wheels share |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `witnesses` | slips and weight: the sharper answers, the other checks it |
 
+pub(super) mod axles;
 pub(super) mod coupling;
 pub(super) mod curves;
 pub(super) mod directions;

@@ -18,6 +18,7 @@
 //! | `report` | what a row did |
 
 use super::Method;
+use super::doubts::axles::Axles;
 use super::doubts::coupling::Coupling;
 use super::doubts::curves::Curves;
 use super::doubts::directions::Directions;
@@ -30,7 +31,7 @@ use super::input::inclinometer::Inclinometer;
 use super::input::inputs::{InputHold, StepInputs};
 use super::input::steady::Steady;
 use super::input::stuck::Stuck;
-use super::layout::{SLIP_STIFFNESS, SPEED};
+use super::layout::{CG_RATIO, SLIP_STIFFNESS, SPEED};
 use super::load::known_load::KnownLoad;
 use super::load::mass_step::Load;
 use super::measurements::conditions::Digging;
@@ -84,6 +85,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     clock: TimeBase,
     windup: Windup,
     shared_slip: SharedSlip,
+    axles: Axles,
     quantisation: Quantisation,
     steady: Steady,
     stuck: Stuck,
@@ -140,6 +142,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             clock: TimeBase::default(),
             windup: Windup::default(),
             shared_slip: SharedSlip::default(),
+            axles: Axles::default(),
             quantisation: Quantisation::default(),
             steady: Steady::default(),
             stuck: Stuck::default(),
@@ -184,6 +187,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let range = settings.bounds()[0];
         let std = self.shared_slip.std(own, expected, range.high - range.low);
         quantity(own.value, std)
+    }
+
+    /// Standard deviation of the ratio: that of the filter, or more where one axle alone pulls.
+    pub(in crate::loader) fn ratio_std(&self, settings: &Settings) -> f64 {
+        let own = self.std(CG_RATIO);
+        if !settings.at_work() {
+            return own;
+        }
+        let prior = &settings.prior;
+        let ratio = Quantity {
+            value: self.state()[CG_RATIO],
+            std: self.expected_centre(settings)[1].1,
+        };
+        let by_slips = self
+            .axles
+            .ratio_std(ratio, prior.slip_stiffness_std / prior.slip_stiffness);
+        own.max(by_slips)
     }
 
     pub(in crate::loader) fn last_time(&self) -> Option<f64> {
@@ -249,11 +269,26 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.evidence.advance(dt, torque, acceleration);
         let force = torque / (self.dynamics.wheel_radius * self.dynamics.mass);
         self.shared_slip.see(speed, force, dt);
+        self.axles.see(self.pulled_slips(inputs), speed, dt);
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
         self.boom_reported |= sample.boom_moving;
         self.turning_reported |= sample.articulation.is_some() || sample.yaw_rate.is_some();
         self.changed += dt;
+    }
+
+    /// The slips by which the axles pull with these torques, to first order.
+    fn pulled_slips(&self, inputs: &Inputs) -> [f64; 2] {
+        let ratio = self.belief.state()[CG_RATIO];
+        let per_torque = 1.0
+            / (self.dynamics.wheel_radius
+                * self.dynamics.mass
+                * GRAVITY
+                * self.belief.state()[SLIP_STIFFNESS]);
+        [
+            inputs.front_torque * per_torque / ratio,
+            inputs.rear_torque * per_torque / (1.0 - ratio),
+        ]
     }
 
     /// What a mass that steps, or the motion, says of the load.
