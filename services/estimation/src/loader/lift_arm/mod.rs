@@ -289,7 +289,7 @@ impl LiftWitness {
             self.below
                 .see(Quantity { std, ..payload }, empty.most(), rests, dt);
         }
-        let answer = self.answer(&empty, payload, motion.open);
+        let answer = self.answer(&empty, payload, motion.open || self.scale.swings());
         self.answer = Some(answer);
         answer
     }
@@ -311,13 +311,12 @@ impl LiftWitness {
         let accelerated = sample.acceleration.is_some();
         self.scale
             .step(drawing, posture, &self.seals, motion, accelerated, dt);
-        let jumped = self.scale.jumped();
         let is_low = self.stops.is_at(End::Lower, lift);
         if self.stops.is_at(End::Upper, lift) && self.scale.presses(drawing, posture, motion) {
             self.scale.stop();
             self.stops.meet(End::Upper, lift);
         } else if is_low
-            && jumped
+            && self.scale.swings()
             && self.is_less_than_nothing(drawing.payload(&drawing.values, posture), posture)
         {
             self.scale.stop();
@@ -329,7 +328,7 @@ impl LiftWitness {
             // Nobody saw it come to rest.
             self.scale.forget(drawing);
             self.stops.meet(End::Lower, lift);
-        } else if jumped {
+        } else if self.scale.jumped() {
             self.scale.open(drawing);
             self.scale.dig(drawing, dt);
             self.content.touch();

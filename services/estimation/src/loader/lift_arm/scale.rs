@@ -27,6 +27,8 @@ const MEMORY: f64 = 3.0;
 const HEAVING: (f64, f64) = (0.02, 0.004);
 /// Moments of an arm that carries nothing heave too: what counts as carried at least, as a share of the full force.
 const ARM_ALONE: f64 = 0.03;
+/// A load on a machine that rocks after a stop swings for some periods of half a second: what heaves now, over this time [s].
+const ROCKING: f64 = 0.5;
 /// Square of an innovation beyond which it is no heaving: a fifth of the moment.
 const MOST_HEAVING: f64 = 0.04;
 /// What an accelerated arm adds, and what a moving content does, as shares of the moment.
@@ -64,6 +66,10 @@ pub(super) struct Scale {
     /// Smoothed innovation, and variance of what heaves, as shares of the moment.
     fast: f64,
     heaving: f64,
+    /// The same of the last second, whatever its size.
+    rocking: f64,
+    /// The moment is another one, of a rocking machine or of another content.
+    swings: bool,
     jumped: bool,
     /// What was lifted: known, and the ground has not had it since.
     lifted: Option<Lifted>,
@@ -92,6 +98,8 @@ impl Scale {
             covariance: [[capacity * capacity, 0.0], [0.0, friction * friction]],
             fast: 0.0,
             heaving: HEAVING.0 * HEAVING.0,
+            rocking: 0.0,
+            swings: false,
             jumped: false,
             lifted: None,
         }
@@ -126,18 +134,19 @@ impl Scale {
         let carried = shown.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
         let noise = lever * drawing.force_std();
-        self.listen(innovation / carried, motion, dt);
-        let jumped = !motion.settling
-            && !motion.lifting
-            && !motion.held
-            && (self.is_jump([carried, predicted, noise])
+        let expected = predicted / (carried * carried);
+        self.listen(innovation / carried, expected, motion, dt);
+        let still = !motion.settling && !motion.lifting && !motion.held;
+        self.swings = still && self.is_jump([carried, predicted, noise], self.heaving);
+        let jumped = still
+            && (self.swings && self.is_jump([carried, predicted, noise], self.heaves())
                 || self.is_no_friction(drawing, seals.unknown()));
         self.jumped = jumped;
         self.lift(innovation, [per_load, carried], motion, dt);
         if jumped || motion.held {
             return;
         }
-        let mut share = self.heaving.max(HEAVING.1 * HEAVING.1);
+        let mut share = self.heaves().max(HEAVING.1 * HEAVING.1);
         for (acts, std) in [
             (motion.lifting, LIFTING),
             (motion.settling, SETTLING),
@@ -199,7 +208,7 @@ impl Scale {
             self.covariance[0] = [lifted.variance + lifted.left, 0.0];
             self.covariance[1][0] = 0.0;
         }
-        (self.fast, self.jumped) = (0.0, false);
+        (self.fast, self.swings, self.jumped) = (0.0, false, false);
     }
 
     /// The content may have become another one at once.
@@ -237,21 +246,27 @@ impl Scale {
     }
 
     /// Follows the innovation, as a share of the moment.
-    fn listen(&mut self, innovation: f64, motion: &Motion, dt: f64) {
+    fn listen(&mut self, innovation: f64, expected: f64, motion: &Motion, dt: f64) {
         let innovation = innovation.clamp(-1.0, 1.0);
         self.fast += (dt / FAST).min(1.0) * (innovation - self.fast);
         if !motion.settling && !motion.lifting && !motion.held {
             let away = innovation - self.fast;
-            let square = (away * away).min(MOST_HEAVING);
-            self.heaving += (dt / MEMORY).min(1.0) * (square - self.heaving);
+            let square = away * away;
+            let rocking = (square - expected).max(0.0);
+            self.rocking += (dt / ROCKING).min(1.0) * (rocking - self.rocking);
+            self.heaving += (dt / MEMORY).min(1.0) * (square.min(MOST_HEAVING) - self.heaving);
         }
     }
 
-    fn is_jump(&self, [carried, predicted, noise]: [f64; 3]) -> bool {
+    /// Variance of what heaves, as a share of the moment: usually, or now.
+    fn heaves(&self) -> f64 {
+        self.heaving.max(self.rocking)
+    }
+
+    fn is_jump(&self, [carried, predicted, noise]: [f64; 3], heaves: f64) -> bool {
         let square = carried * carried;
-        let usual = LEFT.0 * self.heaving * square
-            + LEFT.1 * noise * noise
-            + UNEXPLAINED * UNEXPLAINED * square;
+        let usual =
+            LEFT.0 * heaves * square + LEFT.1 * noise * noise + UNEXPLAINED * UNEXPLAINED * square;
         self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
     }
 
@@ -310,6 +325,11 @@ impl Scale {
     /// Rest of friction, as a share of the full force.
     pub fn rest(&self) -> f64 {
         self.state[1]
+    }
+
+    /// The machine rocks, or the content is another one: a second of rows tells which.
+    pub fn swings(&self) -> bool {
+        self.swings
     }
 
     /// The moment jumped in this row, and no bucket turned.

@@ -400,3 +400,47 @@ fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
     }
     assert!(open < 30, "{open}");
 }
+
+#[test]
+fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
+    let work: Vec<Second> = stays(30, [0.5, 0.75], 3600.0).collect();
+    let rows = core::cell::Cell::new(0);
+    // From 10 s on: the pressure swings by half at 2 Hz, and dies away in a second.
+    let swings = |_, head: f64| {
+        rows.set(rows.get() + 1);
+        let time = 0.01 * f64::from(rows.get() - 990);
+        let swing = if time > 0.0 {
+            -0.5 * (-time).exp() * (12.0 * time).sin()
+        } else {
+            0.0
+        };
+        (1.0 + swing) * head
+    };
+    // And a pressure that breaks in for .1 s.
+    let breaks_in = |_, head: f64| {
+        rows.set(rows.get() + 1);
+        let share = if (985..995).contains(&rows.get()) {
+            0.5
+        } else {
+            1.0
+        };
+        share * head
+    };
+    let shown: [&dyn Fn(f64, f64) -> f64; 2] = [&swings, &breaks_in];
+    for shown in shown {
+        rows.set(0);
+        let said = run_shown(&work, shown);
+        for (second, weighed) in said[8..]
+            .iter()
+            .flatten()
+            .enumerate()
+            .filter(|(_, w)| !w.open)
+        {
+            let Weighed { payload, .. } = *weighed;
+            let error = (payload.value - 3600.0).abs();
+            assert!(error < 1.96 * payload.std, "{second}: {payload:?}");
+        }
+        let after = said[20].expect("fresh");
+        assert!(!after.open && after.payload.std < 500.0, "{after:?}");
+    }
+}
