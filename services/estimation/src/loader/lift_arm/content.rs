@@ -21,7 +21,7 @@ const HOLDS: f64 = 0.8;
 /// How far the machine drives until a low bucket is free of the ground [m]. Chosen on 58 loaders: 1 m is .05 less trusted, and as
 /// seldom wrong.
 const FREE_AFTER: f64 = 0.3;
-/// Who stands for three seconds pushes no more: as if it drove away at this speed [m/s].
+/// Who stands for three seconds without torque pushes no more: as if it drove away at this speed [m/s].
 const CREEPS: f64 = 0.1;
 
 /// Memory of arm and bucket.
@@ -63,11 +63,12 @@ pub(super) struct Motion {
 }
 
 impl Content {
-    /// Takes the rates of arm and bucket [rad/s], and how fast the machine drives [m/s]; `low` where the ground is within reach.
+    /// Takes the rates of arm and bucket [rad/s], and how fast the machine drives [m/s]; `low` where the ground is within reach, `pushes`
+    /// where the axles' torques do.
     pub fn motion(
         &mut self,
         [lift, bucket]: [f64; 2],
-        low: bool,
+        [low, pushes]: [bool; 2],
         speed: Option<f64>,
         dt: f64,
     ) -> Motion {
@@ -83,7 +84,8 @@ impl Content {
         };
         self.settling = (self.settling - dt).max(0.0);
         self.held = (self.held - dt).max(0.0);
-        let speed = speed.map_or(FREE_AFTER / HOLDS, |v| v.abs().max(CREEPS));
+        let slowest = if pushes { 0.0 } else { CREEPS };
+        let speed = speed.map_or(FREE_AFTER / HOLDS, |v| v.abs().max(slowest));
         self.way = if low {
             (self.way - speed * dt).max(0.0)
         } else {
@@ -125,25 +127,34 @@ mod tests {
     use super::*;
 
     const STILL: [f64; 2] = [0.0; 2];
+    const LOW: [bool; 2] = [true, false];
 
-    /// How long a bucket that the ground has taken hold of stays open [s]; low, and driven at this speed [m/s].
-    fn open_for(low: bool, speed: Option<f64>) -> f64 {
+    /// How long a bucket that the ground has taken hold of stays open [s]; low, pushed, and driven at this speed [m/s].
+    fn open_for(acts: [bool; 2], speed: Option<f64>) -> f64 {
         let mut content = Content::default();
-        (0..200).for_each(|_| _ = content.motion(STILL, low, speed, 0.01));
-        assert!(!content.motion(STILL, low, speed, 0.01).open);
+        (0..200).for_each(|_| _ = content.motion(STILL, acts, speed, 0.01));
+        assert!(!content.motion(STILL, acts, speed, 0.01).open);
         content.touch();
-        let open = (0..1000).take_while(|_| content.motion(STILL, low, speed, 0.01).open);
+        let open = (0..1000).take_while(|_| content.motion(STILL, acts, speed, 0.01).open);
         0.01 * open.count() as f64
     }
 
     #[test]
     fn the_ground_holds_a_low_bucket_until_the_machine_has_driven_away() {
-        assert!((open_for(true, Some(2.0)) - HOLDS).abs() < 0.02);
-        assert!((open_for(true, Some(-0.2)) - FREE_AFTER / 0.2).abs() < 0.02);
-        let pushing = open_for(true, Some(0.0));
-        assert!((pushing - FREE_AFTER / CREEPS).abs() < 0.02, "{pushing}");
-        assert_eq!(open_for(false, Some(0.0)), 0.0, "nothing to hold on to");
-        let unknown = open_for(true, None);
+        assert!((open_for(LOW, Some(2.0)) - HOLDS).abs() < 0.02);
+        assert!((open_for(LOW, Some(-0.2)) - FREE_AFTER / 0.2).abs() < 0.02);
+        let stood = open_for(LOW, Some(0.0));
+        assert!((stood - FREE_AFTER / CREEPS).abs() < 0.02, "{stood}");
+        assert!(
+            open_for([true; 2], Some(0.0)) > 9.9,
+            "the wheels still push"
+        );
+        assert_eq!(
+            open_for([false; 2], Some(0.0)),
+            0.0,
+            "nothing to hold on to"
+        );
+        let unknown = open_for(LOW, None);
         assert!((unknown - HOLDS).abs() < 0.02, "{unknown}");
     }
 
@@ -151,9 +162,9 @@ mod tests {
     fn an_arm_that_lifts_frees_its_bucket() {
         let mut content = Content::default();
         content.touch();
-        assert!(content.motion([0.3, 0.0], true, Some(0.0), 0.01).held);
-        assert!(!content.motion([0.3, 0.0], false, Some(0.0), 0.01).held);
-        (0..200).for_each(|_| _ = content.motion(STILL, true, Some(0.0), 0.01));
-        assert!(!content.motion(STILL, true, Some(0.0), 0.01).open);
+        assert!(content.motion([0.3, 0.0], LOW, Some(0.0), 0.01).held);
+        assert!(!content.motion([0.3, 0.0], [false; 2], Some(0.0), 0.01).held);
+        (0..200).for_each(|_| _ = content.motion(STILL, LOW, Some(0.0), 0.01));
+        assert!(!content.motion(STILL, LOW, Some(0.0), 0.01).open);
     }
 }

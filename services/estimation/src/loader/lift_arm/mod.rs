@@ -51,6 +51,7 @@ mod turn;
 use super::input::carriage::Carriage;
 use super::layout::Each;
 use super::physics::cg_model::Loading;
+use super::physics::wheel_dynamics::GRAVITY;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
@@ -80,6 +81,8 @@ const CHANGED: f64 = 60.0;
 const SMOOTH: f64 = 0.12;
 /// Deviations below nothing beyond which a bucket at the lower end of the arm's travel rests on something.
 const CARRIED: f64 = 1.9;
+/// Torques that drive with more than this share of the weight push against something: rolling resistance is half of it.
+const PUSHES: f64 = 0.05;
 /// Faster than this the machine shakes its sensors [m/s].
 const DRIVING: f64 = 0.5;
 
@@ -100,6 +103,8 @@ pub(super) struct LiftWitness {
     rod: Option<f64>,
     carriage: Carriage,
     seals: Seals,
+    /// Torque of both axles that pushes [N m].
+    pushing: f64,
     content: Content,
     stops: Stops,
     scale: Scale,
@@ -151,6 +156,7 @@ impl LiftWitness {
             rod: None,
             carriage: Carriage::default(),
             seals: Seals::default(),
+            pushing: PUSHES * GRAVITY * settings.machine.mass * settings.machine.wheel_radius,
             content: Content::default(),
             stops: Stops::default(),
             doubts: Doubts::default(),
@@ -261,7 +267,10 @@ impl LiftWitness {
         let rod_length = self.drawing.rod_length(posture.arm);
         self.seals.take(rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
-        let mut motion = self.content.motion(self.rates, low, sample.speed, dt);
+        let pushes = self.pushes(sample);
+        let mut motion = self
+            .content
+            .motion(self.rates, [low, pushes], sample.speed, dt);
         self.learn(posture, sample, &motion);
         let posture = Posture {
             seals: self.seals.share(),
@@ -292,6 +301,12 @@ impl LiftWitness {
         let answer = self.answer(&empty, payload, motion.open || self.scale.swings());
         self.answer = Some(answer);
         answer
+    }
+
+    /// The wheels push with more than it takes to roll.
+    fn pushes(&self, sample: &Sample) -> bool {
+        let torque = |axle: Option<f64>| axle.unwrap_or(0.0);
+        (torque(sample.front_torque) + torque(sample.rear_torque)).abs() > self.pushing
     }
 
     /// The payload by this row, as far as no stop and no ground carries.
