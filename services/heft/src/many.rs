@@ -123,7 +123,7 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
             continue;
         } else if kind?.is_dir() {
             folders.push(path);
-        } else if tables && is_table(&path) && path.is_file() {
+        } else if tables && path.is_file() && is_table(&path) {
             recordings.push(path);
         }
     }
@@ -159,8 +159,10 @@ pub fn is_ours(path: &Path) -> bool {
 /// Whether a file begins as one of these says.
 fn begins(path: &Path, kinds: &[fn(&[u8]) -> bool]) -> bool {
     let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
-    read.is_ok() && kinds.iter().any(|is_it| is_it(&head))
+    // To open a pipe waits until somebody writes it.
+    let opened = path.is_file().then(|| std::fs::File::open(path));
+    let read = opened.map(|f| f.and_then(|f| f.take(4096).read_to_end(&mut head)));
+    matches!(read, Some(Ok(_))) && kinds.iter().any(|is_it| is_it(&head))
 }
 
 /// First columns of a table of results.

@@ -9,6 +9,8 @@ use std::time::SystemTime;
 use crate::Error;
 use crate::file::Bytes;
 
+/// Key under which a part says its number.
+pub const PART: &str = "part";
 /// Key under which a joined recording names the parts that it was made of.
 pub(crate) const JOINED: &str = "joined";
 
@@ -175,6 +177,24 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
+/// Parts between the first and the last of a recording's files that are not there, in words. The oldest may have been removed
+/// for their age.
+pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
+    let mut numbers: Vec<u32> = files.iter().map(|file| part_number(file)).collect();
+    numbers.sort_unstable();
+    let pairs = numbers.windows(2).map(|pair| (pair[0] + 1, pair[1]));
+    let gaps = pairs.filter(|(from, to)| from < to);
+    let words = |(from, to)| match to - from {
+        1 => format!("{}: part {from} is missing", files[0].display()),
+        _ => format!(
+            "{}: parts {from} to {} are missing",
+            files[0].display(),
+            to - 1
+        ),
+    };
+    gaps.map(words).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,6 +229,10 @@ mod tests {
         touch(dir.path(), "run.recovered.mcap");
         assert_eq!(files(&first), Ok(parts.to_vec()));
         assert_eq!(files(&parts[2]), Ok(vec![parts[2].clone()]));
+        let lack = missing(&parts);
+        assert_eq!(lack.len(), 1, "{lack:?}");
+        assert!(lack[0].ends_with("run.mcap: parts 3 to 9 are missing"));
+        assert_eq!(missing(&parts[..2]), Vec::<String>::new());
         assert_eq!(next_part(&first), dir.path().join("run.part11.mcap"));
         let both = vec![first, dir.path().join("run-2.mcap")];
         let mut found = recordings(dir.path());
