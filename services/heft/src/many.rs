@@ -230,9 +230,11 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(work);
+        // Where the system gives fewer threads, fewer of them do all.
+        for _ in 1..workers {
+            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
         }
+        work();
     });
     if std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");
