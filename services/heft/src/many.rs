@@ -89,7 +89,7 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
         };
         if path.is_dir() {
             walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
-        } else if path.exists() {
+        } else if recording::exists(path) {
             // `*.csv` names what was made last time too.
             found.extend((!is_ours(path)).then(|| path.clone()));
         } else {
@@ -194,9 +194,8 @@ pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
 
 /// Whether a result is there and none of its sources is newer.
 pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
-    let changed = |p: &Path| std::fs::metadata(p).and_then(|m| m.modified()).ok();
-    let made = changed(result);
-    made.is_some() && sources.iter().all(|s| changed(s) <= made)
+    let made = recording::changed(result);
+    made.is_some() && sources.iter().all(|s| recording::changed(s) <= made)
 }
 
 /// Does all jobs; how each ended, in their order.

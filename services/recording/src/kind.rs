@@ -7,7 +7,7 @@ use crate::can::{self, Line, parse};
 use crate::csv;
 use crate::packed::GZIP;
 use crate::wide;
-use crate::{Error, file};
+use crate::{Error, file, parts};
 
 /// What samples are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +151,7 @@ impl Kind {
     /// It cannot be read, or it is a kind that heft does not read; the error says how to convert it.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let named = Self::by_name(path);
-        if path.is_dir() {
+        if path.is_dir() || !path.exists() && parts::exists(path) {
             return Ok(Self::Recording);
         }
         let mut head = Vec::new();

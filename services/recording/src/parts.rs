@@ -177,6 +177,20 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
+/// Whether there is something to read under this name: of a recording the first part may have been removed for its age.
+#[must_use]
+pub fn exists(path: &Path) -> bool {
+    path.exists() || changed(path).is_some()
+}
+
+/// When the latest of the files that this name stands for was written.
+#[must_use]
+pub fn changed(path: &Path) -> Option<SystemTime> {
+    let files = files(path).unwrap_or_default();
+    let written = |file: &PathBuf| std::fs::metadata(file).and_then(|m| m.modified()).ok();
+    files.iter().filter_map(written).max()
+}
+
 /// Parts between the first and the last of a recording's files that are not there, in words. The oldest may have been removed
 /// for their age.
 pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
@@ -234,9 +248,17 @@ mod tests {
         assert!(lack[0].ends_with("run.mcap: parts 3 to 9 are missing"));
         assert_eq!(missing(&parts[..2]), Vec::<String>::new());
         assert_eq!(next_part(&first), dir.path().join("run.part11.mcap"));
+        let later = SystemTime::now() + std::time::Duration::from_secs(60);
+        let last = std::fs::File::options().write(true).open(&parts[2]);
+        last.and_then(|file| file.set_modified(later))
+            .expect("its time");
+        assert_eq!(changed(&first), Some(later));
         let both = vec![first, dir.path().join("run-2.mcap")];
         let mut found = recordings(dir.path());
         found.sort_by_key(|f| f.as_os_str().len());
         assert_eq!(found, both);
+        std::fs::remove_file(&both[0]).expect("the first part");
+        assert!(exists(&both[0]));
+        assert!(!exists(&dir.path().join("run-3.mcap")));
     }
 }
