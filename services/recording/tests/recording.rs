@@ -188,7 +188,7 @@ fn a_pipe_is_no_recording() {
     let path = dir.path().join("run.mcap");
     let made = std::process::Command::new("mkfifo").arg(&path).status();
     assert!(made.expect("mkfifo").success());
-    let error = Reader::open(&path).err().expect("refused");
+    let error = Reader::open(&path).expect_err("refused");
     assert!(error.what.contains("a pipe or a device"), "{error}");
 }
 
