@@ -97,6 +97,13 @@ fn old_parts_make_room_for_new_ones() {
         kept.last(),
         answers.last()
     );
+    // Whoever takes files takes the name of the first part too, and who takes folders finds it.
+    let name = folder.path().join("run-2.mcap");
+    assert!(!name.exists(), "{sizes:?}: {said}");
+    run_ok(&["loads", text(folder.path())]);
+    run_ok(&["loads", text(&name)]);
+    let table = folder.path().join("estimates.csv");
+    run_ok(&["estimate", text(&name), "-o", text(&table)]);
 }
 
 #[test]

@@ -105,6 +105,38 @@ fn a_simulated_loader_gets_what_a_run_of_its_seed_gives() {
     the_second_is_the_one::<LoaderEstimate>("loader", "work-cycle", "loader/cg_ukf", &fields);
 }
 
+/// Each simulated machine is prepared, which takes minutes where they are many.
+#[test]
+fn many_machines_are_refused_or_ended_while_they_are_made() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let simulated = |count: &str| {
+        let mut heft = heft();
+        heft.args(["run", "excavator", "--quiet", "--machines", count]);
+        heft.arg("--out").arg(folder.path());
+        heft
+    };
+    let refused = simulated("1000000").output().expect("heft starts");
+    assert_eq!(refused.status.code(), Some(2), "{}", both(&refused));
+    assert!(both(&refused).contains("1..=100000"), "{}", both(&refused));
+    let shards = run(&["serve", "excavator", "--shards", "1000000"]);
+    assert_eq!(shards.status.code(), Some(2), "{}", both(&shards));
+    let mut child = simulated("100000")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("heft starts");
+    let shard = || {
+        processes().into_iter().any(|(_, line)| {
+            line.contains(&"--shard".to_owned()) && line.contains(&"excavator".to_owned())
+        })
+    };
+    wait_until("its shards to start", Duration::from_secs(20), shard);
+    kill(child.id(), Signal::TERM);
+    wait_until("it to end", Duration::from_secs(20), || {
+        child.try_wait().expect("a child").is_some()
+    });
+}
+
 #[test]
 fn recordings_are_a_machine_each() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -221,3 +221,18 @@ fn a_display_believes_no_window_that_is_not_made_for_its_group() {
          grep -q 'no pipeline runs' said || { cat said; exit 2; }",
     );
 }
+
+/// Root's processes are not limited in number.
+#[test]
+fn a_user_with_too_few_processes_is_told_so() {
+    passes(
+        "printf 't,swing_velocity,swing_torque\\n0,.1,9\\n' > day.csv; chmod a+r day.csv
+         for most in 1 2 8 11 14; do
+             for what in 'estimate day.csv --machine excavator -o day.out' 'run excavator --duration .3 -q --out run'; do
+                 foe \"exec prlimit --nproc=$most $heft $what\" > said 2>&1; status=$?
+                 case $status in 0|1|2) ;; *) echo \"$most: $what: $status\"; cat said; exit 1 ;; esac
+                 if grep panicked said; then exit 1; fi
+             done
+         done",
+    );
+}

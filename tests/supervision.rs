@@ -188,6 +188,20 @@ fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() 
     }
 }
 
+/// As programs do that care for no child of theirs: ignored signals are inherited.
+#[test]
+fn a_run_that_was_started_with_the_ends_of_children_ignored_ends_in_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = std::process::Command::new("env")
+        .args(["--ignore-signal=CHLD", env!("CARGO_BIN_EXE_heft")])
+        .args(["run", "excavator", "--duration", "0.5", "--quiet"])
+        .args(["--no-report", "--out"])
+        .arg(folder.path())
+        .output()
+        .expect("env");
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+}
+
 #[test]
 fn few_open_files_are_refused_with_the_command_that_helps() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -740,3 +740,29 @@ fn a_loader_s_units_and_size_are_doubted_too() {
         );
     }
 }
+
+/// To open a pipe waits until somebody writes it.
+#[test]
+fn pipes_in_a_folder_of_recordings_are_passed_over() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let name = |name: &str| path_in(dir.path(), name);
+    fs::copy(golden("excavator_input_drop.csv"), name("day.csv")).expect("a copy");
+    for pipe in ["a.csv", "b.log", "c.mcap"] {
+        let made = std::process::Command::new("mkfifo")
+            .arg(name(pipe))
+            .status();
+        assert!(made.expect("mkfifo").success());
+    }
+    let folder = dir.path().to_str().expect("a path");
+    run_ok(&["estimate", folder, "--machine", "excavator"]);
+    assert!(dir.path().join("day.estimates.csv").exists());
+    for pipe in ["a.csv", "c.mcap"] {
+        let output = run(&["loads", &name(pipe), "--machine", "excavator"]);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(
+            both(&output).contains("a pipe or a device"),
+            "{}",
+            both(&output)
+        );
+    }
+}

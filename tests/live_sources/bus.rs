@@ -44,6 +44,8 @@ fn assert_calm(output: &Output) {
     let said = both(output);
     let is_calm = !said.contains("panicked") && !said.contains("died");
     assert!(is_calm && output.status.code() != Some(2), "{said}");
+    // Shown where the test fails: whether frames were dropped.
+    println!("{said}");
 }
 
 /// Ends a run; what it recorded.

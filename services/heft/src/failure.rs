@@ -74,6 +74,15 @@ impl Failure {
         )
     }
 
+    /// A thread could not be started.
+    pub fn thread(error: std::io::Error) -> Self {
+        Self::input(
+            format!("cannot start a thread: {error}"),
+            "the limits of this user",
+            "check the limits on processes (ulimit -u) and memory",
+        )
+    }
+
     /// A defect of heft itself.
     pub fn internal(error: impl fmt::Display) -> Self {
         Self::input(

@@ -20,7 +20,7 @@ const LONGEST: u64 = 20;
 pub struct FleetRun {
     /// Drawn by chance; never 0.
     #[serde(rename = "run")]
-    id: u64,
+    pub id: u64,
     /// How many runs the machine has counted, this one too; 0 where it cannot keep count.
     #[serde(rename = "run_count")]
     count: u64,

@@ -59,7 +59,7 @@ fn main() -> ExitCode {
     // Warnings, unless the environment chooses otherwise.
     diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
     let _process = span();
-    outlive_limits();
+    take_signals();
     // Lists of processes would show the name that `image` starts it by.
     let _ = rustix::thread::set_name(c"heft");
     match dispatch(cli) {
@@ -71,11 +71,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// A file that may grow no further (`LimitFSIZE` of a unit) is a disk that is full, and no reason to be killed.
-fn outlive_limits() {
-    let seen = std::sync::Arc::default();
-    if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen) {
-        tracing::warn!(%error, "a limit of the size of files will end this program");
+/// A file that may grow no further (`LimitFSIZE` of a unit) is a disk that is full, and no reason to be killed. Whoever
+/// ignores the ends of children hands that on, and the kernel then tells nobody how a process of a run ended.
+fn take_signals() {
+    for signal in [signal_hook::consts::SIGXFSZ, signal_hook::consts::SIGCHLD] {
+        if let Err(error) = signal_hook::flag::register(signal, std::sync::Arc::default()) {
+            tracing::warn!(%error, signal, "a signal cannot be taken");
+        }
     }
 }
 

@@ -89,7 +89,7 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
         };
         if path.is_dir() {
             walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
-        } else if path.exists() {
+        } else if recording::exists(path) {
             // `*.csv` names what was made last time too.
             found.extend((!is_ours(path)).then(|| path.clone()));
         } else {
@@ -123,7 +123,7 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
             continue;
         } else if kind?.is_dir() {
             folders.push(path);
-        } else if tables && is_table(&path) && path.is_file() {
+        } else if tables && path.is_file() && is_table(&path) {
             recordings.push(path);
         }
     }
@@ -159,8 +159,10 @@ pub fn is_ours(path: &Path) -> bool {
 /// Whether a file begins as one of these says.
 fn begins(path: &Path, kinds: &[fn(&[u8]) -> bool]) -> bool {
     let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
-    read.is_ok() && kinds.iter().any(|is_it| is_it(&head))
+    // To open a pipe waits until somebody writes it.
+    let opened = path.is_file().then(|| std::fs::File::open(path));
+    let read = opened.map(|f| f.and_then(|f| f.take(4096).read_to_end(&mut head)));
+    matches!(read, Some(Ok(_))) && kinds.iter().any(|is_it| is_it(&head))
 }
 
 /// First columns of a table of results.
@@ -192,9 +194,8 @@ pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
 
 /// Whether a result is there and none of its sources is newer.
 pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
-    let changed = |p: &Path| std::fs::metadata(p).and_then(|m| m.modified()).ok();
-    let made = changed(result);
-    made.is_some() && sources.iter().all(|s| changed(s) <= made)
+    let made = recording::changed(result);
+    made.is_some() && sources.iter().all(|s| recording::changed(s) <= made)
 }
 
 /// Does all jobs; how each ended, in their order.
@@ -228,9 +229,11 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(work);
+        // Where the system gives fewer threads, fewer of them do all.
+        for _ in 1..workers {
+            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
         }
+        work();
     });
     if std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");

@@ -137,6 +137,7 @@ impl Plan {
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
         put(crate::build::KEY, crate::build::IDENTITY.to_owned());
         put("machine", self.machine.name().to_owned());
+        put("run", self.run.id.to_string());
         let processes = self.pipeline().stages.iter().map(|p| p.name);
         put("processes", processes.collect::<Vec<_>>().join(","));
         put("description", self.description.clone());

@@ -28,7 +28,7 @@ use crate::failure::Failure;
 /// The column that names the machine of a row.
 pub const NAME: &str = "machine";
 /// So many machines are too many for one router; a table whose names are something else has more.
-const MOST_MACHINES: usize = 100_000;
+pub const MOST_MACHINES: usize = 100_000;
 /// What is said of the others: they are left out, so that made-up names end nobody's estimates.
 const TOO_MANY: &str = "is of a machine beyond the first 100 000";
 /// So many of them are named where all have the same lack.

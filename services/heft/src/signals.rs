@@ -41,12 +41,13 @@ pub fn end_together(children: &Children) -> Result<(), Failure> {
 fn before_the_end(signals: &[i32], act: impl Fn(i32) + Send + 'static) -> Result<(), Failure> {
     let wanted = signals.iter().filter(|s| !is_ignored(**s));
     let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::internal)?;
-    std::thread::spawn(move || {
+    let body = move || {
         for signal in &mut signals {
             act(signal);
         }
-    });
-    Ok(())
+    };
+    let thread = std::thread::Builder::new();
+    thread.spawn(body).map(drop).map_err(Failure::thread)
 }
 
 /// Whether whoever started this wants it to outlive a signal (`nohup`, `&` in a script).

@@ -114,7 +114,7 @@ impl Supervisor {
             workers: Vec::new(),
             watch,
             taps,
-            cleaner: Cleaner::start(),
+            cleaner: Cleaner::start()?,
             spare: Spare::default(),
             _channels: held,
             _ports: ports,

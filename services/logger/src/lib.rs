@@ -79,8 +79,14 @@ impl Logger {
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
         let span = tracing::Span::current();
-        let thread =
-            std::thread::spawn(move || span.in_scope(|| write_all(recorder, consumer, &its)));
+        let body = move || span.in_scope(|| write_all(recorder, consumer, &its));
+        let thread = std::thread::Builder::new().spawn(body);
+        let thread = thread.map_err(|error| Error {
+            what: format!("cannot start the thread that writes: {error}"),
+            place: path.display().to_string(),
+            remedy: "check the limits on processes (ulimit -u) and memory".into(),
+            io: Some(error.kind()),
+        })?;
         Ok(Self {
             records: Some(records),
             recorded,

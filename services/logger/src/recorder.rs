@@ -86,7 +86,7 @@ impl Recorder {
         self.wall_offset_ns = wall_offset_ns();
         let mut metadata = self.metadata.clone();
         let number = recording::part_number(&self.part);
-        metadata.insert("part".into(), number.to_string());
+        metadata.insert(recording::PART.into(), number.to_string());
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let seconds = wall.map_or(0, |d| d.as_secs());
         metadata.insert("wall_clock.start".into(), recording::date_and_time(seconds));

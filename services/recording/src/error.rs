@@ -44,6 +44,9 @@ impl Error {
             Kind::ReadOnlyFilesystem => "choose another folder: this disk cannot be written",
             Kind::InvalidFilename => "choose a shorter name for the result (-o), or for its input",
             Kind::IsADirectory => "give a file, not a folder",
+            Kind::NotSeekable => {
+                "write it to a file (a packed .csv.gz is read as it is); `heft serve` and `heft run --input -` read pipes"
+            }
             Kind::InvalidData | Kind::InvalidInput => {
                 "its content is damaged, the disk is not: mend it, or get the file anew"
             }
@@ -51,6 +54,9 @@ impl Error {
         };
         let what = match error.kind() {
             Kind::NotFound => format!("cannot {doing}: no such file or folder"),
+            Kind::NotSeekable => format!(
+                "cannot {doing}: this is a pipe or a device, and heft reads a file more than once"
+            ),
             _ => format!("cannot {doing}: {error}"),
         };
         Self {

@@ -10,6 +10,18 @@ use std::time::{Duration, Instant};
 /// No record that is taken into memory is longer than this, whatever its length field says.
 pub(crate) const LIMIT: u64 = 64 << 20;
 
+/// Opens a file that can be read more than once. To open a pipe waits until somebody writes it.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    let about = std::fs::metadata(path)?;
+    if about.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !about.is_file() {
+        return Err(io::ErrorKind::NotSeekable.into());
+    }
+    File::open(path)
+}
+
 /// A file that is read at any place. Its length is that of the moment when it was opened, so that
 /// a file that still grows reads as one thing.
 #[derive(Debug)]
@@ -21,15 +33,9 @@ pub(crate) struct Bytes {
 
 impl Bytes {
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let about = file.metadata()?;
-        if about.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
-        Ok(Self {
-            file,
-            len: about.len(),
-        })
+        let file = open(path)?;
+        let len = file.metadata()?.len();
+        Ok(Self { file, len })
     }
 
     /// Fills `out` from `at` on; `None` where the file or the disk does not give it.

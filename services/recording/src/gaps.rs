@@ -54,8 +54,15 @@ impl Gaps {
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);
         (self.count > 0).then(|| {
+            // A time that no clock says would fill three lines with its digits.
+            let digits = |number: f64, plain: String| match number.abs() {
+                ..1e10 => plain,
+                _ => format!("{number:e}"),
+            };
+            let longest = digits(longest, format!("{longest:.0}"));
+            let at = digits(at, at.to_string());
             format!(
-                "the times have {} of more than {LONG} s, the longest of {longest:.0} s behind t = {at}: was the logger off, or its clock set?",
+                "the times have {} of more than {LONG} s, the longest of {longest} s behind t = {at}: was the logger off, or its clock set?",
                 match self.count {
                     1 => "a gap".into(),
                     count => format!("{count} gaps"),
@@ -103,6 +110,11 @@ mod tests {
         assert!(off.words().is_some_and(
             |said| said.contains("a gap of more") && said.contains("of 3600 s behind t = 7150")
         ));
+        let torn = of([0.0, 0.01, 1e308].into_iter());
+        assert!(
+            torn.words()
+                .is_some_and(|said| said.contains("of 1e308 s behind t = 0.01:"))
+        );
         for whole in [
             of(day(0.0)),
             of(day(0.0).map(|t| 1000.3 * t)),

@@ -1,14 +1,13 @@
 //! What kind of file it is: by its first bytes, else by its name.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::Error;
 use crate::can::{self, Line, parse};
 use crate::csv;
 use crate::packed::GZIP;
 use crate::wide;
+use crate::{Error, file, parts};
 
 /// What samples are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,18 +151,11 @@ impl Kind {
     /// It cannot be read, or it is a kind that heft does not read; the error says how to convert it.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let named = Self::by_name(path);
-        if path.is_dir() {
+        if path.is_dir() || !path.exists() && parts::exists(path) {
             return Ok(Self::Recording);
         }
-        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-            return Err(Error::new(
-                "this is a pipe or a device, and heft reads a file more than once",
-                path.display().to_string(),
-                "write it to a file (a packed .csv.gz is read as it is); `heft serve` and `heft run --input -` read pipes",
-            ));
-        }
         let mut head = Vec::new();
-        let begin = File::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head));
+        let begin = file::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head));
         begin.map_err(|e| Error::system("read the data", path, &e))?;
         if head.starts_with(MCAP) {
             return Ok(Self::Recording);

@@ -55,7 +55,8 @@ pub use load::{Samples, load, open};
 pub use map::Map;
 pub use output::Output;
 pub use parts::{
-    files_by_age, is_being_written, is_part_of, next_part, part, part_number, recordings, reserve,
+    PART, changed, exists, files_by_age, is_being_written, is_part_of, next_part, part,
+    part_number, recordings, reserve,
 };
 pub use plain::{OneLine, Plain, steers};
 pub use reader::{Lacks, Reader, Stream};

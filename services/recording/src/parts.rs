@@ -9,6 +9,8 @@ use std::time::SystemTime;
 use crate::Error;
 use crate::file::Bytes;
 
+/// Key under which a part says its number.
+pub const PART: &str = "part";
 /// Key under which a joined recording names the parts that it was made of.
 pub(crate) const JOINED: &str = "joined";
 
@@ -175,6 +177,38 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
+/// Whether there is something to read under this name: of a recording the first part may have been removed for its age.
+#[must_use]
+pub fn exists(path: &Path) -> bool {
+    path.exists() || changed(path).is_some()
+}
+
+/// When the latest of the files that this name stands for was written.
+#[must_use]
+pub fn changed(path: &Path) -> Option<SystemTime> {
+    let files = files(path).unwrap_or_default();
+    let written = |file: &PathBuf| std::fs::metadata(file).and_then(|m| m.modified()).ok();
+    files.iter().filter_map(written).max()
+}
+
+/// Parts between the first and the last of a recording's files that are not there, in words. The oldest may have been removed
+/// for their age.
+pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
+    let mut numbers: Vec<u32> = files.iter().map(|file| part_number(file)).collect();
+    numbers.sort_unstable();
+    let pairs = numbers.windows(2).map(|pair| (pair[0] + 1, pair[1]));
+    let gaps = pairs.filter(|(from, to)| from < to);
+    let words = |(from, to)| match to - from {
+        1 => format!("{}: part {from} is missing", files[0].display()),
+        _ => format!(
+            "{}: parts {from} to {} are missing",
+            files[0].display(),
+            to - 1
+        ),
+    };
+    gaps.map(words).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,10 +243,22 @@ mod tests {
         touch(dir.path(), "run.recovered.mcap");
         assert_eq!(files(&first), Ok(parts.to_vec()));
         assert_eq!(files(&parts[2]), Ok(vec![parts[2].clone()]));
+        let lack = missing(&parts);
+        assert_eq!(lack.len(), 1, "{lack:?}");
+        assert!(lack[0].ends_with("run.mcap: parts 3 to 9 are missing"));
+        assert_eq!(missing(&parts[..2]), Vec::<String>::new());
         assert_eq!(next_part(&first), dir.path().join("run.part11.mcap"));
+        let later = SystemTime::now() + std::time::Duration::from_secs(60);
+        let last = std::fs::File::options().write(true).open(&parts[2]);
+        last.and_then(|file| file.set_modified(later))
+            .expect("its time");
+        assert_eq!(changed(&first), Some(later));
         let both = vec![first, dir.path().join("run-2.mcap")];
         let mut found = recordings(dir.path());
         found.sort_by_key(|f| f.as_os_str().len());
         assert_eq!(found, both);
+        std::fs::remove_file(&both[0]).expect("the first part");
+        assert!(exists(&both[0]));
+        assert!(!exists(&dir.path().join("run-3.mcap")));
     }
 }

@@ -8,7 +8,7 @@ use mcap::records::op;
 use messages::{Message, NumberType, Value};
 
 use crate::file::Bytes;
-use crate::parts::{self, JOINED};
+use crate::parts::{self, JOINED, PART};
 use crate::record;
 use crate::scan::{Damage, Scan, Unpacked};
 use crate::schema::{self, RecordedField};
@@ -16,12 +16,21 @@ use crate::wire::{self, Scalar};
 use crate::writer::JUMPS;
 use crate::{Error, Metadata};
 
+/// What all parts of a run say alike, where they say it.
+const OF_A_RUN: [&str; 3] = ["run", "machine", "description.sha256"];
+
+fn left_out(file: &Path, why: &str) -> String {
+    format!("{}: it {why}, and is left out", file.display())
+}
+
 /// Reads an MCAP recording with all of its parts, also one that is cut off or still being written:
 /// then up to its last whole chunk. Nothing is ever written, and only one chunk is in memory at a
 /// time. What is damaged is left out, and reported by [`Reader::damage`].
 pub struct Reader {
     pub(crate) parts: Vec<Part>,
     metadata: Metadata,
+    /// Files beside it that bear a name of its parts and are none, and parts that are missing, in words.
+    apart: Vec<String>,
     found: RefCell<BTreeSet<(usize, Damage)>>,
     progress: Option<Box<dyn Fn(f64)>>,
 }
@@ -85,7 +94,7 @@ impl Part {
     /// Earlier than another part of the same run: by the number that a part says of itself, and by
     /// its first time where it says none.
     fn order(&self) -> (u32, u64) {
-        let number = self.scan.metadata.get("part").and_then(|n| n.parse().ok());
+        let number = self.scan.metadata.get(PART).and_then(|n| n.parse().ok());
         let first = self
             .scan
             .chunks
@@ -105,9 +114,16 @@ impl Reader {
     /// The file cannot be read, or is no MCAP file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
+        let files = parts::files(path)?;
         let mut parts = Vec::new();
-        for file in parts::files(path)? {
-            parts.extend(Part::open(&file)?);
+        let mut apart = Vec::new();
+        for file in &files {
+            match Part::open(file)? {
+                Some(part) => parts.push(part),
+                // Reserved, and never written.
+                None if std::fs::metadata(file).is_ok_and(|m| m.len() == 0) => {}
+                None => apart.push(left_out(file, "is no MCAP file")),
+            }
         }
         if parts.is_empty() {
             return Err(Error::new(
@@ -126,6 +142,26 @@ impl Reader {
                 .file_name()
                 .is_some_and(|n| joined.iter().any(|j| **j == *n))
         });
+        if joined.is_empty() {
+            apart.extend(parts::missing(&files));
+        }
+        let named = parts.first().map(|p| p.scan.metadata.clone());
+        let named = named.unwrap_or_default();
+        let mut numbers = BTreeSet::new();
+        parts.retain(|p| {
+            let its = &p.scan.metadata;
+            let is_other = OF_A_RUN.iter().any(
+                |key| matches!((named.get(*key), its.get(*key)), (Some(a), Some(b)) if a != b),
+            );
+            let is_known = its.get(PART).is_some_and(|n| !numbers.insert(n.clone()));
+            let why = match (is_other, is_known) {
+                (true, _) => "is of another run",
+                (_, true) => "holds a part once more",
+                _ => return true,
+            };
+            apart.push(left_out(&p.path, why));
+            false
+        });
         parts.sort_by_key(Part::order);
         let metadata = parts.first().map(|p| p.scan.metadata.clone());
         let mut metadata = metadata.unwrap_or_default();
@@ -143,6 +179,7 @@ impl Reader {
         Ok(Self {
             found: RefCell::new(parts.iter().enumerate().flat_map(found).collect()),
             metadata,
+            apart,
             parts,
             progress: None,
         })
@@ -188,13 +225,14 @@ impl Reader {
         self.parts.iter().map(|p| p.scan.lost_bytes).sum()
     }
 
-    /// What was found damaged so far, in words with its place: between the chunks when the recording
-    /// was opened, within them when they were read.
+    /// What was found damaged so far, in words with its place: missing parts, and files that are none, and between the
+    /// chunks when the recording was opened; within them when they were read.
     #[must_use]
     pub fn damage(&self) -> Vec<String> {
         let found = self.found.borrow();
         let line = |(i, d): &(usize, Damage)| format!("{}: {d}", self.parts[*i].path.display());
-        found.iter().map(line).collect()
+        let apart = self.apart.iter().cloned();
+        apart.chain(found.iter().map(line)).collect()
     }
 
     /// What of the recording cannot be given: what was found damaged so far, and what was cut off.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::copy::copy;
 use crate::file::{self, ClaimError};
 use crate::output::Unfinished;
-use crate::parts::JOINED;
+use crate::parts::{JOINED, PART};
 use crate::reader::{Part, Reader};
 use crate::writer::{RECORD, failure, options, with_sum};
 use crate::{Error, Metadata};
@@ -190,7 +190,7 @@ fn fill(reader: &Reader, path: &Path, file: File, note: &Metadata) -> Result<u64
     let fail = |e| failure(path, e);
     let mut writer = options().create(BufWriter::new(file)).map_err(fail)?;
     let mut metadata = reader.metadata().clone();
-    metadata.remove("part");
+    metadata.remove(PART);
     metadata.extend(note.clone());
     writer
         .write_metadata(&mcap::records::Metadata {

@@ -141,6 +141,58 @@ fn every_payload_survives_bit_for_bit_with_extreme_values() {
 }
 
 #[test]
+fn what_bears_the_name_of_a_part_and_is_none_is_left_out_and_told() {
+    let dir = folder();
+    let first = dir.path().join("run.mcap");
+    let part = |file: &Path, run: &str, number: u32, samples: std::ops::Range<u64>| {
+        let says = [("run", run.to_owned()), ("part", number.to_string())];
+        let says = says.map(|(k, v)| (k.to_owned(), v)).into();
+        let mut writer = Writer::create(file, &says).expect("a writable folder");
+        for i in samples {
+            writer
+                .write(&EXCAVATOR_SENSORS, &sample(i))
+                .expect("room on the disk");
+        }
+        writer.finish().expect("room on the disk");
+    };
+    let named = |n| recording::part(&first, n);
+    part(&first, "1", 1, 0..10);
+    part(&named(2), "1", 2, 10..20);
+    part(&named(3), "2", 3, 20..30);
+    std::fs::copy(named(2), named(4)).expect("a copy");
+    std::fs::write(named(5), "t,swing_velocity\n").expect("writable");
+    // Reserved by a logger that died before it wrote.
+    std::fs::write(named(6), "").expect("writable");
+    part(&named(9), "1", 9, 40..50);
+    let reader = Reader::open(&first).expect("a recording");
+    let samples: Vec<ExcavatorSensors> = reader.messages("excavator/sensors").expect("samples");
+    let numbers: Vec<u64> = samples.iter().map(|s| s.stamp.sequence).collect();
+    assert_eq!(numbers, (0..20).chain(40..50).collect::<Vec<_>>());
+    let told = reader.damage();
+    let said = [
+        "run.part5.mcap: it is no MCAP file, and is left out",
+        "run.mcap: parts 7 to 8 are missing",
+        "run.part3.mcap: it is of another run, and is left out",
+        "run.part4.mcap: it holds a part once more, and is left out",
+    ];
+    assert_eq!(told.len(), said.len(), "{told:?}");
+    for (told, said) in told.iter().zip(said) {
+        assert!(told.ends_with(said), "{told}");
+    }
+}
+
+/// A pipe that nobody writes would be waited for.
+#[test]
+fn a_pipe_is_no_recording() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    let made = std::process::Command::new("mkfifo").arg(&path).status();
+    assert!(made.expect("mkfifo").success());
+    let error = Reader::open(&path).expect_err("refused");
+    assert!(error.what.contains("a pipe or a device"), "{error}");
+}
+
+#[test]
 fn values_come_with_the_names_and_units_of_the_file() {
     let dir = folder();
     let path = dir.path().join("run.mcap");

@@ -8,7 +8,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors,
     excavator_bits as e, loader_bits as l,
 };
-use recording::csv::{EstimateWriter, export, read, read_weighings};
+use recording::csv::{EstimateWriter, export, misspelt, read, read_weighings};
 use recording::{Error, Map, Metadata, Reader, Writer, load, open};
 
 /// A file with this text in a folder of its own.
@@ -153,6 +153,24 @@ fn a_table_is_read_as_excel_writes_it() {
         error.place.ends_with("data.csv:3, column swing_velocity"),
         "{error}"
     );
+}
+
+/// Within seconds; each column compared with each other took minutes.
+#[test]
+fn a_table_may_have_a_hundred_thousand_columns() {
+    let others = 100_000;
+    let names: String = (0..others).map(|i| format!(",c{i}")).collect();
+    let cells = ",1".repeat(others);
+    let text = format!("t,swing_velocity,swing_torq{names}\n0,.5,0{cells}\n");
+    let begun = std::time::Instant::now();
+    let (_dir, path) = file(&text);
+    let rows = read::<ExcavatorSensors>(&path, None).expect("a table");
+    assert_eq!(rows[0].0.swing_velocity, 0.5);
+    assert_eq!(
+        misspelt::<ExcavatorSensors>(&path),
+        [("swing_torq".into(), "swing_torque".into())]
+    );
+    assert!(begun.elapsed().as_secs() < 30, "{:?}", begun.elapsed());
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use crate::Ports;
+use crate::{Error, Ports};
 
 /// The thread that cleans up.
 #[derive(Debug)]
@@ -20,11 +20,13 @@ pub struct Cleaner {
 
 impl Cleaner {
     /// Starts the thread; the domain has been entered before.
-    #[must_use]
-    pub fn start() -> Self {
+    ///
+    /// # Errors
+    /// The system has no thread for it.
+    pub fn start() -> Result<Self, Error> {
         let (ask, asked) = channel();
         let (say, done) = channel();
-        std::thread::spawn(move || {
+        let body = move || {
             // Made on demand: most runs see no death.
             let mut ports = None;
             for () in asked {
@@ -38,12 +40,14 @@ impl Cleaner {
                     return;
                 }
             }
-        });
-        Self {
+        };
+        let thread = std::thread::Builder::new();
+        thread.spawn(body).map_err(Error::thread)?;
+        Ok(Self {
             ask: Some(ask),
             done,
             asked_at: None,
-        }
+        })
     }
 
     /// Cleans up; false if that is not done within `limit` since it was asked for, now or by an earlier call:

@@ -20,6 +20,8 @@ use crate::home::{self, SHARED_MEMORY};
 
 /// Shared memory that one run may need, with margin; below it a run would end in SIGBUS.
 const ROOM_BYTES: u64 = 64 << 20;
+/// Names in shared memory that one run may need: that of an excavator has 250.
+const ROOM_NAMES: u64 = 300;
 /// Longest time that a command holds the lock of a domain that it only looks at.
 const LOOK: Duration = Duration::from_millis(500);
 /// Files of a domain, next to its lock.
@@ -411,7 +413,16 @@ fn check_room() -> Result<(), Error> {
             "run `heft doctor --clean`, remove other files there, or mount it larger (containers: --shm-size)",
         ));
     }
-    Ok(())
+    let names = rustix::fs::statvfs(SHARED_MEMORY).map(|s| (s.f_files, s.f_favail));
+    match names {
+        // Where names are not counted there are none.
+        Ok((1.., left)) if left < ROOM_NAMES => Err(Error::new(
+            format!("shared memory takes {left} more names, a run needs {ROOM_NAMES}"),
+            SHARED_MEMORY,
+            "run `heft doctor --clean`, remove other files there, or mount it with more (nr_inodes)",
+        )),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -34,6 +34,15 @@ impl Error {
         )
     }
 
+    /// A thread could not be started.
+    pub(crate) fn thread(error: std::io::Error) -> Self {
+        Self::new(
+            format!("cannot start a thread: {error}"),
+            "the limits of this user",
+            "check the limits on processes (ulimit -u) and memory",
+        )
+    }
+
     /// An error of the operating system.
     pub(crate) fn os(action: &str, place: impl Into<String>, error: impl fmt::Display) -> Self {
         Self::new(

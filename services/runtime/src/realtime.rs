@@ -106,7 +106,7 @@ pub fn keep_to(cores: &[usize]) -> std::io::Result<()> {
 /// Whether SCHED_FIFO would be permitted; the calling thread stays as it is.
 #[must_use]
 pub fn permitted() -> bool {
-    std::thread::spawn(|| {
+    let body = || {
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         let Ok(value) = ThreadPriorityValue::try_from(1u8) else {
             return false;
@@ -117,9 +117,9 @@ pub fn permitted() -> bool {
             policy,
         )
         .is_ok()
-    })
-    .join()
-    .unwrap_or(false)
+    };
+    let thread = std::thread::Builder::new().spawn(body);
+    thread.is_ok_and(|thread| thread.join().unwrap_or(false))
 }
 
 #[cfg(test)]

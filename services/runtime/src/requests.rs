@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use crate::Bell;
 use crate::control::{Control, ControlWord};
+use crate::{Bell, Error};
 
 /// Where a source begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,10 +81,13 @@ impl Requests {
 
 /// Listens to the supervisor on a thread of its own, so that the loop of the worker waits for its
 /// bell alone. Rings the bell on every wish.
-pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
+///
+/// # Errors
+/// The system has no thread for it.
+pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Result<Arc<Requests>, Error> {
     let requests = Arc::new(Requests::default());
     let shared = Arc::clone(&requests);
-    std::thread::spawn(move || {
+    let body = move || {
         loop {
             // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
             match control.hear(u32::MAX) {
@@ -97,8 +100,10 @@ pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
                 return;
             }
         }
-    });
-    requests
+    };
+    let thread = std::thread::Builder::new();
+    thread.spawn(body).map_err(Error::thread)?;
+    Ok(requests)
 }
 
 fn obey(requests: &Requests, word: &str) {

@@ -53,7 +53,7 @@ impl Worker {
             input,
         } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let requests = requests::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = requests::listen(Arc::clone(&control), bell.try_clone()?)?;
         let reporter = Reporter::start(setup.identity, setup.period_ns);
         Ok(Self {
             setup,

@@ -107,14 +107,16 @@ fn start(
     let Some(stdout) = child.stdout.take() else {
         return Err(Failure::internal("a run has no standard output"));
     };
-    std::thread::spawn(move || {
+    let body = move || {
         for line in BufReader::new(stdout).lines().map_while(Result::ok) {
             if sender.send((index, Some(line))).is_err() {
                 return;
             }
         }
         let _ = sender.send((index, None));
-    });
+    };
+    let thread = std::thread::Builder::new();
+    thread.spawn(body).map_err(Failure::thread)?;
     Ok(child)
 }
 

@@ -118,7 +118,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         keep_to(core)?;
     }
     if let Some(count) = args.machines {
-        return many::run(args, count.get());
+        return many::run(args, count as usize);
     }
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");

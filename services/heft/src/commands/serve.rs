@@ -15,6 +15,9 @@ use crate::serve::{Form, Input};
 use crate::way::{method, way};
 use crate::{machines, sources};
 
+/// More processes than computers have processors: a slip of the keyboard shall not start a million.
+const MOST_SHARDS: i64 = 1024;
+
 /// `heft serve`
 #[derive(Debug, Args)]
 pub struct ServeArgs {
@@ -27,11 +30,11 @@ pub struct ServeArgs {
     #[command(flatten)]
     pub with: EstimationArgs,
     /// At most one row a machine in so much of its time, in s; every row if 0
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     pub every: f64,
     /// Processes that the machines are shared among; as many as there are processors if absent
-    #[arg(long, value_name = "N")]
-    pub shards: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_SHARDS))]
+    pub shards: Option<u16>,
     /// Read and write messages as recordings hold them, in place of tables: for programs, such as `heft fleet serve`
     #[arg(long, conflicts_with = "map")]
     pub messages: bool,
@@ -76,7 +79,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
             content: Box::new(stdin().lock()),
         },
     };
-    let shards = args.shards.map_or_else(usual_shards, NonZeroUsize::get);
+    let shards = args.shards.map_or_else(usual_shards, usize::from);
     let mut arguments = shard_arguments(args.machine, method, &args.with.description, args.every);
     if args.messages {
         arguments.push("--messages".into());

@@ -79,19 +79,26 @@ pub fn play<S: Sensors>(
     (0..machines.count).for_each(|n| rows.add(&machines.name(n)));
     let failed = AtomicBool::new(false);
     let feed = |first: usize, shard: &RemoteShard| {
+        let stops = || signals.came() || failed.load(Ordering::Relaxed);
         let numbers = (first..machines.count).step_by(shards);
+        // To make a source takes milliseconds: of many a minute.
+        let players = numbers.take_while(|_| !stops());
         let players =
-            numbers.map(|n| make(&machines.plan(n)).map(|source| Player::<S>::new(n, source)));
+            players.map(|n| make(&machines.plan(n)).map(|source| Player::<S>::new(n, source)));
         let players = players.collect::<Result<Vec<_>, _>>();
         failed.fetch_or(players.is_err(), Ordering::Relaxed);
-        let stops = || signals.came() || failed.load(Ordering::Relaxed);
         Ok(Feed::new(machines.plan, shard, players?).run(stops))
     };
     let ((samples, late), served) = with_shards(shards, arguments, &rows, |all| {
         std::thread::scope(|scope| {
             let threads = all.iter().enumerate();
-            let threads = threads.map(|(first, shard)| scope.spawn(move || feed(first, shard)));
-            let threads: Vec<_> = threads.collect();
+            let threads = threads.map(|(first, shard)| {
+                let thread = std::thread::Builder::new();
+                let begun = thread.spawn_scoped(scope, move || feed(first, shard));
+                failed.fetch_or(begun.is_err(), Ordering::Relaxed);
+                begun.map_err(Failure::thread)
+            });
+            let threads = threads.collect::<Result<Vec<_>, _>>()?;
             threads
                 .into_iter()
                 .try_fold((0, 0), |sum: (u64, u64), thread| {

@@ -6,7 +6,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::Mutex;
-use std::thread::Scope;
+use std::thread::{Builder, Scope};
 use std::time::Duration;
 
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
@@ -175,21 +175,32 @@ impl<'a> RemoteShard<'a> {
 
     /// Takes its answers in a thread of their own, and replaces it when it dies.
     pub fn listen<'s>(&'a self, scope: &'s Scope<'s, 'a>) {
-        scope.spawn(move || {
+        let body = move || {
             let mut answers = lock(&self.answers).take();
             while let Some(pipe) = answers {
                 let has_ended = self.take_answers(pipe);
                 answers = self.replace(has_ended).unwrap_or_else(|failure| {
-                    lock(&self.output).failure = Some(failure.to_string());
-                    lock(&self.input).pipe = None;
+                    self.give_up(&failure);
                     None
                 });
                 if answers.is_some() {
                     // What the last process was sent goes to this one while this thread reads its answers.
-                    scope.spawn(move || lock(&self.input).pump(0));
+                    let pump = move || lock(&self.input).pump(0);
+                    if let Err(error) = Builder::new().spawn_scoped(scope, pump) {
+                        self.give_up(&Failure::thread(error));
+                        answers = None;
+                    }
                 }
             }
-        });
+        };
+        if let Err(error) = Builder::new().spawn_scoped(scope, body) {
+            self.give_up(&Failure::thread(error));
+        }
+    }
+
+    fn give_up(&self, failure: &Failure) {
+        lock(&self.output).failure = Some(failure.to_string());
+        lock(&self.input).pipe = None;
     }
 
     /// Whether they ended because the process did.

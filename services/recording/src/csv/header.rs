@@ -1,5 +1,7 @@
 //! The header of a table: the names of its columns, and their units.
 
+use std::collections::HashSet;
+
 use super::cells::Record;
 use super::dialect::{self, Dialect};
 use crate::Error;
@@ -70,8 +72,9 @@ fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
         .iter()
         .map(|name| dialect::text(name).trim().to_owned())
         .collect();
+    let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {
-        if !name.is_empty() && names[..i].contains(name) {
+        if !name.is_empty() && !seen.insert(name) {
             return Err(Error::new(
                 format!("two columns are called {name}"),
                 format!("{file}:1, column {}", i + 1),

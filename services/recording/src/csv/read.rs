@@ -351,11 +351,9 @@ pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
     let header = header.unwrap_or_default();
     let signals = crate::signal::signals::<S>();
     let known: Vec<&str> = signals.iter().map(|s| s.name.as_str()).collect();
-    let absent = known
-        .iter()
-        .filter(|name| !header.iter().any(|h| h == *name));
-    let near =
-        |column: &String| config::nearest(column, absent.clone().copied()).map(str::to_owned);
+    let is_absent = |name: &&str| !header.iter().any(|h| h == name);
+    let absent: Vec<&str> = known.iter().copied().filter(is_absent).collect();
+    let near = |column: &String| config::nearest(column, absent.iter().copied()).map(str::to_owned);
     let foreign = header.iter().filter(|h| !known.contains(&h.as_str()));
     foreign
         .filter_map(|h| Some((h.clone(), near(h)?)))

@@ -274,11 +274,12 @@ fn differences(body: &mut String, runs: &[(String, Run)]) {
     };
 }
 
-/// What a recording says of itself, a description key by key; when it was made stands elsewhere.
+/// What a recording says of itself, a description key by key; when it was made stands elsewhere, and
+/// each run has a number of its own.
 fn settings(run: &Run) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for (name, value) in &run.metadata {
-        if name.starts_with("wall_clock") {
+        if name.starts_with("wall_clock") || name == "run" {
             continue;
         }
         if !value.contains('\n') {
@@ -307,6 +308,7 @@ mod tests {
         let text = "# a remark\n[machine]\nmass = 3\n\n[sensors]\nrate = 100.0\n";
         let pairs = [
             ("description", text),
+            ("run", "5"),
             ("seed", "7"),
             ("wall_clock.start", "x"),
         ];

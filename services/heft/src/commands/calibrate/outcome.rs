@@ -27,13 +27,15 @@ pub fn unknown_key(e: String) -> Failure {
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let (mut hears, rings) = UnixStream::pair().map_err(Failure::internal)?;
-    std::thread::spawn(move || {
+    let body = move || {
         if hears.read_exact(&mut [0]).is_ok() {
             eprintln!(
                 "stopping after this step, with the best so far; a second interruption ends it at once"
             );
         }
-    });
+    };
+    let thread = std::thread::Builder::new();
+    thread.spawn(body).map_err(Failure::thread)?;
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         let again = Arc::clone(&stop);
         signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again)

@@ -1,7 +1,6 @@
 //! What `heft run` is given.
 
 use std::net::SocketAddr;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -10,6 +9,7 @@ use messages::Machine;
 use crate::args::{DescriptionArgs, machine};
 use crate::bounds::LimitArgs;
 use crate::fleet::FleetArgs;
+use crate::serve::MOST_MACHINES;
 
 /// How fast a run goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -41,7 +41,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub scenario: Option<String>,
     /// Payload of the simulator, in kg
-    #[arg(long, value_name = "KG")]
+    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     pub payload: Option<f64>,
     /// Leave out a kind of sensors that simulated machines have
     #[arg(long, value_enum, value_name = "KIND", conflicts_with = "input")]
@@ -61,11 +61,11 @@ pub struct RunArgs {
     pub output_map: Option<PathBuf>,
     /// Number of machines in one run, simulated (seeds one apart) or from the recordings in the folder --input. One process per
     /// processor steps them all; the estimates are one table
-    #[arg(long, value_name = "N", conflicts_with_all = [
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_MACHINES as i64), conflicts_with_all = [
         "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "group", "require_trust", "no_report",
         "live_lines", "probe", "threads",
     ])]
-    pub machines: Option<NonZeroUsize>,
+    pub machines: Option<u32>,
     /// What a truck shall hold, in kg: loads are counted, reported as they come, and shown at `/loads` of the live page
     #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
     pub target: Option<f64>,
@@ -76,10 +76,10 @@ pub struct RunArgs {
     #[arg(long)]
     pub method: Option<String>,
     /// Length of the run, in s; until the scenario ends if absent
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Sampling rate of the simulator, in Hz; that of the machine file if absent
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Seed of the simulator
     #[arg(long, default_value_t = 1)]
