@@ -70,7 +70,7 @@ impl Speed {
         };
         let (unit, factor) = UNITS[unit];
         Some(format!(
-            "swing_velocity seems to be in {unit}: no excavator swings as fast as {mean:.0} rad/s, {:.2} rad/s is usual\n  \
+            "swing_velocity seems to be in {unit}: no excavator swings at {mean:.0} rad/s, and {:.2} would be usual\n  \
              what to do: write `unit = \"{unit}\"` for swing_velocity in a signal map",
             mean / factor
         ))

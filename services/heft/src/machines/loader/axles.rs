@@ -25,9 +25,10 @@ const DRIVES: f64 = 1.0;
 const TURNS: f64 = 0.05;
 /// More difference of the wheel speeds than this is no slip that goes with the torque.
 const SLIPS: f64 = 0.2;
-/// Blocks that tell, and those of them in which it accelerates by so much [m/s^2].
-const ENOUGH: f64 = 100.0;
+/// Blocks that tell, those of them in which it accelerates by so much [m/s^2], and those of slip.
+const ENOUGH: f64 = 50.0;
 const HARD: f64 = 0.3;
+const SLIPPING: f64 = 100.0;
 /// Correlation from which on two belong together: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
 const TOGETHER: f64 = 0.5;
 /// A unit that is meant is within this factor, another tyre or gear too.
@@ -197,13 +198,13 @@ impl Axles {
 
     /// What one of the columns is that the others are not, and what to do, for a machine with this mass times wheel radius [kg m].
     pub(super) fn fault(&self, moment: f64) -> Option<String> {
-        if self.blocks < ENOUGH || self.hard < ENOUGH {
+        if self.blocks < ENOUGH || 2.0 * self.hard < ENOUGH {
             return None;
         }
         let what = self.wheel_unit().or_else(|| self.torque(moment));
         let what = what.or_else(|| self.accelerometer());
         what.or_else(|| {
-            (self.slipping >= ENOUGH && self.transfer() < -SURE).then(|| {
+            (self.slipping >= SLIPPING && self.transfer() < -SURE).then(|| {
                 "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down\n  \
                  what to do: exchange the two in the signal map"
                     .into()

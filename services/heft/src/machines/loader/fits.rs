@@ -21,12 +21,15 @@ const LIFTS: f64 = 1.0;
 
 /// Looks at columns alone, at the slope, at how the bucket is carried, and at wheels and torques.
 pub(in crate::machines) struct Fits {
-    angles: Angles<2>,
+    angles: Angles<3>,
     cylinder: Cylinder,
     /// Driving rows, and those in which the angle of the arm, that of the bucket, is beyond an arm's.
     driving: u32,
     beyond: [u32; 2],
     axles: Axles,
+    /// Rows with a mass, and with one that the described machine has in tonnes.
+    massive: u32,
+    tonnes: u32,
     /// Mass times wheel radius [kg m].
     moment: f64,
     rows: u64,
@@ -49,10 +52,10 @@ impl Fits {
         }
     }
 
-    /// Most of the time the arm is where only buckets are, and the bucket where arms are.
+    /// The arm is often where only buckets are, and the bucket hardly ever.
     fn is_exchanged(&self) -> bool {
         let [lift, tilt] = self.beyond;
-        2 * lift > self.driving && 20 * tilt < self.driving
+        10 * lift > self.driving && 100 * tilt < self.driving
     }
 
     /// What is wrong with the unit of the slope, and what to do.
@@ -81,11 +84,13 @@ impl Look for Fits {
     fn of(described: &config::Loader) -> Self {
         let machine = &described.machine;
         Self {
-            angles: Angles::new(["lift_angle", "tilt_angle"]),
+            angles: Angles::new(["lift_angle", "tilt_angle", "articulation"]),
             cylinder: Cylinder::new("lift"),
             driving: 0,
             beyond: [0; 2],
             axles: Axles::default(),
+            massive: 0,
+            tonnes: 0,
             moment: machine.mass * machine.wheel_radius,
             rows: 0,
             steep: [0; 2],
@@ -106,7 +111,11 @@ impl Look for Fits {
         self.plausible.push(&sample);
         self.axles.see(&sample);
         let angles = [sample.lift_angle, sample.tilt_angle];
-        self.angles.see(angles);
+        self.angles
+            .see([sample.lift_angle, sample.tilt_angle, sample.articulation]);
+        self.massive += u32::from(sample.mass.is_some());
+        let tonnes = |mass: f64| (self.mass / 2.0..2.0 * self.mass).contains(&(1e3 * mass));
+        self.tonnes += u32::from(sample.mass.is_some_and(tonnes));
         let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
         self.cylinder
             .see(sample.lift_head_pressure, sample.lift_rod_pressure, drives);
@@ -131,6 +140,9 @@ impl Look for Fits {
         }
         let said = if let Some(said) = self.slope_unit() {
             said
+        } else if 2 * self.tonnes > self.massive {
+            "mass seems to be in t: the machine has about a thousand times as many kg\n  \
+             what to do: write `unit = \"t\"` for mass in a signal map"
         } else if self.is_exchanged() {
             "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
              what to do: exchange the two in the signal map"
