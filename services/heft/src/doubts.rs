@@ -230,7 +230,7 @@ fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
             "{refused} of {rows} rows were refused: their time is missing or does not increase"
         ),
         "the time `t`",
-        "sort the rows by time, or map `t` to the column that increases",
+        "give the times with more digits if several rows have one, sort the rows by time, or map `t` to the column that increases",
     ))
 }
 

@@ -2,6 +2,7 @@
 
 mod excavator;
 mod loader;
+mod units;
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -252,6 +252,22 @@ mod tests {
     }
 
     #[test]
+    fn no_centre_of_gravity_lies_beyond_an_axle() {
+        for cg_ratio in [1.0, 1.03, -0.02] {
+            let estimate = LoaderEstimate {
+                cg_ratio,
+                cg_ratio_std: 0.04,
+                cg_distance: 2.8 * (1.0 - cg_ratio),
+                estimated: l::STATE,
+                ..Default::default()
+            };
+            let text = plain(&verdict(&estimate));
+            let words = format!("would carry {:.0}", 100.0 * cg_ratio).replace('-', "−");
+            assert!(text.contains(&words) && !text.contains("behind"), "{text}");
+        }
+    }
+
+    #[test]
     fn a_run_that_ends_at_standstill_tells_what_it_knew_before() {
         let run = [
             inertia(0),

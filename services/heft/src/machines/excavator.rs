@@ -4,6 +4,8 @@ mod boom;
 mod calibrate;
 mod figures;
 mod fits;
+mod postures;
+mod speed;
 
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};

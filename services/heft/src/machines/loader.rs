@@ -1,5 +1,6 @@
 //! The wheel loader on the command line.
 
+mod axles;
 mod calibrate;
 mod figures;
 mod fits;

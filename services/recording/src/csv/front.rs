@@ -100,6 +100,8 @@ pub(super) struct Front {
     pub dialect: Dialect,
     /// Units in a row of their own below the header, a text for each column.
     pub units: Option<Vec<String>>,
+    /// Names in the row above the header, which count where it has an empty cell.
+    pub above: Vec<String>,
 }
 
 impl Front {
@@ -142,6 +144,7 @@ impl Front {
                     };
                     let start = end_of(line.trim_ascii_start());
                     return Some(Self {
+                        above: above(&head[begin..at], &cells(line, dialect), dialect),
                         start,
                         dialect,
                         units,
@@ -152,6 +155,7 @@ impl Front {
                         start: after_mark,
                         dialect,
                         units: None,
+                        above: Vec::new(),
                     });
                 }
                 Line::Nothing | Line::Units(_) | Line::Row => {}
@@ -159,6 +163,18 @@ impl Front {
         }
         None
     }
+}
+
+/// The names in the last line of what stands above a header, where it has as many cells: groups, and columns of none.
+fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
+    let last = lines(text, 0).last().map(|(_, line)| cells(line, dialect));
+    let is_header = |row: &Record| {
+        let number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
+        row.len() == header.len() && !row.iter().any(number)
+    };
+    let text = |cell: &[u8]| dialect::text(cell).trim().to_owned();
+    let last = last.filter(is_header);
+    last.map_or_else(Vec::new, |row| row.iter().map(text).collect())
 }
 
 /// Lines above a header that are looked for it.
@@ -216,11 +232,18 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
         .filter(|line| are_units(line.1))
         .unwrap_or(last);
     let (of_first, of_names) = (cells(first, dialect), cells(names.1, dialect));
-    let filled = |cells: &Record| cells.iter().filter(|cell| !cell.is_empty()).count();
-    let is_padded = filled(&of_first) < filled(&of_names);
+    // A group is written once, or above each of its columns.
+    let mut pairs = of_first.iter().zip(of_names.iter());
+    let is_padded = pairs.any(|(first, name)| first.is_empty() && !name.is_empty());
+    let repeats = |cells: &Record| {
+        let mut all: Vec<_> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+        all.sort_unstable();
+        all.windows(2).any(|two| two[0] == two[1])
+    };
+    let repeats_alone = repeats(&of_first) && !repeats(&of_names);
     let is_name = |cell: &[u8]| cell.first().is_some_and(u8::is_ascii_alphabetic);
     let is_pair = of_names.len() == 2 && !above.is_empty() && of_names.iter().all(is_name);
-    (is_padded || is_pair).then_some(names.0)
+    (is_padded || repeats_alone || is_pair).then_some(names.0)
 }
 
 /// Whether a line may be a row of so many cells. Sentences have blanks and numbers too.
@@ -376,6 +399,13 @@ mod tests {
         ] {
             let (header, ..) = of(&format!("{front}{rest}"));
             assert_eq!(Some(header.as_str()), rest.lines().next(), "{front}");
+        }
+        // What belongs to no group stands in the upper row alone.
+        for groups in ["t;Drive;;Cabin", "t;Drive;Drive;Cabin", "t;Drive;;"] {
+            let text = format!("{groups}\n;speed;slope;x\n0;1;2;3\n");
+            assert_eq!(of(&text).0, ";speed;slope;x", "{groups}");
+            let front = Front::of(text.as_bytes()).expect("a front");
+            assert_eq!(front.above[..2], ["t", "Drive"], "{groups}");
         }
         for header in [
             "t;speed\n2026-11-26;-\n2026-11-26;-\n2026-11-26;1.5\n",

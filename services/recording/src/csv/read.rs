@@ -70,6 +70,8 @@ struct Table {
     preface: usize,
     /// Units in a row of their own below the header, a text for each column.
     units: Option<Vec<String>>,
+    /// Names above those that the header leaves empty.
+    above: Vec<String>,
 }
 
 /// The lines below the header.
@@ -113,6 +115,7 @@ impl Table {
             file,
             preface: front.start,
             units: front.units,
+            above: front.above,
             is_packed: content.is_packed,
             is_plain: content.is_plain,
         })
@@ -154,7 +157,12 @@ impl Table {
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
-        let header = header(records.record(), self.dialect, &self.file, place)?;
+        let mut header = header(records.record(), self.dialect, &self.file, place)?;
+        for (at, above) in self.above.iter().enumerate() {
+            if header[at].is_empty() && !header.contains(above) {
+                header[at].clone_from(above);
+            }
+        }
         if self.units.is_some() {
             self.advance(&mut records)?;
         }

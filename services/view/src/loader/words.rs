@@ -12,17 +12,24 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     if e.estimated & bits::STATE == 0 {
         return none("There is no position of the centre of gravity yet");
     }
+    let share = number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%");
     // d = (1 - ratio) l: its standard deviation is that of the ratio times the wheelbase.
-    let wheelbase = e.cg_distance / (1.0 - e.cg_ratio).max(1e-9);
-    let std = e.cg_ratio_std * wheelbase;
-    let value = format!(
-        "The centre of gravity lies {} behind the front axle (95\u{a0}%: {}{}m; {} of the weight on the front axle{})",
-        number::with_std(e.cg_distance, std, "m"),
-        number::interval_95(e.cg_distance, std),
-        number::GROUP,
-        number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%"),
-        payload(e),
-    );
+    let behind = 1.0 - e.cg_ratio;
+    let std = e.cg_ratio_std * e.cg_distance / behind;
+    let value = if behind > 0.0 && e.cg_ratio >= 0.0 {
+        format!(
+            "The centre of gravity lies {} behind the front axle (95\u{a0}%: {}{}m; {share} of the weight on the front axle{})",
+            number::with_std(e.cg_distance, std, "m"),
+            number::interval_95(e.cg_distance, std),
+            number::GROUP,
+            payload(e),
+        )
+    } else {
+        format!(
+            "There is no position of the centre of gravity: the front axle would carry {share} of the weight, and the machine would tip{}",
+            payload(e),
+        )
+    };
     let width = format!(
         "half width {}\u{a0}%",
         significant(196.0 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9), 2)

@@ -4,13 +4,23 @@ use estimation::excavator::{Geometry, Mismatch, Plausible, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
+use super::postures::Postures;
+use super::speed::Speed;
 use crate::commands::estimate::look::Look;
+use crate::machines::units::{Angles, Cylinder};
 
 /// Mass of the reference machine \[kg\], which a description without an operating mass is of.
 const REFERENCE: f64 = 5500.0;
 
-/// Looks at boom and machine.
+/// Swinging from this velocity on, the boom's cylinders carry it [rad/s].
+const SWINGS: f64 = 0.1;
+
+/// Looks at columns alone, at postures, and at the machine.
 pub(in crate::machines) struct Fits {
+    angles: Angles<3>,
+    speed: Speed,
+    cylinders: [Cylinder; 2],
+    postures: Postures,
     boom: Boom,
     plausible: Plausible,
     mass: f64,
@@ -21,9 +31,14 @@ impl Look for Fits {
     type Sensors = ExcavatorSensors;
 
     fn of(described: &config::Excavator) -> Self {
+        let geometry = Geometry::of(described);
         Self {
+            angles: Angles::new(["boom_angle", "arm_angle", "bucket_angle"]),
+            speed: Speed::new(geometry),
+            cylinders: ["boom", "arm"].map(Cylinder::new),
+            postures: Postures::default(),
             boom: Boom::default(),
-            plausible: Plausible::new(Geometry::of(described)),
+            plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
     }
@@ -33,11 +48,27 @@ impl Look for Fits {
     }
 
     fn add(&mut self, s: &ExcavatorSensors) {
+        let sample = steps::excavator::sample(s);
         self.boom.add(s);
-        self.plausible.push(&steps::excavator::sample(s));
+        self.plausible.push(&sample);
+        self.speed.see(&sample);
+        self.angles.see(sample.posture);
+        if let [Some(boom), Some(arm), Some(bucket)] = sample.posture {
+            self.postures.see([boom, arm, bucket]);
+        }
+        let swings = sample.velocity.is_some_and(|v| v.abs() > SWINGS);
+        let [boom, arm] = &mut self.cylinders;
+        boom.see(sample.boom_head_pressure, sample.boom_rod_pressure, swings);
+        // The head side of the arm's cylinder curls it.
+        arm.see(sample.arm_head_pressure, sample.arm_rod_pressure, false);
     }
 
     fn fault(&self) -> Option<String> {
+        let columns = self.angles.fault().or_else(|| self.speed.fault());
+        let columns = columns.or_else(|| self.cylinders.iter().find_map(Cylinder::fault));
+        if let Some(said) = columns.or_else(|| self.postures.fault()) {
+            return Some(said);
+        }
         let Some(mismatch) = self.plausible.mismatch() else {
             return self.boom.fault();
         };
@@ -65,7 +96,14 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
         Mismatch::Sign => map("swing_torque", "`sign = -1`"),
         Mismatch::Beyond { .. } => "in the signal map: `sign = -1`, or `offset`; the angles are drawn in docs/signs-excavator.svg".into(),
         Mismatch::Exchanged => "exchange the two in the signal map".into(),
-        Mismatch::Absolute { .. } => "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
+        Mismatch::Absolute { arm, .. } => {
+            let line = |joint: &str, before: &str| format!("{joint}_angle = {{ terms = [{{ column = \"{joint}_angle\" }}, {{ column = \"{before}_angle\", sign = -1 }}] }}");
+            let (first, other) = match arm {
+                true => (line("arm", "boom"), line("bucket", "arm")),
+                false => (line("bucket", "arm"), line("arm", "boom")),
+            };
+            format!("subtract the angle of the link before, in the signal map under [columns]: {first}\n  if the other is one against the horizontal too: {other}")
+        }
         Mismatch::Size(ratio) => size(mass, ratio),
     }
 }

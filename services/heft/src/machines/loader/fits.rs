@@ -4,7 +4,9 @@ use estimation::loader::{Carriage, Mismatch, Plausible, largest};
 use messages::LoaderSensors;
 use recording::STEEPEST;
 
+use super::axles::Axles;
 use crate::commands::estimate::look::Look;
+use crate::machines::units::{Angles, Cylinder};
 
 /// A sensor shows a slope that is too steep for less than this share of the rows.
 const OFTEN: f64 = 0.1;
@@ -12,8 +14,24 @@ const OFTEN: f64 = 0.1;
 /// From motor to wheel a gear has at least four turns to one.
 const AT_MOTOR: f64 = 0.25;
 
-/// Looks at the slope, at how the bucket is carried, and at wheels and torques.
+/// Faster than this it drives, and the lift cylinders carry arm and bucket [m/s].
+const DRIVES: f64 = 1.0;
+/// The arm of no loader goes further up or down \[rad\]: -.7 to .8 was recorded.
+const LIFTS: f64 = 1.0;
+
+/// Looks at columns alone, at the slope, at how the bucket is carried, and at wheels and torques.
 pub(in crate::machines) struct Fits {
+    angles: Angles<3>,
+    cylinder: Cylinder,
+    /// Driving rows, and those in which the angle of the arm, that of the bucket, is beyond an arm's.
+    driving: u32,
+    beyond: [u32; 2],
+    axles: Axles,
+    /// Rows with a mass, and with one that the described machine has in tonnes.
+    massive: u32,
+    tonnes: u32,
+    /// Mass times wheel radius [kg m].
+    moment: f64,
     rows: u64,
     /// Rows with a slope that is too steep in radians, and in degrees.
     steep: [u64; 2],
@@ -32,6 +50,12 @@ impl Fits {
                 *count += u64::from(slope.abs() > limit);
             }
         }
+    }
+
+    /// The arm is often where only buckets are, and the bucket hardly ever.
+    fn is_exchanged(&self) -> bool {
+        let [lift, tilt] = self.beyond;
+        10 * lift > self.driving && 100 * tilt < self.driving
     }
 
     /// What is wrong with the unit of the slope, and what to do.
@@ -60,6 +84,14 @@ impl Look for Fits {
     fn of(described: &config::Loader) -> Self {
         let machine = &described.machine;
         Self {
+            angles: Angles::new(["lift_angle", "tilt_angle", "articulation"]),
+            cylinder: Cylinder::new("lift"),
+            driving: 0,
+            beyond: [0; 2],
+            axles: Axles::default(),
+            massive: 0,
+            tonnes: 0,
+            moment: machine.mass * machine.wheel_radius,
             rows: 0,
             steep: [0; 2],
             carriage: Carriage::default(),
@@ -77,6 +109,22 @@ impl Look for Fits {
         let sample = steps::loader::sample(s);
         self.see(sample.slope);
         self.plausible.push(&sample);
+        self.axles.see(&sample);
+        let angles = [sample.lift_angle, sample.tilt_angle];
+        self.angles
+            .see([sample.lift_angle, sample.tilt_angle, sample.articulation]);
+        self.massive += u32::from(sample.mass.is_some());
+        let tonnes = |mass: f64| (self.mass / 2.0..2.0 * self.mass).contains(&(1e3 * mass));
+        self.tonnes += u32::from(sample.mass.is_some_and(tonnes));
+        let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
+        self.cylinder
+            .see(sample.lift_head_pressure, sample.lift_rod_pressure, drives);
+        if let ([Some(lift), Some(tilt)], true) = (angles, drives) {
+            self.driving += 1;
+            for (count, angle) in self.beyond.iter_mut().zip([lift, tilt]) {
+                *count += u32::from(angle.abs() > LIFTS);
+            }
+        }
         let last = self.last.replace(sample.time);
         if let (Some(last), Some(speed), Some(lift), Some(tilt)) =
             (last, sample.speed, sample.lift_angle, sample.tilt_angle)
@@ -86,18 +134,63 @@ impl Look for Fits {
     }
 
     fn fault(&self) -> Option<String> {
+        let columns = self.angles.fault().or_else(|| self.cylinder.fault());
+        if columns.is_some() {
+            return columns;
+        }
         let said = if let Some(said) = self.slope_unit() {
             said
+        } else if 2 * self.tonnes > self.massive {
+            "mass seems to be in t: the machine has about a thousand times as many kg\n  \
+             what to do: write `unit = \"t\"` for mass in a signal map"
+        } else if self.is_exchanged() {
+            "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
+             what to do: exchange the two in the signal map"
         } else if self.carriage.is_odd() {
             "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
              what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/signs-loader.svg"
         } else {
-            let mismatch = self.plausible.mismatch()?;
-            let remedy = remedy(mismatch, self.mass);
-            return Some(format!("{mismatch}\n  what to do: {remedy}"));
+            // One axle that contradicts the other makes the sum of both another machine's.
+            let axles = self.axles.fault(self.moment);
+            return match self.plausible.mismatch() {
+                Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
+                    let remedy = remedy(mismatch, self.mass);
+                    Some(format!("{mismatch}\n  what to do: {remedy}"))
+                }
+                _ => axles,
+            };
         };
         Some(said.into())
     }
+}
+
+/// Whether speed and wheel speeds alone say so.
+fn is_of_wheels(mismatch: Mismatch) -> bool {
+    !matches!(
+        mismatch,
+        Mismatch::Kilonewtons | Mismatch::TorqueSign | Mismatch::Mass(_)
+    )
+}
+
+/// Units of the speed, or of the wheel speeds, that make a machine so many times as fast as its wheels; the rest is named otherwise.
+fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
+    const UNITS: [(f64, &str, &str); 3] = [
+        (2.237, "speed", "mph"),
+        (
+            std::f64::consts::TAU,
+            "front_wheel_speed and rear_wheel_speed",
+            "turn/s",
+        ),
+        (
+            std::f64::consts::PI / 180.0,
+            "front_wheel_speed and rear_wheel_speed",
+            "deg/s",
+        ),
+    ];
+    let found = UNITS
+        .iter()
+        .find(|(unit, ..)| (0.8..1.25).contains(&(ratio / unit)))?;
+    Some((found.1, found.2))
 }
 
 /// What to do about it.
@@ -111,7 +204,10 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
         Mismatch::Tread => {
             "divide them by the wheel radius: in the signal map `scale`, which is 1 / radius; or state machine.wheel_radius, if it is 1 m".into()
         }
-        Mismatch::Radius(_) => {
+        Mismatch::Radius(ratio) => {
+            if let Some((column, unit)) = unit_of(ratio) {
+                return map(column, &format!("`unit = \"{unit}\"`"));
+            }
             "check the units of speed and wheel speeds, gear ratios, and machine.wheel_radius"
                 .into()
         }

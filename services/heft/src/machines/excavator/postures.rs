@@ -1,0 +1,99 @@
+//! Which of the angles are exchanged, or have the other sign: what brings the machine into postures that it has.
+
+/// Angles of boom, arm and bucket that machines reach \[rad\]. Recorded: -.3 to 1.2, -2.4 to -.8, -1.6 to .3.
+const REACHED: [[f64; 2]; 3] = [[-0.9, 1.4], [-2.9, -0.3], [-2.9, 1.3]];
+/// Fewest rows that tell.
+const FEWEST: u32 = 1000;
+/// Share of the rows in which an angle is beyond where something is wrong, and where nothing is.
+const WRONG: f64 = 0.05;
+const RIGHT: f64 = 0.01;
+
+/// What may be wrong: the name, what to do, and how a posture is put right.
+type Hypothesis = (&'static str, &'static str, fn([f64; 3]) -> [f64; 3]);
+
+const EXCHANGE: &str = "exchange the two in the signal map";
+const HYPOTHESES: [Hypothesis; 5] = [
+    ("", "", |q| q),
+    (
+        "boom_angle and arm_angle seem to be exchanged",
+        EXCHANGE,
+        |q| [q[1], q[0], q[2]],
+    ),
+    (
+        "arm_angle and bucket_angle seem to be exchanged",
+        EXCHANGE,
+        |q| [q[0], q[2], q[1]],
+    ),
+    (
+        "boom_angle and bucket_angle seem to be exchanged",
+        EXCHANGE,
+        |q| [q[2], q[1], q[0]],
+    ),
+    (
+        "all three joint angles seem to have the other sign",
+        "in the signal map `sign = -1` for each; up is positive (docs/signs-excavator.svg)",
+        |q| q.map(|angle| -angle),
+    ),
+];
+
+/// Counts postures that no machine has.
+#[derive(Default)]
+pub(super) struct Postures {
+    rows: u32,
+    beyond: [u32; HYPOTHESES.len()],
+}
+
+impl Postures {
+    pub(super) fn see(&mut self, posture: [f64; 3]) {
+        self.rows += 1;
+        for (beyond, (.., right)) in self.beyond.iter_mut().zip(HYPOTHESES) {
+            let is_reached = |(q, [from, to]): (f64, [f64; 2])| (from..=to).contains(&q);
+            let is_had = right(posture).into_iter().zip(REACHED).all(is_reached);
+            *beyond += u32::from(!is_had);
+        }
+    }
+
+    /// The one hypothesis that explains the postures, if they need one.
+    pub(super) fn fault(&self) -> Option<String> {
+        let share = |beyond: u32| f64::from(beyond) / f64::from(self.rows);
+        if self.rows < FEWEST || share(self.beyond[0]) < WRONG {
+            return None;
+        }
+        let mut explaining = HYPOTHESES
+            .iter()
+            .zip(self.beyond)
+            .filter(|(_, beyond)| share(*beyond) < RIGHT);
+        let ((what, remedy, _), _) = explaining.next()?;
+        explaining.next().is_none().then(|| {
+            format!("{what}: only so are the postures those of a machine\n  what to do: {remedy}")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exchanged_angles_and_signs_are_named() {
+        // Dig, swing, dump: boom, arm, bucket.
+        let cycle = [[0.1, -2.2, -1.4], [0.9, -1.8, -1.5], [1.1, -1.5, 0.0]];
+        let said = |change: fn([f64; 3]) -> [f64; 3]| {
+            let mut postures = Postures::default();
+            for _ in 0..1000 {
+                cycle.iter().for_each(|q| postures.see(change(*q)));
+            }
+            postures.fault().unwrap_or_default()
+        };
+        assert_eq!(said(|q| q), "");
+        for (what, remedy, change) in &HYPOTHESES[1..] {
+            let said = said(*change);
+            assert!(
+                said.starts_with(what) && said.ends_with(remedy),
+                "{what}: {said}"
+            );
+        }
+        // Whatever is wrong here, it is none of these.
+        assert_eq!(said(|q| [q[0], -q[1], q[2]]), "");
+    }
+}

@@ -1,0 +1,373 @@
+//! What the axles and the accelerometer of a loader say of each other.
+//!
+//! In blocks, with the specific force of the way, D = dv/dt + g slope:
+//!
+//! | what | sound |
+//! |---|---|
+//! | front over rear wheel speed | 1 |
+//! | torque of an axle and D | the same sign |
+//! | acceleration over dv/dt | 1 |
+//! | c3 in (w_f - w_r)/w = c1 sgn v + c2 T + c3 T D | positive: what accelerates the machine unloads its front wheels, which slip more |
+//!
+//! c1 is the radii, c2 the place of the load. Both axles carry alike torques, so only c3 tells which is the front one.
+
+use core::f64::consts::{PI, TAU};
+
+use estimation::loader::Sample;
+use estimation::loader::wheel_dynamics::GRAVITY;
+
+/// Length of a block, and the longest time between two rows in it [s].
+const BLOCK: f64 = 0.2;
+const GAP: f64 = 0.2;
+/// Slower than this it may stand, or dig [m/s].
+const DRIVES: f64 = 1.0;
+/// Turning from this angle, or this rate, on, its axles roll at two speeds [rad], [rad/s].
+const TURNS: f64 = 0.05;
+/// More difference of the wheel speeds than this is no slip that goes with the torque.
+const SLIPS: f64 = 0.2;
+/// Blocks that tell, those of them in which it accelerates by so much [m/s^2], and those of slip.
+const ENOUGH: f64 = 50.0;
+const HARD: f64 = 0.3;
+const SLIPPING: f64 = 100.0;
+/// Correlation from which on two belong together: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
+const TOGETHER: f64 = 0.5;
+/// A unit that is meant is within this factor, another tyre or gear too.
+const ABOUT: f64 = 1.3;
+/// One of a thousandth within this factor: the split of the torque is free.
+const THOUSANDTH: f64 = 10.0;
+/// Root mean square of the torque over that of the machine's weight at the wheels: no machine moves with less.
+const MOVES: f64 = 2e-3;
+/// Standard deviations of c3 as of independent blocks; -4.5 to 55 were recorded, the least in turns.
+const SURE: f64 = 8.0;
+
+/// Units in which wheels turn, in a radian per second.
+const TURNING: [(&str, f64); 3] = [
+    ("rpm", 60.0 / TAU),
+    ("deg/s", 180.0 / PI),
+    ("turn/s", 1.0 / TAU),
+];
+
+/// Rows of a block.
+#[derive(Default)]
+struct Block {
+    begin: f64,
+    end: f64,
+    rows: f64,
+    /// Sums of [`values`].
+    sums: [f64; 7],
+    turns: bool,
+}
+
+/// Speed, wheel speeds, torques, slope, acceleration.
+fn values(s: &Sample) -> Option<[f64; 7]> {
+    let turning = [s.speed?, s.front_wheel_speed?, s.rear_wheel_speed?];
+    let torques = [s.front_torque?, s.rear_torque?];
+    let rest = [s.slope.unwrap_or(0.0), s.acceleration.unwrap_or(f64::NAN)];
+    let [v, f, r] = turning;
+    let ([tf, tr], [slope, a]) = (torques, rest);
+    Some([v, f, r, tf, tr, slope, a])
+}
+
+/// Squares and product of two quantities.
+#[derive(Clone, Copy, Default)]
+struct Pair {
+    squares: [f64; 2],
+    product: f64,
+}
+
+impl Pair {
+    fn see(&mut self, x: f64, y: f64) {
+        // Where there is no sensor nothing is said.
+        if x.is_finite() && y.is_finite() {
+            self.squares[0] += x * x;
+            self.squares[1] += y * y;
+            self.product += x * y;
+        }
+    }
+
+    fn correlation(&self) -> f64 {
+        self.product / (self.squares[0] * self.squares[1]).sqrt()
+    }
+
+    /// Size of the first over that of the second.
+    fn ratio(&self) -> f64 {
+        (self.squares[0] / self.squares[1]).sqrt()
+    }
+}
+
+/// Looks at the rows of a recording.
+#[derive(Default)]
+pub(super) struct Axles {
+    block: Block,
+    /// Speed and end of the block before.
+    last: Option<[f64; 2]>,
+    blocks: f64,
+    hard: f64,
+    wheels: Pair,
+    torques: Pair,
+    /// Torque of each axle, and D.
+    pulls: [Pair; 2],
+    acceleration: Pair,
+    /// Squares and products of sgn v, T, T D and the difference of the wheel speeds, and how many.
+    slips: [[f64; 4]; 4],
+    slipping: f64,
+}
+
+impl Axles {
+    pub(super) fn see(&mut self, s: &Sample) {
+        let gap = s.time - self.block.end;
+        let Some(values) = values(s).filter(|_| !s.brake) else {
+            return;
+        };
+        if self.block.rows > 0.0 && !(0.0..GAP).contains(&gap) {
+            self.block = Block::default();
+            self.last = None;
+        }
+        let block = &mut self.block;
+        if block.rows == 0.0 {
+            block.begin = s.time;
+        }
+        block.rows += 1.0;
+        block.end = s.time;
+        block
+            .sums
+            .iter_mut()
+            .zip(values)
+            .for_each(|(sum, value)| *sum += value);
+        let turns = |x: Option<f64>| x.is_some_and(|x| x.abs() > TURNS);
+        block.turns |= turns(s.articulation) || turns(s.yaw_rate);
+        if block.end - block.begin >= BLOCK {
+            let block = std::mem::take(&mut self.block);
+            self.add(&block);
+        }
+    }
+
+    fn add(&mut self, block: &Block) {
+        let [
+            v,
+            front,
+            rear,
+            front_torque,
+            rear_torque,
+            slope,
+            acceleration,
+        ] = block.sums.map(|sum| sum / block.rows);
+        let middle = 0.5 * (block.begin + block.end);
+        let Some([before, then]) = self.last.replace([v, middle]) else {
+            return;
+        };
+        let gain = (v - before) / (middle - then);
+        if !(v.abs() > DRIVES && (middle - then) < BLOCK + GAP) {
+            return;
+        }
+        self.blocks += 1.0;
+        self.hard += f64::from(u8::from(gain.abs() > HARD));
+        let force = gain + GRAVITY * slope;
+        self.wheels.see(front, rear);
+        self.torques.see(front_torque, rear_torque);
+        self.pulls[0].see(front_torque, force);
+        self.pulls[1].see(rear_torque, force);
+        self.acceleration.see(acceleration, gain);
+        let slip = 2.0 * (front - rear) / (front + rear).abs();
+        if slip.abs() < SLIPS && !block.turns {
+            let torque = front_torque + rear_torque;
+            let row = [v.signum(), torque, torque * force, slip];
+            for (sums, x) in self.slips.iter_mut().zip(row) {
+                sums.iter_mut().zip(row).for_each(|(sum, y)| *sum += x * y);
+            }
+            self.slipping += 1.0;
+        }
+    }
+
+    /// c3 over its standard deviation.
+    fn transfer(&self) -> f64 {
+        let mut s = self.slips;
+        for pivot in 0..2 {
+            for row in pivot + 1..4 {
+                let share = s[row][pivot] / s[pivot][pivot];
+                let above = s[pivot];
+                s[row]
+                    .iter_mut()
+                    .zip(above)
+                    .for_each(|(x, y)| *x -= share * y);
+            }
+        }
+        let left = s[3][3] - s[2][3] * s[2][3] / s[2][2];
+        s[2][3] / (s[2][2] * left / (self.slipping - 3.0)).sqrt()
+    }
+
+    /// What one of the columns is that the others are not, and what to do, for a machine with this mass times wheel radius [kg m].
+    pub(super) fn fault(&self, moment: f64) -> Option<String> {
+        if self.blocks < ENOUGH || 2.0 * self.hard < ENOUGH {
+            return None;
+        }
+        let what = self.wheel_unit().or_else(|| self.torque(moment));
+        let what = what.or_else(|| self.accelerometer());
+        what.or_else(|| {
+            (self.slipping >= SLIPPING && self.transfer() < -SURE).then(|| {
+                "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down\n  \
+                 what to do: exchange the two in the signal map"
+                    .into()
+            })
+        })
+    }
+
+    fn wheel_unit(&self) -> Option<String> {
+        let ratio = self.wheels.ratio();
+        let is_about = |unit: f64| about(ratio / unit, ABOUT);
+        let of = |(name, unit): &(&'static str, f64)| {
+            let axle = is_about(*unit).then_some("front");
+            axle.or(is_about(1.0 / unit).then_some("rear"))
+                .map(|axle| (axle, *name))
+        };
+        let (axle, unit) = TURNING.iter().find_map(of)?;
+        Some(format!(
+            "{axle}_wheel_speed seems to be in {unit}: front over rear wheel speed is {ratio:.3}\n  \
+             what to do: write `unit = \"{unit}\"` for {axle}_wheel_speed in a signal map"
+        ))
+    }
+
+    fn torque(&self, moment: f64) -> Option<String> {
+        let turned = self.pulls.map(|pull| pull.correlation() < -TOGETHER);
+        let sign = match turned {
+            [true, true] => Some(("front_torque and rear_torque", "have")),
+            [true, false] => Some(("front_torque", "has")),
+            [false, true] => Some(("rear_torque", "has")),
+            [false, false] => None,
+        };
+        if let Some((names, have)) = sign {
+            return Some(format!(
+                "{names} {have} the other sign: a torque that drives the machine forwards is positive\n  \
+                 what to do: write `sign = -1` for {names} in a signal map"
+            ));
+        }
+        let ratio = self.torques.ratio();
+        let weak = self
+            .pulls
+            .map(|pull| (pull.squares[0] / self.blocks).sqrt() < MOVES * moment * GRAVITY);
+        let (names, seem) = match weak {
+            [true, true] => ("front_torque and rear_torque", "seem"),
+            [true, false] if about(1e3 * ratio, THOUSANDTH) => ("front_torque", "seems"),
+            [false, true] if about(1e-3 * ratio, THOUSANDTH) => ("rear_torque", "seems"),
+            _ => return None,
+        };
+        Some(format!(
+            "{names} {seem} to be in kN m: N m that small would not move the machine\n  \
+             what to do: write `unit = \"kNm\"` for {names} in a signal map"
+        ))
+    }
+
+    fn accelerometer(&self) -> Option<String> {
+        let (together, size) = (self.acceleration.correlation(), self.acceleration.ratio());
+        let line = match () {
+            () if together < -TOGETHER => {
+                "acceleration has the other sign: it is positive while the machine becomes faster forwards\n  \
+                 what to do: write `sign = -1` for acceleration in a signal map"
+            }
+            () if together > TOGETHER && about(size * GRAVITY, ABOUT) => {
+                "acceleration seems to be in g: the speed changes ten times as fast\n  \
+                 what to do: write `unit = \"g\"` for acceleration in a signal map"
+            }
+            () => return None,
+        };
+        Some(line.into())
+    }
+}
+
+/// Whether a ratio is 1 within a factor.
+fn about(ratio: f64, factor: f64) -> bool {
+    (1.0 / factor..=factor).contains(&ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A machine of 10 t, half of it on each axle, its mass a metre up on a wheelbase of 3 m, whose wheels of .7 m slip by a
+    /// twentieth of torque over load.
+    fn said(change: impl Fn(&mut Sample)) -> Option<String> {
+        let mut axles = Axles::default();
+        for k in 0..12_000 {
+            let time = f64::from(k) / 100.0;
+            let (speed, gain) = (4.0 + 2.0 * time.sin(), 2.0 * time.cos());
+            let torque = 0.5 * 0.7 * (10e3 * gain + 2e3);
+            let moved = 10e3 * gain / 3.0;
+            let wheel = |load: f64| speed / 0.7 * (1.0 + 0.05 * torque / (0.7 * load));
+            let mut sample = Sample {
+                time,
+                speed: Some(speed),
+                front_wheel_speed: Some(wheel(49e3 - moved)),
+                rear_wheel_speed: Some(wheel(49e3 + moved)),
+                front_torque: Some(torque),
+                rear_torque: Some(torque),
+                slope: Some(0.0),
+                acceleration: Some(gain),
+                ..Sample::default()
+            };
+            change(&mut sample);
+            axles.see(&sample);
+        }
+        axles.fault(7e3)
+    }
+
+    fn times(value: &mut Option<f64>, by: f64) {
+        *value = value.map(|x| x * by);
+    }
+
+    #[test]
+    fn the_column_that_the_others_contradict_is_named() {
+        assert_eq!(said(|_| {}), None);
+        let first = |change: fn(&mut Sample)| said(change).unwrap_or_default();
+        for (said, words) in [
+            (
+                first(|s| times(&mut s.front_wheel_speed, 9.55)),
+                "front_wheel_speed seems to be in rpm",
+            ),
+            (
+                first(|s| times(&mut s.rear_wheel_speed, 57.3)),
+                "rear_wheel_speed seems to be in deg/s",
+            ),
+            (
+                first(|s| times(&mut s.rear_torque, -1.0)),
+                "rear_torque has the other sign",
+            ),
+            (
+                first(|s| times(&mut s.front_torque, 1e-3)),
+                "front_torque seems to be in kN m",
+            ),
+            (
+                first(|s| times(&mut s.acceleration, -1.0)),
+                "acceleration has the other sign",
+            ),
+            (
+                first(|s| times(&mut s.acceleration, 1.0 / 9.81)),
+                "acceleration seems to be in g",
+            ),
+            (
+                first(|s| std::mem::swap(&mut s.front_wheel_speed, &mut s.rear_wheel_speed)),
+                "front_wheel_speed and rear_wheel_speed seem to be exchanged",
+            ),
+        ] {
+            assert!(said.starts_with(words), "{words}: {said}");
+        }
+        let both = |by: f64| {
+            said(move |s| {
+                times(&mut s.front_torque, by);
+                times(&mut s.rear_torque, by);
+            })
+        };
+        assert_eq!(both(0.5), None);
+        assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
+        assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
+        // Without an accelerometer, in turns, and with tyres of another size nothing is said.
+        assert_eq!(said(|s| s.acceleration = None), None);
+        assert_eq!(said(|s| times(&mut s.front_wheel_speed, 1.05)), None);
+        assert_eq!(
+            said(|s| {
+                std::mem::swap(&mut s.front_wheel_speed, &mut s.rear_wheel_speed);
+                s.articulation = Some(0.3);
+            }),
+            None
+        );
+    }
+}

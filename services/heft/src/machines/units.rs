@@ -1,0 +1,209 @@
+//! What a column alone shows: angles in degrees, pressures in another unit or of the other side.
+
+use core::f64::consts::TAU;
+
+/// Fewest rows that tell.
+const FEWEST: u32 = 100;
+
+/// No joint turns further than once \[rad\], in more than this share of the rows. Beyond a turn in degrees a number says that there is
+/// no sample.
+const OFTEN: f64 = 0.1;
+const TURN: f64 = 360.0;
+
+/// Angles that are meant in radians.
+pub(super) struct Angles<const N: usize> {
+    names: [&'static str; N],
+    rows: [u32; N],
+    beyond: [u32; N],
+}
+
+impl<const N: usize> Angles<N> {
+    pub(super) fn new(names: [&'static str; N]) -> Self {
+        Self {
+            names,
+            rows: [0; N],
+            beyond: [0; N],
+        }
+    }
+
+    pub(super) fn see(&mut self, angles: [Option<f64>; N]) {
+        for (i, angle) in angles.into_iter().enumerate() {
+            self.rows[i] += u32::from(angle.is_some());
+            self.beyond[i] += u32::from(angle.is_some_and(|q| (TAU..=TURN).contains(&q.abs())));
+        }
+    }
+
+    /// Those that are in degrees.
+    pub(super) fn fault(&self) -> Option<String> {
+        let is_in_degrees = |i: &usize| {
+            self.rows[*i] >= FEWEST && f64::from(self.beyond[*i]) > OFTEN * f64::from(self.rows[*i])
+        };
+        let names: Vec<_> = (0..N)
+            .filter(is_in_degrees)
+            .map(|i| self.names[i])
+            .collect();
+        let seem = if names.len() == 1 { "seems" } else { "seem" };
+        let names = names.join(", ");
+        (!names.is_empty()).then(|| {
+            format!(
+                "{names} {seem} to be in degrees: no joint turns further than once\n  \
+                 what to do: write `unit = \"deg\"` for {names} in a signal map"
+            )
+        })
+    }
+}
+
+/// Where the largest pressures of a recording lie, in the unit of the data: pumps of excavators and loaders give 20 to 40 MPa, and
+/// work needs some of it. Each up to the limit; beyond the last they are in Pa, and below the first nothing was measured.
+const LARGEST: [(f64, Option<&str>); 5] = [
+    (1.0, None),
+    (47.0, Some("MPa")),
+    (560.0, Some("bar")),
+    (6e3, Some("psi")),
+    (1e5, Some("kPa")),
+];
+/// One side alone in MPa or bar: more may be the rest in a line without pressure.
+const ALONE: usize = 2;
+/// One row in so many may be a disturbance.
+const DISTURBED: u32 = 100;
+/// A cylinder that carries has this many times more pressure on its head side: here for the other one. And the least pressure that
+/// says so \[Pa\].
+const MORE: f64 = 2.0;
+const CARRIES: f64 = 2e6;
+
+/// How many rows of a pressure lie below each limit and not below the one before; the last of none.
+#[derive(Default)]
+struct Sizes([u32; LARGEST.len() + 1]);
+
+impl Sizes {
+    fn see(&mut self, pressure: f64) {
+        let place = LARGEST
+            .iter()
+            .position(|(limit, _)| pressure.abs() < *limit);
+        self.0[place.unwrap_or(LARGEST.len())] += 1;
+    }
+
+    /// The highest place that is no disturbance.
+    fn highest(&self) -> Option<usize> {
+        let rows: u32 = self.0.iter().sum();
+        let is_usual = |count: &u32| DISTURBED * count > rows;
+        (rows >= FEWEST).then(|| self.0.iter().rposition(is_usual))?
+    }
+}
+
+/// Pressures of a cylinder whose head side carries the weight of what it moves.
+pub(super) struct Cylinder {
+    /// Of its columns: `boom`.
+    name: &'static str,
+    /// Head and rod side.
+    sizes: [Sizes; 2],
+    /// Rows in which it carries, and those of them in which the rod side does.
+    carries: u32,
+    by_rod: u32,
+}
+
+impl Cylinder {
+    pub(super) fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            sizes: Default::default(),
+            carries: 0,
+            by_rod: 0,
+        }
+    }
+
+    /// A row, and whether the cylinder carries in it.
+    pub(super) fn see(&mut self, head: Option<f64>, rod: Option<f64>, carries: bool) {
+        for (sizes, pressure) in self.sizes.iter_mut().zip([head, rod]) {
+            pressure
+                .into_iter()
+                .for_each(|pressure| sizes.see(pressure));
+        }
+        if let (Some(head), Some(rod), true) = (head, rod, carries) {
+            self.carries += 1;
+            self.by_rod += u32::from(rod > CARRIES && rod > MORE * head);
+        }
+    }
+
+    /// Another unit than Pa, or the other side.
+    pub(super) fn fault(&self) -> Option<String> {
+        let [head, rod] = ["head", "rod"].map(|side| format!("{}_{side}_pressure", self.name));
+        let both = format!("{head} and {rod}");
+        let [of_head, of_rod] = self.sizes.each_ref().map(Sizes::highest);
+        if let Some(unit) = of_head.max(of_rod).and_then(|place| LARGEST.get(place)?.1) {
+            return Some(format!(
+                "{both} seem to be in {unit}: no pump works at so few Pa\n  \
+                 what to do: write `unit = \"{unit}\"` for both in a signal map"
+            ));
+        }
+        let is_alone =
+            |place: Option<usize>| place.is_some_and(|place| (1..=ALONE).contains(&place));
+        let alone = [(&head, of_head), (&rod, of_rod)]
+            .into_iter()
+            .find(|(_, place)| is_alone(*place));
+        if let Some((name, _)) = alone {
+            return Some(format!(
+                "{name} seems to be in another unit than the other side, bar or MPa\n  \
+                 what to do: write `unit = \"bar\"`, or MPa, for {name} in a signal map"
+            ));
+        }
+        (self.carries >= FEWEST && 2 * self.by_rod > self.carries).then(|| {
+            format!(
+                "{both} seem to be exchanged: the rod side seems to carry the weight\n  \
+                 what to do: exchange the two in the signal map; or they are those of another cylinder"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_in_degrees_are_named_one_by_one() {
+        let mut angles = Angles::new(["boom_angle", "arm_angle"]);
+        (0..200).for_each(|_| angles.see([Some(0.8), Some(-103.0)]));
+        assert!(
+            angles
+                .fault()
+                .is_some_and(|said| said.starts_with("arm_angle seems"))
+        );
+        let mut angles = Angles::new(["boom_angle", "arm_angle"]);
+        (0..200).for_each(|k| angles.see([(k > 100).then_some(0.8), Some(6.0)]));
+        assert_eq!(angles.fault(), None);
+    }
+
+    /// What is said of a boom that is raised and lowered.
+    fn said(unit: f64, sides: [usize; 2]) -> Option<String> {
+        let mut cylinder = Cylinder::new("boom");
+        for k in 0..1000 {
+            let pressures = [12e6 + 1e4 * f64::from(k), 0.7e6].map(|pressure| pressure / unit);
+            let [head, rod] = sides.map(|side| Some(pressures[side]));
+            cylinder.see(head, rod, true);
+        }
+        cylinder.fault()
+    }
+
+    #[test]
+    fn another_unit_of_pressures_and_the_other_side_are_named() {
+        assert_eq!(said(1.0, [0, 1]), None);
+        for (unit, name) in [(1e5, "bar"), (1e6, "MPa"), (1e3, "kPa"), (6894.76, "psi")] {
+            let said = said(unit, [0, 1]).unwrap_or_default();
+            assert!(said.contains(&format!("unit = \"{name}\"")), "{said}");
+        }
+        assert!(said(1.0, [1, 0]).is_some_and(|said| said.contains("exchanged")));
+        // No sensor, and an arm that lies.
+        let alone = |units: [f64; 2]| {
+            let mut cylinder = Cylinder::new("lift");
+            (0..1000)
+                .for_each(|_| cylinder.see(Some(12e6 / units[0]), Some(0.7e6 / units[1]), true));
+            cylinder.fault().unwrap_or_default()
+        };
+        assert!(alone([1e5, 1.0]).starts_with("lift_head_pressure seems to be in another unit"));
+        assert!(alone([1.0, 1e5]).starts_with("lift_rod_pressure seems to be in another unit"));
+        assert_eq!(alone([1.0, 10.0]), "");
+        assert_eq!(said(1e9, [0, 1]), None);
+        assert_eq!(said(10.0, [1, 0]), None);
+    }
+}
