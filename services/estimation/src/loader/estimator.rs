@@ -164,9 +164,9 @@ impl CgEstimator {
     /// What the lift pressure says of a plausible row that the clock will take.
     fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
         let lift = self.lift.as_mut()?;
-        let weighed = lift.step(sample);
-        let empty = lift.empty();
         let settings = &self.settings;
+        let weighed = lift.step(sample, settings.estimator.fresh);
+        let empty = lift.empty();
         each!(&mut self.filter, f => f.set_weighed(settings, weighed, empty));
         weighed
     }
