@@ -165,7 +165,11 @@ impl CgEstimator {
     fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
         let lift = self.lift.as_mut()?;
         let settings = &self.settings;
-        let weighed = lift.step(sample, settings.estimator.fresh);
+        // What is reported is more than what may be.
+        let counts = |weighed: &Weighed| {
+            !weighed.silent || !each!(&self.filter, f => f.known_load.is_reported())
+        };
+        let weighed = lift.step(sample, settings.estimator.fresh).filter(counts);
         let empty = lift.empty();
         each!(&mut self.filter, f => f.set_weighed(settings, weighed, empty));
         weighed

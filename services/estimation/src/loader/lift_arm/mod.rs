@@ -6,6 +6,7 @@
 //! | `drawing`, `numbers` | the described numbers, each with its doubt |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
 //! | `signals` | a row need not hold all of them |
+//! | `silence` | signals that do not come: a load may have come or gone |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
@@ -46,6 +47,7 @@ mod saturation;
 mod scale;
 mod seals;
 mod signals;
+mod silence;
 mod stops;
 mod tare;
 mod turn;
@@ -140,6 +142,8 @@ pub(super) struct Weighed {
     pub open: bool,
     /// No doubt that was stated explains what the pressures show.
     pub wrong: bool,
+    /// Signals of the arm are missing or too old: this is what may be since the last weight.
+    pub silent: bool,
 }
 
 impl LiftWitness {
@@ -181,15 +185,15 @@ impl LiftWitness {
         Scale::new(&self.drawing).payload()
     }
 
-    /// Takes a plausible row that was accepted; what is known after it, as long as every signal is `fresh` [s] that has ever come.
+    /// Takes a plausible row that was accepted, whose values count for as long as they are `fresh` [s]; what is known after it, once
+    /// something was weighed.
     pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Weighed> {
-        let Now { lift, tilt, rod } = self.signals.take(sample, fresh);
-        let lift = lift?;
-        if tilt.is_none() && self.signals.measure_tilt() {
-            return None;
-        }
-        let Some(head) = sample.lift_head_pressure else {
-            return self.answer_at(sample.time, fresh);
+        let now = self.signals.take(sample, fresh);
+        let Now { lift, tilt, rod } = now;
+        let lift = lift.filter(|_| tilt.is_some() || !self.signals.measure_tilt());
+        let (Some(lift), Some(head)) = (lift, sample.lift_head_pressure) else {
+            let held = lift.and_then(|_| self.answer_at(sample.time, fresh));
+            return held.or_else(|| self.silent(&now, sample));
         };
         let dt = sample.time - self.last_time;
         self.watch([head, lift], sample, dt);
@@ -208,6 +212,7 @@ impl LiftWitness {
         let old = self.angles.filter(|_| dt > 0.0 && dt < GAP);
         if old.is_none() {
             // The first row, after a gap, or after a clock that was set: nothing is known of what was done meanwhile.
+            let silent = self.silent(&now, sample);
             self.scale.forget(&self.drawing);
             self.content = Content::default();
             self.emptied = Emptied::default();
@@ -218,11 +223,12 @@ impl LiftWitness {
             self.angles = Some([lift, bucket]);
             self.rates = [0.0; 2];
             self.last_time = sample.time;
-            return None;
+            return silent;
         }
         self.last_time = sample.time;
         self.follow([lift, bucket], dt);
-        let posture = self.posture([head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
+        let angles = self.angles.unwrap_or_default();
+        let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
         Some(self.weigh(&posture, sample, dt))
     }
 
@@ -259,8 +265,7 @@ impl LiftWitness {
         }
     }
 
-    fn posture(&self, [head, rod]: [f64; 2], sample: &Sample) -> Posture {
-        let [lift, bucket] = self.angles.unwrap_or_default();
+    fn posture(&self, [lift, bucket]: [f64; 2], [head, rod]: [f64; 2], sample: &Sample) -> Posture {
         Posture {
             arm: Turn::of(lift),
             bucket: Turn::of(bucket),
@@ -308,7 +313,8 @@ impl LiftWitness {
             self.below
                 .see(Quantity { std, ..payload }, empty.most(), rests, dt);
         }
-        let answer = self.answer(&empty, payload, motion.open || self.scale.swings());
+        let open = motion.open || self.scale.swings();
+        let answer = self.answer(&empty, &empty, payload, open);
         self.answer = Some(answer);
         answer
     }
@@ -403,11 +409,11 @@ impl LiftWitness {
         self.drawing.set(number, known);
     }
 
-    /// The centre of gravity with this payload, with all doubts.
-    fn answer(&self, machine: &Empty, payload: Quantity, open: bool) -> Weighed {
+    /// The centre of gravity with this payload, with all doubts; `moved`: the machine with its arm where it may be while more is in it.
+    fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
-        let more = machine.with(payload.value + payload.std);
+        let more = moved.with(payload.value + payload.std);
         let rows = [
             payload.std,
             more.ratio - centre.ratio,
@@ -438,6 +444,7 @@ impl LiftWitness {
             loading_std: [widened.moved.ratio, widened.moved.height],
             open,
             wrong: self.below.is_wrong(),
+            silent: false,
         }
     }
 }

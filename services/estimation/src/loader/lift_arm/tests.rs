@@ -541,3 +541,91 @@ fn an_angle_that_is_too_old_weighs_nothing() {
         );
     }
 }
+
+#[test]
+fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
+    let silent: [fn(&mut Sample); 2] = [
+        |sample| sample.lift_head_pressure = None,
+        |sample| {
+            (sample.lift_angle, sample.tilt_angle) = (None, None);
+            sample.lift_head_pressure = None;
+        },
+    ];
+    let all = weighed_without(none_lost);
+    for lose in silent {
+        // Silent from the first load on, which is carried, dumped, and followed by another.
+        let from = 1200;
+        let said = weighed_without(|row, sample| {
+            if row >= from {
+                lose(sample);
+            }
+        });
+        for ((_, now), (_, sees)) in said.iter().zip(&all).skip(12) {
+            let (now, sees) = (now.expect("it was weighed"), sees.expect("fresh"));
+            assert!(now.silent && now.open && !sees.silent);
+            for (may, is) in [
+                (now.ratio, sees.ratio),
+                (now.height, sees.height),
+                (now.payload, sees.payload),
+            ] {
+                assert!(
+                    (may.value - is.value).abs() < 1.96 * may.std,
+                    "{may:?} {is:?}"
+                );
+            }
+        }
+        // It is less and less the last one.
+        let std = |second: usize| said[second].1.expect("weighed").payload.std;
+        assert!(
+            std(12) < std(16) && std(16) < std(24),
+            "{} {} {}",
+            std(12),
+            std(16),
+            std(24)
+        );
+    }
+    // Before anything was weighed nobody weighs.
+    let never = weighed_without(|_, sample| sample.lift_head_pressure = None);
+    assert!(never.iter().all(|(_, weighed)| weighed.is_none()));
+}
+
+#[test]
+fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
+    use crate::loader::load::payload::Payload;
+    use crate::loader::{CgEstimator, Columns, Method, Reason};
+    let settings = settings();
+    let answers = |reported: Option<Payload>| {
+        let columns = Columns {
+            acceleration: true,
+            ..Columns::default()
+        };
+        let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
+        estimator.set_payload(reported);
+        // A pressure that lives, and is gone from the third second on.
+        let row = |k: u32| Sample {
+            time: 0.01 * f64::from(k),
+            speed: Some(0.0),
+            front_wheel_speed: Some(0.0),
+            rear_wheel_speed: Some(0.0),
+            front_torque: Some(0.0),
+            rear_torque: Some(0.0),
+            slope: Some(0.0),
+            acceleration: Some(0.0),
+            lift_angle: Some(0.1),
+            tilt_angle: Some(0.5),
+            lift_head_pressure: (k < 300).then(|| 9e6 + 1e4 * f64::from(k % 3)),
+            ..Sample::default()
+        };
+        (0..600)
+            .map(|k| estimator.step(&row(k)))
+            .collect::<Vec<_>>()
+    };
+    let unreported = answers(None);
+    assert!(unreported[310].fresh, "as old as an input may be");
+    let last = unreported[599];
+    assert!(!last.fresh && last.reason == Reason::Missing, "{last:?}");
+    assert!(!last.trusted_ratio && !last.trusted_height && !last.trusted_payload);
+    assert!(last.cg_ratio.std > 2.0 * unreported[299].cg_ratio.std);
+    let told = answers(Some(Payload::new(2000.0, 1.5, 1.3)))[599];
+    assert!(told.cg_ratio.std < last.cg_ratio.std, "{told:?} {last:?}");
+}
