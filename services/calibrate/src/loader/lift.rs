@@ -87,11 +87,11 @@ pub fn lifts(moments: &[LiftMoment]) -> bool {
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no pressure is measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let settings = Settings::of(d, Method::Full);
-    let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
-    if !inputs
-        .iter()
-        .any(|input| input.samples.iter().any(measured))
-    {
+    let measured = |of: fn(&Sample) -> Option<f64>| {
+        let mut samples = inputs.iter().flat_map(|input| &input.samples);
+        samples.any(|s| of(s).is_some())
+    };
+    if !measured(|s| s.lift_head_pressure) || !measured(|s| s.lift_angle) {
         return None;
     }
     let Some(lifts) = Lifts::new(&settings) else {

@@ -171,6 +171,39 @@ fn machines_unlike_their_drawing_are_found_within_the_written_deviations() {
 }
 
 #[test]
+fn a_recording_whose_rows_miss_cells_tells_as_much() {
+    let truth = Truth::of(3);
+    let whole = [truth.input(0.0, 1.0, 4), truth.input(3200.0, 15.0, 5)];
+    let span = |lost: fn(usize, &mut Sample)| {
+        let mut inputs = whole.clone();
+        for input in &mut inputs {
+            for (row, sample) in input.samples.iter_mut().enumerate() {
+                lost(row, sample);
+            }
+        }
+        let found = learn(&described(), &inputs);
+        found.expect("pressures").expect("a value").span
+    };
+    let all = span(|_, _| {});
+    let tilt = span(|row, sample| sample.tilt_angle = sample.tilt_angle.filter(|_| row % 10 != 3));
+    // Angles and pressures in rows of their own.
+    let in_turn = span(|row, sample| {
+        if row % 2 == 0 {
+            (sample.lift_head_pressure, sample.lift_rod_pressure) = (None, None);
+        } else {
+            (sample.lift_angle, sample.tilt_angle) = (None, None);
+        }
+    });
+    for found in [tilt, in_turn] {
+        let away = (found.value - all.value).abs();
+        assert!(
+            away < all.std && found.std < 1.2 * all.std,
+            "{found:?} {all:?}"
+        );
+    }
+}
+
+#[test]
 fn a_calibrated_description_claims_less_doubt_and_is_read_back() {
     let truth = Truth::of(3);
     let after = calibrated(&learnt(&truth, 4));

@@ -164,9 +164,13 @@ impl CgEstimator {
     /// What the lift pressure says of a plausible row that the clock will take.
     fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
         let lift = self.lift.as_mut()?;
-        let weighed = lift.step(sample);
-        let empty = lift.empty();
         let settings = &self.settings;
+        // What is reported is more than what may be.
+        let counts = |weighed: &Weighed| {
+            !weighed.silent || !each!(&self.filter, f => f.known_load.is_reported())
+        };
+        let weighed = lift.step(sample, settings.estimator.fresh).filter(counts);
+        let empty = lift.empty();
         each!(&mut self.filter, f => f.set_weighed(settings, weighed, empty));
         weighed
     }

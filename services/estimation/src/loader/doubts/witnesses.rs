@@ -88,6 +88,10 @@ impl Witnesses {
         } else if weighed.open {
             answer.reason = Reason::Load;
         }
+        if weighed.silent {
+            (answer.fresh, answer.reason) = (false, Reason::Missing);
+            (answer.trusted_ratio, answer.trusted_height) = (false, false);
+        }
     }
 
     fn compare(&mut self, slips: Quantity, weight: Quantity, dt: f64) {

@@ -14,7 +14,7 @@ use crate::math::{sin_cos, sqrt};
 /// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
 pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
 /// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
-const UNKNOWN_BUCKET: f64 = 0.4;
+pub(super) const UNKNOWN_BUCKET: f64 = 0.4;
 /// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
 const LEAST_LEVER: f64 = 0.2;
 /// A cylinder is no shorter, whatever its drawing says [m].

@@ -13,6 +13,7 @@ use super::numbers::{
     BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, OFFSET, ROD_AREA, ROD_ZERO, SPAN,
 };
 use super::seals::Seals;
+use super::signals::Signals;
 use super::turn::Turn;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::sample::Sample;
@@ -83,8 +84,9 @@ pub struct Lifts {
     last: Option<Row>,
     block: Block,
     linkage: Linkage,
-    /// The rod side has a sensor.
-    rod: Option<f64>,
+    signals: Signals,
+    /// How long a value counts [s].
+    fresh: f64,
 }
 
 /// Arm and bucket in a row.
@@ -125,7 +127,8 @@ impl Lifts {
             last: None,
             block: Block::NONE,
             linkage: Linkage::NEW,
-            rod: None,
+            signals: Signals::NONE,
+            fresh: settings.estimator.fresh,
         })
     }
 
@@ -171,12 +174,15 @@ impl Lifts {
 
     /// A row; the moment of a block that ended with it.
     pub fn step(&mut self, sample: &Sample) -> Option<LiftMoment> {
-        let (lift, head) = (sample.lift_angle?, sample.lift_head_pressure?);
-        self.rod = sample.lift_rod_pressure.or(self.rod);
+        let now = self.signals.take(sample, self.fresh);
+        let (lift, head) = (now.lift?, sample.lift_head_pressure?);
+        if now.tilt.is_none() && self.signals.measure_tilt() {
+            return None;
+        }
         let row = Row {
             time: sample.time,
             lift,
-            bucket: self.drawing.bucket_angle(lift, sample.tilt_angle),
+            bucket: self.drawing.bucket_angle(lift, now.tilt),
         };
         if ![row.time, lift, row.bucket, head]
             .iter()
@@ -196,23 +202,24 @@ impl Lifts {
         let stands = sample.speed.is_none_or(|v| v.abs() < STANDS);
         let moves = stands && share.abs() >= FULLY;
         self.linkage
-            .see([lift, row.bucket], moves && sample.tilt_angle.is_some());
+            .see([lift, row.bucket], moves && now.tilt.is_some());
         if !moves {
             self.block = Block::NONE;
             return None;
         }
-        self.add(&row, head, sample, share.signum());
+        let rod = now.rod.unwrap_or(USUAL_ROD_PRESSURE);
+        self.add(&row, [head, rod], sample, share.signum());
         self.end(&row)
     }
 
-    fn posture(&self, row: &Row, head: f64, sample: &Sample) -> Posture {
+    fn posture(&self, row: &Row, [head, rod]: [f64; 2], sample: &Sample) -> Posture {
         let slope = sample.slope.filter(|s| s.is_finite()).unwrap_or(0.0);
         let specific = sample.acceleration.filter(|a| a.is_finite());
         Posture {
             arm: Turn::of(row.lift),
             bucket: Turn::of(row.bucket),
             head,
-            rod: self.rod.unwrap_or(USUAL_ROD_PRESSURE),
+            rod,
             gravity: self.drawing.gravity(slope),
             acceleration: specific.unwrap_or(GRAVITY * sin_cos(slope).0),
             seals: 0.0,
@@ -220,9 +227,9 @@ impl Lifts {
         }
     }
 
-    fn add(&mut self, row: &Row, head: f64, sample: &Sample, direction: f64) {
+    fn add(&mut self, row: &Row, pressures: [f64; 2], sample: &Sample, direction: f64) {
         let (d, v) = (&self.drawing, &self.drawing.values);
-        let posture = self.posture(row, head, sample);
+        let posture = self.posture(row, pressures, sample);
         let (empty, per_load) = d.moments(v, &posture);
         // A kilogram of force along the body instead of the weight.
         let pushed = Posture {

@@ -5,6 +5,8 @@
 //! |---|---|
 //! | `drawing`, `numbers` | the described numbers, each with its doubt |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
+//! | `signals` | a row need not hold all of them |
+//! | `silence` | signals that do not come: a load may have come or gone |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
@@ -44,6 +46,8 @@ mod numbers;
 mod saturation;
 mod scale;
 mod seals;
+mod signals;
+mod silence;
 mod stops;
 mod tare;
 mod turn;
@@ -67,12 +71,13 @@ use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
 use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
+use signals::{Now, Signals};
 use stops::{End, Stops};
 use tare::Emptied;
 use turn::Turn;
 
-/// Arm signals older than this say nothing [s].
-const FRESH: f64 = 0.5;
+/// Nothing is known of what was done in a longer gap between two weighed rows [s].
+const GAP: f64 = 0.5;
 /// A pressure or angle that never changes for so long while the machine moves is none [s].
 const STUCK: f64 = 3.0;
 /// In a gap of this length the bucket may have become another one [s].
@@ -99,8 +104,9 @@ pub(super) struct LiftWitness {
     held: [f64; 2],
     still: [f64; 2],
     saturation: Saturation,
-    /// The last rod pressure; none where nobody measures it.
-    rod: Option<f64>,
+    signals: Signals,
+    /// The rod's pressure is measured.
+    measures_rod: bool,
     carriage: Carriage,
     seals: Seals,
     /// Torque of both axles that pushes [N m].
@@ -136,6 +142,8 @@ pub(super) struct Weighed {
     pub open: bool,
     /// No doubt that was stated explains what the pressures show.
     pub wrong: bool,
+    /// Signals of the arm are missing or too old: this is what may be since the last weight.
+    pub silent: bool,
 }
 
 impl LiftWitness {
@@ -153,7 +161,8 @@ impl LiftWitness {
             held: [f64::NAN; 2],
             still: [0.0; 2],
             saturation: Saturation::NEW,
-            rod: None,
+            signals: Signals::NONE,
+            measures_rod: false,
             carriage: Carriage::default(),
             seals: Seals::default(),
             pushing: PUSHES * GRAVITY * settings.machine.mass * settings.machine.wheel_radius,
@@ -176,28 +185,34 @@ impl LiftWitness {
         Scale::new(&self.drawing).payload()
     }
 
-    /// Takes a plausible row that was accepted; what is known after it, if the arm's signals are fresh.
-    pub fn step(&mut self, sample: &Sample) -> Option<Weighed> {
-        let (Some(lift), Some(head)) = (sample.lift_angle, sample.lift_head_pressure) else {
-            return self.answer_at(sample.time);
+    /// Takes a plausible row that was accepted, whose values count for as long as they are `fresh` [s]; what is known after it, once
+    /// something was weighed.
+    pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Weighed> {
+        let now = self.signals.take(sample, fresh);
+        let Now { lift, tilt, rod } = now;
+        let lift = lift.filter(|_| tilt.is_some() || !self.signals.measure_tilt());
+        let (Some(lift), Some(head)) = (lift, sample.lift_head_pressure) else {
+            let held = lift.and_then(|_| self.answer_at(sample.time, fresh));
+            return held.or_else(|| self.silent(&now, sample));
         };
         let dt = sample.time - self.last_time;
         self.watch([head, lift], sample, dt);
-        if let (Some(speed), Some(tilt)) = (sample.speed, sample.tilt_angle) {
+        if let (Some(speed), Some(tilt)) = (sample.speed, tilt) {
             self.carriage.see(speed, [lift, tilt], dt);
         }
         if self.carriage.is_odd() || self.still.iter().any(|time| *time > STUCK) {
             self.answer = None;
             return None;
         }
-        if self.rod.is_none() && sample.lift_rod_pressure.is_some() {
-            self.know(ROD_ZERO, self.drawing.rod_zero(true));
+        if rod.is_some() != self.measures_rod {
+            self.measures_rod = rod.is_some();
+            self.know(ROD_ZERO, self.drawing.rod_zero(self.measures_rod));
         }
-        self.rod = sample.lift_rod_pressure.or(self.rod);
-        let bucket = self.drawing.bucket_angle(lift, sample.tilt_angle);
-        let old = self.angles.filter(|_| dt > 0.0 && dt < FRESH);
+        let bucket = self.drawing.bucket_angle(lift, tilt);
+        let old = self.angles.filter(|_| dt > 0.0 && dt < GAP);
         if old.is_none() {
             // The first row, after a gap, or after a clock that was set: nothing is known of what was done meanwhile.
+            let silent = self.silent(&now, sample);
             self.scale.forget(&self.drawing);
             self.content = Content::default();
             self.emptied = Emptied::default();
@@ -208,18 +223,19 @@ impl LiftWitness {
             self.angles = Some([lift, bucket]);
             self.rates = [0.0; 2];
             self.last_time = sample.time;
-            return None;
+            return silent;
         }
         self.last_time = sample.time;
         self.follow([lift, bucket], dt);
-        let posture = self.posture(head, sample);
+        let angles = self.angles.unwrap_or_default();
+        let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
         Some(self.weigh(&posture, sample, dt))
     }
 
     /// The last answer while it is fresh.
-    fn answer_at(&self, time: f64) -> Option<Weighed> {
+    fn answer_at(&self, time: f64, fresh: f64) -> Option<Weighed> {
         let age = time - self.last_time;
-        self.answer.filter(|_| (0.0..FRESH).contains(&age))
+        self.answer.filter(|_| (0.0..=fresh).contains(&age))
     }
 
     /// Counts how long signals stand still while the machine moves.
@@ -249,13 +265,12 @@ impl LiftWitness {
         }
     }
 
-    fn posture(&mut self, head: f64, sample: &Sample) -> Posture {
-        let [lift, bucket] = self.angles.unwrap_or_default();
+    fn posture(&self, [lift, bucket]: [f64; 2], [head, rod]: [f64; 2], sample: &Sample) -> Posture {
         Posture {
             arm: Turn::of(lift),
             bucket: Turn::of(bucket),
             head,
-            rod: self.rod.unwrap_or(USUAL_ROD_PRESSURE),
+            rod,
             gravity: self.drawing.gravity(sample.slope.unwrap_or(0.0)),
             acceleration: sample.acceleration.unwrap_or(0.0),
             seals: 0.0,
@@ -271,7 +286,7 @@ impl LiftWitness {
         let mut motion = self
             .content
             .motion(self.rates, [low, pushes], sample.speed, dt);
-        self.learn(posture, sample, &motion);
+        self.learn(posture, &motion);
         let posture = Posture {
             seals: self.seals.share(),
             ..*posture
@@ -298,7 +313,8 @@ impl LiftWitness {
             self.below
                 .see(Quantity { std, ..payload }, empty.most(), rests, dt);
         }
-        let answer = self.answer(&empty, payload, motion.open || self.scale.swings());
+        let open = motion.open || self.scale.swings();
+        let answer = self.answer(&empty, &empty, payload, open);
         self.answer = Some(answer);
         answer
     }
@@ -363,12 +379,13 @@ impl LiftWitness {
     }
 
     /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
-    fn learn(&mut self, posture: &Posture, sample: &Sample, motion: &Motion) {
-        let (Some(linkage), Some(angles), Some(_)) =
-            (&mut self.linkage, self.angles, sample.tilt_angle)
-        else {
+    fn learn(&mut self, posture: &Posture, motion: &Motion) {
+        let (Some(linkage), Some(angles)) = (&mut self.linkage, self.angles) else {
             return;
         };
+        if !self.signals.measure_tilt() {
+            return;
+        }
         let Some(turn) = linkage.see(angles, motion.lifting && !motion.held) else {
             return;
         };
@@ -382,15 +399,21 @@ impl LiftWitness {
     fn know(&mut self, number: usize, known: Quantity) {
         let (value, std) = (self.drawing.values[number], self.drawing.std[number]);
         let moved = (known.value - value) / std;
-        self.doubts.learnt(number, known.std / std, moved);
+        // The effect of one that was exact is taken at its turn.
+        let [by, moved] = if std > 0.0 {
+            [known.std / std, moved]
+        } else {
+            [0.0; 2]
+        };
+        self.doubts.learnt(number, by, moved);
         self.drawing.set(number, known);
     }
 
-    /// The centre of gravity with this payload, with all doubts.
-    fn answer(&self, machine: &Empty, payload: Quantity, open: bool) -> Weighed {
+    /// The centre of gravity with this payload, with all doubts; `moved`: the machine with its arm where it may be while more is in it.
+    fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
-        let more = machine.with(payload.value + payload.std);
+        let more = moved.with(payload.value + payload.std);
         let rows = [
             payload.std,
             more.ratio - centre.ratio,
@@ -421,6 +444,7 @@ impl LiftWitness {
             loading_std: [widened.moved.ratio, widened.moved.height],
             open,
             wrong: self.below.is_wrong(),
+            silent: false,
         }
     }
 }

@@ -3,6 +3,9 @@ use super::*;
 use crate::loader::keys::{LiftArm, LiftCylinder};
 use std::vec::Vec;
 
+/// Values are as fresh as this [s].
+const FRESH: f64 = Settings::DEFAULT.estimator.fresh;
+
 /// A 12 t loader, its pressures made by the statics of its own drawing.
 fn settings() -> Settings {
     let mut settings = Settings::DEFAULT;
@@ -50,6 +53,7 @@ fn run_shown(seconds: &[Second], shown: &dyn Fn(f64, f64) -> f64) -> Vec<Option<
     let sensors = Sensors {
         shown,
         rod: Some(0.7e6),
+        lost: &none_lost,
     };
     said_of_sensors(seconds, 1.0, Some(1.0), &sensors)
 }
@@ -58,13 +62,19 @@ fn run_shown(seconds: &[Second], shown: &dyn Fn(f64, f64) -> f64) -> Vec<Option<
 struct Sensors<'a> {
     shown: &'a dyn Fn(f64, f64) -> f64,
     rod: Option<f64>,
+    /// What is missing in a row, by its number.
+    lost: &'a dyn Fn(u32, &mut Sample),
 }
+
+/// Nothing is missing.
+fn none_lost(_: u32, _: &mut Sample) {}
 
 /// The same of a machine whose bucket turns with its arm by `turn`, as far as it is stated.
 fn said_of(seconds: &[Second], turn: f64, stated: Option<f64>) -> Vec<Option<Weighed>> {
     let sensors = Sensors {
         shown: &|_, head| head,
         rod: Some(0.7e6),
+        lost: &none_lost,
     };
     said_of_sensors(seconds, turn, stated, &sensors)
 }
@@ -82,7 +92,7 @@ fn said_of_sensors(
     settings.lift_arm.bucket_turn = stated;
     let mut witness = LiftWitness::new(&settings).expect("a described arm");
     let (mut lift, mut bucket, mut load, mut time) = (seconds[0].0, seconds[0].1, 0.0, 0.0);
-    let mut said = Vec::new();
+    let (mut said, mut row) = (Vec::new(), 0);
     for second in seconds {
         let (from, turned, held) = (lift, bucket, load);
         for k in 1..=100 {
@@ -106,7 +116,7 @@ fn said_of_sensors(
             let (empty, per_load) = drawing.moments(&drawing.values, &posture);
             let missing = empty + load * per_load - drawing.lifting(&drawing.values, &posture);
             let per_pascal = drawing.lever(posture.arm) * 2.0 * 4.33e-3;
-            said.push(witness.step(&Sample {
+            let mut sample = Sample {
                 time,
                 lift_angle: Some(lift),
                 tilt_angle: Some(bucket - lift),
@@ -114,7 +124,10 @@ fn said_of_sensors(
                 lift_rod_pressure: sensors.rod,
                 acceleration: Some(0.0),
                 ..Sample::default()
-            }));
+            };
+            (sensors.lost)(row, &mut sample);
+            row += 1;
+            said.push(witness.step(&sample, FRESH));
         }
     }
     said.into_iter().skip(99).step_by(100).collect()
@@ -235,7 +248,11 @@ fn lifted(shown: impl Fn(f64, f64) -> f64, rod: Option<f64>) -> Weighed {
     let (mut work, carried) = loading(2, [0.15; 2]);
     let last = *carried.last().expect("a load");
     work.truncate(last + 1);
-    let sensors = Sensors { shown: &shown, rod };
+    let sensors = Sensors {
+        shown: &shown,
+        rod,
+        lost: &none_lost,
+    };
     let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
     said[last].expect("fresh")
 }
@@ -257,6 +274,7 @@ fn an_arm_that_rests_on_its_lower_stop_weighs_nothing_that_is_less_than_empty() 
     let sensors = Sensors {
         shown: &rests,
         rod: Some(0.7e6),
+        lost: &none_lost,
     };
     let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
     let last = said[*carried.last().expect("a load")]
@@ -305,15 +323,18 @@ fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
     for k in 0..600 {
-        said = witness.step(&Sample {
-            time: 0.01 * f64::from(k),
-            speed: Some(2.0),
-            lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
-            tilt_angle: Some(1.2),
-            lift_head_pressure: Some(14e6),
-            lift_rod_pressure: Some(1e6),
-            ..Sample::default()
-        });
+        said = witness.step(
+            &Sample {
+                time: 0.01 * f64::from(k),
+                speed: Some(2.0),
+                lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
+                tilt_angle: Some(1.2),
+                lift_head_pressure: Some(14e6),
+                lift_rod_pressure: Some(1e6),
+                ..Sample::default()
+            },
+            FRESH,
+        );
     }
     assert_eq!(said, None);
 }
@@ -443,4 +464,168 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
         let after = said[20].expect("fresh");
         assert!(!after.open && after.payload.std < 500.0, "{after:?}");
     }
+}
+
+/// What the witness says of loads that are lifted, with rows that miss something.
+fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weighed>)> {
+    let (work, _) = loading(2, [0.15; 2]);
+    let sensors = Sensors {
+        shown: &|_, head| head,
+        rod: Some(0.7e6),
+        lost: &lost,
+    };
+    let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
+    work.into_iter().zip(said).collect()
+}
+
+/// How many seconds end with a load that is known; none of them wrong.
+fn known_loads(said: &[(Second, Option<Weighed>)]) -> usize {
+    let closed = |(second, weighed): &(Second, Option<Weighed>)| {
+        let Weighed { payload, open, .. } = (*weighed)?;
+        let error = (payload.value - second.2).abs();
+        assert!(
+            open || error < 1.96 * payload.std,
+            "{} {payload:?}",
+            second.2
+        );
+        (!open && error < 100.0).then_some(())
+    };
+    said.iter().filter_map(closed).count()
+}
+
+#[test]
+fn a_cell_that_is_missing_now_and_then_is_the_last_one() {
+    let all = known_loads(&weighed_without(none_lost));
+    assert!(all > 25, "{all}");
+    let tilt = weighed_without(|row, sample| {
+        if row % 10 == 3 {
+            sample.tilt_angle = None;
+        }
+    });
+    let rod = weighed_without(|row, sample| {
+        if row % 20 != 3 {
+            sample.lift_rod_pressure = None;
+        }
+    });
+    // Angles in even rows, pressures in odd ones.
+    let in_turn = weighed_without(|row, sample| {
+        if row % 2 == 0 {
+            (sample.lift_head_pressure, sample.lift_rod_pressure) = (None, None);
+        } else {
+            (sample.lift_angle, sample.tilt_angle) = (None, None);
+        }
+    });
+    for said in [tilt, rod, in_turn] {
+        let known = known_loads(&said);
+        assert!(known + 2 >= all, "{known} of {all}");
+    }
+}
+
+#[test]
+fn an_angle_that_is_too_old_weighs_nothing() {
+    let angles: [fn(&mut Sample); 2] = [
+        |sample| sample.tilt_angle = None,
+        |sample| sample.lift_angle = None,
+    ];
+    for lose in angles {
+        let said = weighed_without(|row, sample| {
+            if row >= 500 {
+                lose(sample);
+            }
+        });
+        assert!(said[4].1.is_some());
+        assert!(
+            said[5..]
+                .iter()
+                .all(|(_, weighed)| weighed.is_none_or(|w| w.open))
+        );
+    }
+}
+
+#[test]
+fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
+    let silent: [fn(&mut Sample); 2] = [
+        |sample| sample.lift_head_pressure = None,
+        |sample| {
+            (sample.lift_angle, sample.tilt_angle) = (None, None);
+            sample.lift_head_pressure = None;
+        },
+    ];
+    let all = weighed_without(none_lost);
+    for lose in silent {
+        // Silent from the first load on, which is carried, dumped, and followed by another.
+        let from = 1200;
+        let said = weighed_without(|row, sample| {
+            if row >= from {
+                lose(sample);
+            }
+        });
+        for ((_, now), (_, sees)) in said.iter().zip(&all).skip(12) {
+            let (now, sees) = (now.expect("it was weighed"), sees.expect("fresh"));
+            assert!(now.silent && now.open && !sees.silent);
+            for (may, is) in [
+                (now.ratio, sees.ratio),
+                (now.height, sees.height),
+                (now.payload, sees.payload),
+            ] {
+                assert!(
+                    (may.value - is.value).abs() < 1.96 * may.std,
+                    "{may:?} {is:?}"
+                );
+            }
+        }
+        // It is less and less the last one.
+        let std = |second: usize| said[second].1.expect("weighed").payload.std;
+        assert!(
+            std(12) < std(16) && std(16) < std(24),
+            "{} {} {}",
+            std(12),
+            std(16),
+            std(24)
+        );
+    }
+    // Before anything was weighed nobody weighs.
+    let never = weighed_without(|_, sample| sample.lift_head_pressure = None);
+    assert!(never.iter().all(|(_, weighed)| weighed.is_none()));
+}
+
+#[test]
+fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
+    use crate::loader::load::payload::Payload;
+    use crate::loader::{CgEstimator, Columns, Method, Reason};
+    let settings = settings();
+    let answers = |reported: Option<Payload>| {
+        let columns = Columns {
+            acceleration: true,
+            ..Columns::default()
+        };
+        let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
+        estimator.set_payload(reported);
+        // A pressure that lives, and is gone from the third second on.
+        let row = |k: u32| Sample {
+            time: 0.01 * f64::from(k),
+            speed: Some(0.0),
+            front_wheel_speed: Some(0.0),
+            rear_wheel_speed: Some(0.0),
+            front_torque: Some(0.0),
+            rear_torque: Some(0.0),
+            slope: Some(0.0),
+            acceleration: Some(0.0),
+            lift_angle: Some(0.1),
+            tilt_angle: Some(0.5),
+            lift_head_pressure: (k < 300).then(|| 9e6 + 1e4 * f64::from(k % 3)),
+            ..Sample::default()
+        };
+        (0..600)
+            .map(|k| estimator.step(&row(k)))
+            .collect::<Vec<_>>()
+    };
+    let unreported = answers(None);
+    assert!(unreported[310].fresh, "as old as an input may be");
+    let last = unreported[599];
+    assert!(!last.fresh && last.reason == Reason::Missing, "{last:?}");
+    assert!(!last.trusted_ratio && !last.trusted_height && !last.trusted_payload);
+    assert!(last.cg_ratio.std > 2.0 * unreported[299].cg_ratio.std);
+    let told = answers(Some(Payload::new(2000.0, 1.5, 1.3)))[599];
+    assert!(told.cg_ratio.std < last.cg_ratio.std, "{told:?} {last:?}");
 }

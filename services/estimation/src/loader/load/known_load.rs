@@ -39,6 +39,11 @@ impl KnownLoad {
         self.reported.is_some() || self.weighed.is_some()
     }
 
+    /// Somebody reports it.
+    pub fn is_reported(&self) -> bool {
+        self.reported.is_some()
+    }
+
     /// The content of the bucket is being weighed, and may be changing.
     pub fn is_open(&self) -> bool {
         self.weighed.as_ref().is_some_and(|weighed| weighed.open)
@@ -170,6 +175,7 @@ mod tests {
             loading_std: [0.02, 0.03],
             open: false,
             wrong: false,
+            silent: false,
         }
     }
 

@@ -1,0 +1,74 @@
+//! The arm's signals by their last value: a bus sends each at its own time, and a row may hold one of them without the others.
+
+use crate::loader::sample::Sample;
+
+/// A signal's last value and when it came [s].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Held {
+    value: f64,
+    time: f64,
+}
+
+impl Held {
+    /// It has never come.
+    const NEVER: Self = Self {
+        value: 0.0,
+        time: f64::NEG_INFINITY,
+    };
+
+    /// Takes a row's value; the last one, while it is no older than `fresh` [s].
+    fn take(&mut self, value: Option<f64>, time: f64, fresh: f64) -> Option<f64> {
+        if let Some(value) = value {
+            *self = Self { value, time };
+            return Some(value);
+        }
+        (0.0..=fresh)
+            .contains(&(time - self.time))
+            .then_some(self.value)
+    }
+}
+
+/// Angles of arm and bucket, and the pressure behind the rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Signals {
+    lift: Held,
+    tilt: Held,
+    rod: Held,
+}
+
+/// What holds of them in a row; none where it is missing or too old.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Now {
+    /// Angle of the arm [rad].
+    pub lift: Option<f64>,
+    /// Angle of the bucket to the arm [rad].
+    pub tilt: Option<f64>,
+    /// Pressure on the rod side [Pa].
+    pub rod: Option<f64>,
+}
+
+impl Signals {
+    /// Nothing has come.
+    pub const NONE: Self = Self {
+        lift: Held::NEVER,
+        tilt: Held::NEVER,
+        rod: Held::NEVER,
+    };
+
+    /// Takes a plausible row; a value counts for as long as it is `fresh` [s].
+    pub fn take(&mut self, sample: &Sample, fresh: f64) -> Now {
+        let hold = |held: &mut Held, value| held.take(value, sample.time, fresh);
+        Now {
+            lift: hold(&mut self.lift, sample.lift_angle),
+            tilt: hold(&mut self.tilt, sample.tilt_angle),
+            rod: hold(&mut self.rod, sample.lift_rod_pressure),
+        }
+    }
+
+    /// The source measures the bucket's angle.
+    pub fn measure_tilt(&self) -> bool {
+        self.tilt != Held::NEVER
+    }
+}
