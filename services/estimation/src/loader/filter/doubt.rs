@@ -2,7 +2,7 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::floors::RATIO_PER_SENSITIVITY;
+use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::load::axle_torque::RatioAway;
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
@@ -72,6 +72,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
         let away = self.away(expected);
+        let ratio_std = norm(&[expected[1].1, self.told(settings)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
@@ -79,7 +80,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque.judge(&RatioAway {
             ratio: self.belief.state()[CG_RATIO],
             expected: expected[1].0,
-            std: expected[1].1,
+            std: ratio_std,
         });
         let signs = Signs {
             late: self.is_late(settings),
@@ -88,7 +89,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 || at_limit.height
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
-            contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
+            contradicted: away.height > expected[0].1 || away.ratio > ratio_std,
             axle_torque: axle_torque > 0.5,
         };
         let reason = self.cause(&signs);
@@ -112,6 +113,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             acts: self.acts(settings),
             one_way: self.wants_a_drive_back(settings),
         }
+    }
+
+    /// What the filter estimates, so that no floor need hold it.
+    pub(in crate::loader) fn learns(&self, settings: &Settings) -> Learns {
+        Learns {
+            radii: const { Layout::of(N) }.radii.is_some(),
+            load_sensitivity: self.sensitivity_left(settings),
+            acceleration: M > 3,
+        }
+    }
+
+    /// How far the ratio of a sound machine may be told from the true one, however well that was known before: the filter's deviation
+    /// and the floors.
+    fn told(&self, settings: &Settings) -> f64 {
+        let own = Each::of(|i| self.belief.state()[i]);
+        let std = Each::of(|i| self.belief.std(i));
+        with_floors(settings, self.learns(settings), own, std).ratio
     }
 
     /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
@@ -292,5 +310,40 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             Reason::None
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ekf::Ekf;
+    use crate::loader::Method;
+    use crate::loader::doubts::coupling::Turning;
+
+    type Filter = CgFilter<9, 3, Ekf<9, 3>>;
+
+    /// Why a filter of these settings doubts a ratio that lies `ratio` beside its prior.
+    fn reason(settings: &Settings, ratio: f64) -> Reason {
+        let mut filter = Filter::new(settings, Method::FullEkf);
+        // The axles have turned apart: the centre drive is not locked.
+        let apart = Turning {
+            difference: 1.0,
+            innovation: 0.0,
+            predicted: 0.0,
+            process: 0.0,
+            noise: 1e-3,
+            dt: 0.1,
+        };
+        filter.coupling.see(&apart);
+        filter.belief.state_mut()[CG_RATIO] += ratio;
+        filter.doubt(settings).reason
+    }
+
+    #[test]
+    fn a_well_known_ratio_is_not_contradicted_by_what_estimates_are_off() {
+        let mut settings = Settings::DEFAULT;
+        settings.prior.cg_ratio_std = 0.008;
+        assert_eq!(reason(&settings, 0.03), Reason::None);
+        assert_eq!(reason(&settings, 0.3), Reason::Disagreement);
     }
 }
