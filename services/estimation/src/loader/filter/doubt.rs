@@ -22,6 +22,8 @@ const DISAGREE: f64 = 2.0;
 /// A rolling radius so far from the described one is none of a worn or soft tyre, which is at most half as far away: a speed is wrong.
 /// Sound machines show up to .016.
 const OTHER_RADIUS: f64 = 0.04;
+/// Where nobody states the radius it may be off by so many standard deviations of its prior.
+const UNSTATED_RADIUS: f64 = 3.0;
 /// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
 const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
@@ -164,10 +166,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn has_other_radius(&self, settings: &Settings) -> bool {
         let prior = &settings.prior;
         let described = [prior.front_radius_error, prior.rear_radius_error];
+        let other = OTHER_RADIUS.max(UNSTATED_RADIUS * prior.radius_std);
         const { Layout::of(N) }.radii.is_some_and(|radii| {
             let learnt = radii.map(|i| self.belief.state()[i]);
             let mut both = learnt.iter().zip(described);
-            both.any(|(learnt, described)| (learnt - described).abs() > OTHER_RADIUS)
+            both.any(|(learnt, described)| (learnt - described).abs() > other)
         })
     }
 
@@ -322,8 +325,8 @@ mod tests {
 
     type Filter = CgFilter<9, 3, Ekf<9, 3>>;
 
-    /// Why a filter of these settings doubts a ratio that lies `ratio` beside its prior.
-    fn reason(settings: &Settings, ratio: f64) -> Reason {
+    /// Why a filter of these settings doubts a ratio that lies `ratio` beside its prior, and a front radius that is `radius` off.
+    fn reason(settings: &Settings, ratio: f64, radius: f64) -> Reason {
         let mut filter = Filter::new(settings, Method::FullEkf);
         // The axles have turned apart: the centre drive is not locked.
         let apart = Turning {
@@ -336,6 +339,7 @@ mod tests {
         };
         filter.coupling.see(&apart);
         filter.belief.state_mut()[CG_RATIO] += ratio;
+        filter.belief.state_mut()[6] += radius;
         filter.doubt(settings).reason
     }
 
@@ -343,7 +347,16 @@ mod tests {
     fn a_well_known_ratio_is_not_contradicted_by_what_estimates_are_off() {
         let mut settings = Settings::DEFAULT;
         settings.prior.cg_ratio_std = 0.008;
-        assert_eq!(reason(&settings, 0.03), Reason::None);
-        assert_eq!(reason(&settings, 0.3), Reason::Disagreement);
+        assert_eq!(reason(&settings, 0.03, 0.0), Reason::None);
+        assert_eq!(reason(&settings, 0.3, 0.0), Reason::Disagreement);
+    }
+
+    #[test]
+    fn a_radius_that_nobody_stated_may_be_off_by_its_spread() {
+        let mut settings = Settings::DEFAULT;
+        assert_eq!(reason(&settings, 0.0, 0.06), Reason::Radius);
+        settings.prior.radius_std = 0.05;
+        assert_eq!(reason(&settings, 0.0, 0.06), Reason::None);
+        assert_eq!(reason(&settings, 0.0, 0.16), Reason::Radius);
     }
 }
