@@ -321,6 +321,35 @@ fn what_a_loader_s_file_leaves_open_follows_from_its_mass_whoever_states_it() {
 }
 
 #[test]
+fn wheels_of_a_class_are_as_large_as_tyres_and_a_stated_radius_carries_their_inertia() {
+    let of = |sets: &[&str]| {
+        let mut loader = Loader::default();
+        loader.set_all(sets).expect("valid");
+        loader
+    };
+    for (mass, tyre) in [
+        (2500.0, 0.38),
+        (10e3, 0.63),
+        (13e3, 0.70),
+        (19e3, 0.77),
+        (50e3, 0.98),
+    ] {
+        let class = of(&[&format!("machine.mass={mass}")]);
+        let away = class.machine.wheel_radius / tyre - 1.0;
+        assert!(away.abs() < 2.0 * class.prior.radius_std, "{mass}: {away}");
+    }
+    let stated = of(&["machine.mass=33000", "machine.wheel_radius=0.8"]);
+    assert_eq!(stated.prior.radius_std, Loader::default().prior.radius_std);
+    assert!((stated.machine.axle_inertia - 0.035 * 33e3 * 0.64).abs() < 1e-6);
+    let reference = of(&["machine.mass=4800"]);
+    assert_eq!(
+        reference.machine.wheel_radius,
+        Loader::default().machine.wheel_radius
+    );
+    assert_eq!(reference.prior, Loader::default().prior);
+}
+
+#[test]
 fn a_class_is_a_valid_machine_of_any_size() {
     for machine in Machine::ALL {
         for mass in [1500.0, 5000.0, 21e3, 90e3] {

@@ -3,7 +3,7 @@
 use super::Method;
 use super::estimate::Estimate;
 use super::filter::{Belief, CgFilter, RowReport};
-use super::floors::{Learns, with_floors};
+use super::floors::with_floors;
 use super::layout::{CG_HEIGHT, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
 use super::settings::Settings;
 use super::verdict::{Doubt, Intervals};
@@ -17,18 +17,13 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     doubt: &Doubt,
 ) -> (Each<f64>, Intervals) {
     let x = filter.state();
-    let layout = const { Layout::of(N) };
     let own = Each::of(|i| x[i]);
     let std = Each {
         ratio: filter.ratio_std(settings),
         height: filter.std(CG_HEIGHT),
     };
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
-    let learns = Learns {
-        radii: layout.radii.is_some(),
-        load_sensitivity: filter.sensitivity_left(settings),
-        acceleration: M > 3,
-    };
+    let learns = filter.learns(settings);
     let doubted = |std: f64, beyond: f64, centre: f64| {
         norm(&[doubt.birge * std, beyond, doubt.wavering * centre])
     };

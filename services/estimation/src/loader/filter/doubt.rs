@@ -2,7 +2,7 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::floors::RATIO_PER_SENSITIVITY;
+use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::load::axle_torque::RatioAway;
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
@@ -22,6 +22,8 @@ const DISAGREE: f64 = 2.0;
 /// A rolling radius so far from the described one is none of a worn or soft tyre, which is at most half as far away: a speed is wrong.
 /// Sound machines show up to .016.
 const OTHER_RADIUS: f64 = 0.04;
+/// Where nobody states the radius it may be off by so many standard deviations of its prior.
+const UNSTATED_RADIUS: f64 = 3.0;
 /// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
 const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
@@ -72,6 +74,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
         let away = self.away(expected);
+        let ratio_std = norm(&[expected[1].1, self.told(settings)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
@@ -79,7 +82,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque.judge(&RatioAway {
             ratio: self.belief.state()[CG_RATIO],
             expected: expected[1].0,
-            std: expected[1].1,
+            std: ratio_std,
         });
         let signs = Signs {
             late: self.is_late(settings),
@@ -88,7 +91,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 || at_limit.height
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
-            contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
+            contradicted: away.height > expected[0].1 || away.ratio > ratio_std,
             axle_torque: axle_torque > 0.5,
         };
         let reason = self.cause(&signs);
@@ -112,6 +115,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             acts: self.acts(settings),
             one_way: self.wants_a_drive_back(settings),
         }
+    }
+
+    /// What the filter estimates, so that no floor need hold it.
+    pub(in crate::loader) fn learns(&self, settings: &Settings) -> Learns {
+        Learns {
+            radii: const { Layout::of(N) }.radii.is_some(),
+            load_sensitivity: self.sensitivity_left(settings),
+            acceleration: M > 3,
+        }
+    }
+
+    /// How far the ratio of a sound machine may be told from the true one, however well that was known before: the filter's deviation
+    /// and the floors.
+    fn told(&self, settings: &Settings) -> f64 {
+        let own = Each::of(|i| self.belief.state()[i]);
+        let std = Each::of(|i| self.belief.std(i));
+        with_floors(settings, self.learns(settings), own, std).ratio
     }
 
     /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
@@ -146,10 +166,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn has_other_radius(&self, settings: &Settings) -> bool {
         let prior = &settings.prior;
         let described = [prior.front_radius_error, prior.rear_radius_error];
+        let other = OTHER_RADIUS.max(UNSTATED_RADIUS * prior.radius_std);
         const { Layout::of(N) }.radii.is_some_and(|radii| {
             let learnt = radii.map(|i| self.belief.state()[i]);
             let mut both = learnt.iter().zip(described);
-            both.any(|(learnt, described)| (learnt - described).abs() > OTHER_RADIUS)
+            both.any(|(learnt, described)| (learnt - described).abs() > other)
         })
     }
 
@@ -292,5 +313,50 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             Reason::None
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ekf::Ekf;
+    use crate::loader::Method;
+    use crate::loader::doubts::coupling::Turning;
+
+    type Filter = CgFilter<9, 3, Ekf<9, 3>>;
+
+    /// Why a filter of these settings doubts a ratio that lies `ratio` beside its prior, and a front radius that is `radius` off.
+    fn reason(settings: &Settings, ratio: f64, radius: f64) -> Reason {
+        let mut filter = Filter::new(settings, Method::FullEkf);
+        // The axles have turned apart: the centre drive is not locked.
+        let apart = Turning {
+            difference: 1.0,
+            innovation: 0.0,
+            predicted: 0.0,
+            process: 0.0,
+            noise: 1e-3,
+            dt: 0.1,
+        };
+        filter.coupling.see(&apart);
+        filter.belief.state_mut()[CG_RATIO] += ratio;
+        filter.belief.state_mut()[6] += radius;
+        filter.doubt(settings).reason
+    }
+
+    #[test]
+    fn a_well_known_ratio_is_not_contradicted_by_what_estimates_are_off() {
+        let mut settings = Settings::DEFAULT;
+        settings.prior.cg_ratio_std = 0.008;
+        assert_eq!(reason(&settings, 0.03, 0.0), Reason::None);
+        assert_eq!(reason(&settings, 0.3, 0.0), Reason::Disagreement);
+    }
+
+    #[test]
+    fn a_radius_that_nobody_stated_may_be_off_by_its_spread() {
+        let mut settings = Settings::DEFAULT;
+        assert_eq!(reason(&settings, 0.0, 0.06), Reason::Radius);
+        settings.prior.radius_std = 0.05;
+        assert_eq!(reason(&settings, 0.0, 0.06), Reason::None);
+        assert_eq!(reason(&settings, 0.0, 0.16), Reason::Radius);
     }
 }

@@ -40,7 +40,7 @@ impl Default for AxleTorque {
     }
 }
 
-/// A ratio beside what is expected, with the standard deviation of what is expected.
+/// A ratio beside what is expected, with the standard deviation of both.
 #[derive(Clone, Copy, Debug)]
 pub struct RatioAway {
     pub ratio: f64,
