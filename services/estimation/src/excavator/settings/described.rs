@@ -4,7 +4,7 @@ use crate::excavator::align;
 use crate::excavator::cylinder::Cylinder;
 use crate::excavator::doubts::{Correlations, Doubts};
 use crate::excavator::geometry::Geometry;
-use crate::excavator::keys::{Description, Paper, Variant};
+use crate::excavator::keys::{Description, Machine, Paper, Variant};
 use crate::excavator::settings::{Sensors, Settings};
 use crate::math::sqrt;
 
@@ -96,7 +96,7 @@ impl Doubts {
                 None => both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
             },
             upper_share: m.upper_tolerance.unwrap_or(UPPER * m.mass_tolerance),
-            bucket_share: m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance),
+            bucket_share: Self::bucket_share(m),
             form_share: 2.0 * m.geometry_tolerance,
             loads: d.loads_common(),
             found: m.links_gain_correlation.map(|links_gain| Correlations {
@@ -109,6 +109,11 @@ impl Doubts {
 }
 
 impl Doubts {
+    /// Relative standard deviation of the bucket's mass.
+    pub(in crate::excavator) fn bucket_share(m: &Machine) -> f64 {
+        m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance)
+    }
+
     /// Whether the description leaves anything open: not where it states 0 for every tolerance.
     fn are_any(&self) -> bool {
         let stds = [

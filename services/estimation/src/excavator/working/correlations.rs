@@ -37,6 +37,8 @@ mod tests {
         d.machine.mass_tolerance = 0.02;
         d.machine.upper_tolerance = Some(0.02);
         d.machine.bucket_tolerance = Some(0.02);
+        // No soil sticks.
+        (d.prior.payload, d.prior.payload_std) = (0.0, 1e-3);
         d.sensors.swing_torque_gain_std = Some(0.02);
         if correlated {
             d.machine.links_gain_correlation = Some(-0.97);

@@ -9,7 +9,7 @@
 //! | symbol | index | meaning | unit |
 //! |---|---|---|---|
 //! | w | [`W`] | swing velocity | rad/s |
-//! | m | [`M`] | payload | kg |
+//! | m | [`M`] | payload beyond what sticks in the bucket | kg |
 //! | d | [`OFFSET`] | torque offset: true minus measured | N m |
 //! | b | [`DAMPING`] | viscous damping | N m s/rad |
 //! | k | [`GAIN`] | true torque over the measured one, minus 1 | - |
@@ -19,7 +19,7 @@
 //! | S | [`MOMENT`] | first moment of the upper body | kg m |
 //! | tau | [`DELAY`] | how much later the velocity comes than the torque | s |
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
-//! | dm_b | [`BUCKET`] | mass of the bucket beyond the described one | kg |
+//! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
 //! | s, z, f | [`SPAN`], [`ZERO`], [`REST`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N |
 //!
@@ -31,6 +31,7 @@ use super::super::geometry::Inertia;
 pub(super) use super::states::*;
 use super::trail::Trail;
 use crate::excavator::measurements::boom_moment::GRAVITY;
+use crate::excavator::size::Sticking;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 
@@ -264,6 +265,13 @@ impl Filter {
             }
         }
         (value, variance.max(0.0))
+    }
+
+    /// Payload with what sticks in the bucket \[kg\], and what the states leave open of it [kg^2].
+    pub(super) fn payload(&self, sticks: &Sticking) -> (f64, f64) {
+        let row = [(M, 1.0), (BUCKET, sticks.share)];
+        let variance = self.combination(&row).1;
+        (self.x[M] + sticks.of(self.x[BUCKET]), variance)
     }
 
     /// Row `i` of the covariance.

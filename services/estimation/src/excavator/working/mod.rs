@@ -37,12 +37,13 @@ use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
 use super::settings::Settings;
+use super::size::Sticking;
 use super::standstill::Phase;
 use super::state::State;
 use crate::CommonError;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{exp, sin_cos};
+use crate::math::{exp, norm, sin_cos};
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.001;
@@ -107,8 +108,8 @@ pub(super) struct Working {
     weighed_something: f64,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
-    /// How often it has been: what sticks is the same in all of them, so that they are worth little more than one.
-    tares: f64,
+    /// What sticks in it, the same in all of them.
+    sticks: Sticking,
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
@@ -131,6 +132,9 @@ impl Working {
     pub(super) fn new(settings: &Settings, doubts: &Doubts) -> Self {
         let (p, s) = (&settings.prior, settings);
         let (moment, moment_std) = doubts.upper_moment(&settings.geometry);
+        let bucket = doubts.bucket_share * settings.geometry.masses[2];
+        let sticking = p.sticking();
+        let sticks = sticking.among(bucket);
         let mut x = [0.0; N];
         let mut std = [0.0; N];
         for (i, value, deviation) in [
@@ -150,11 +154,7 @@ impl Working {
                 0.0,
                 doubts.upper_share * settings.geometry.upper_inertia,
             ),
-            (
-                BUCKET,
-                0.0,
-                doubts.bucket_share * settings.geometry.masses[2],
-            ),
+            (BUCKET, sticking.expected, bucket),
             (LINKS, 0.0, doubts.links_share),
         ] {
             x[i] = value;
@@ -164,6 +164,8 @@ impl Working {
         if let Some(found) = doubts.found {
             correlations::correlate(&mut filter, doubts, found);
         }
+        filter.p[BUCKET][BUCKET] += sticking.std * sticking.std;
+        std[BUCKET] = norm(&[bucket, sticking.std]);
         Self {
             parallel: ParallelFilter::new(&filter, doubts),
             scale: Scale::new(&filter),
@@ -186,7 +188,7 @@ impl Working {
             weighed_nothing: false,
             weighed_something: 0.0,
             tared: false,
-            tares: 0.0,
+            sticks,
             carried: None,
             contradiction: Contradiction::new(),
             weigh: settings.boom.map(Weigh::new),
@@ -240,7 +242,7 @@ impl Working {
         };
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
-            trail.finish(&self.filter, &drive.now, drive.posture);
+            trail.finish(&self.filter, &self.sticks, &drive.now, drive.posture);
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
@@ -393,7 +395,7 @@ impl Working {
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
-        let payload = (self.filter.x[M], self.filter.p[M][M]);
+        let payload = self.filter.payload(&self.sticks);
         self.contradiction.weighs(payload, s.payload_range());
         self.tare(gate, &drive.now, trail);
         innovation

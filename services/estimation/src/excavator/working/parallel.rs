@@ -9,6 +9,7 @@
 
 use super::super::doubts::Doubts;
 use super::super::geometry::Inertia;
+use super::super::size::Sticking;
 use super::filter::{Filter, GAIN, Input, M};
 use crate::kalman::Innovation;
 use crate::math::{exp, ln, sqrt};
@@ -146,19 +147,22 @@ impl ParallelFilter {
     }
 
     /// Variances that the mixture adds to those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
-    pub(super) fn variances(&self, payload: f64, inertia: f64, now: &Inertia) -> [f64; 2] {
+    pub(super) fn variances(
+        &self,
+        sticks: &Sticking,
+        payload: f64,
+        inertia: f64,
+        now: &Inertia,
+    ) -> [f64; 2] {
         if !self.driven {
             return [0.0; 2];
         }
         let x = &self.filter.x;
         let (_, own) = self.filter.combination(&super::filter::inertia_row(now));
+        let (weight, variance) = self.filter.payload(sticks);
         let heavier = self.filter.inertia(now, x[M]) - inertia;
         let probability = self.probability();
-        [
-            (x[M] - payload, self.filter.p[M][M].max(0.0)),
-            (heavier, own),
-        ]
-        .map(|(away, variance)| {
+        [(weight - payload, variance), (heavier, own)].map(|(away, variance)| {
             let spread = spread(probability, away, sqrt(variance));
             spread * spread
         })

@@ -8,6 +8,7 @@
 
 use super::super::measurements::boom_moment::Moment;
 use super::super::settings::Settings;
+use super::super::size::Sticking;
 use super::filter::{Filter, Input, M, SLOPE, inertia_row};
 use super::weigh::{LASTS, Weigh, fits};
 use crate::excavator::geometry::Inertia;
@@ -74,9 +75,9 @@ impl Scale {
         }
     }
 
-    /// An emptied bucket holds this, with this variance [kg, kg^2].
-    pub(super) fn tare(&mut self, left: f64, variance: f64, gate: f64) {
-        let value = left - self.filter.x[M];
+    /// An emptied bucket holds nothing, with this variance [kg^2].
+    pub(super) fn tare(&mut self, variance: f64, gate: f64) {
+        let value = -self.filter.x[M];
         self.filter
             .measure([(M, 1.0)], value, variance, gate, &mut None);
     }
@@ -85,17 +86,22 @@ impl Scale {
     /// anything [kg^2].
     pub(super) fn answer(
         &self,
+        sticks: &Sticking,
         now: &Inertia,
         [least, most]: [f64; 2],
         anything: f64,
     ) -> [(f64, f64); 2] {
         let filter = &self.filter;
-        let (payload, wrong) = (filter.x[M].clamp(least, most), ERRS * anything);
+        let (weight, left) = filter.payload(sticks);
+        let (payload, wrong) = (weight.clamp(least, most), ERRS * anything);
         let (_, variance) = filter.combination(&inertia_row(now));
         let g = now.per_payload;
         [
-            (payload, filter.p[M][M].max(0.0) + wrong),
-            (filter.inertia(now, payload), variance + wrong * g * g),
+            (payload, left + wrong),
+            (
+                filter.inertia(now, filter.x[M] + payload - weight),
+                variance + wrong * g * g,
+            ),
         ]
     }
 }
@@ -154,9 +160,12 @@ mod tests {
             per_payload: 30.0,
             ..Inertia::default()
         };
-        let [payload, inertia] = scale.answer(&now, [0.0, 1500.0], ANYTHING);
+        let [payload, inertia] = scale.answer(&Sticking::default(), &now, [0.0, 1500.0], ANYTHING);
         assert_eq!(payload, (700.0, 2500.0 + ERRS * ANYTHING));
         assert_eq!(inertia, (61e3, 900.0 * payload.1));
-        assert_eq!(scale.answer(&now, [0.0, 500.0], ANYTHING)[0].0, 500.0);
+        assert_eq!(
+            scale.answer(&Sticking::default(), &now, [0.0, 500.0], ANYTHING)[0].0,
+            500.0
+        );
     }
 }

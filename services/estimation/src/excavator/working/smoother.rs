@@ -12,16 +12,23 @@
 //! zeros: what comes after it says nothing of before. The model is the filter's, linearised where the filter went.
 
 use super::super::geometry::Inertia;
-use super::filter::{Filter, M, N, Vector, dot, inertia_row};
+use super::super::size::Sticking;
+use super::filter::{BUCKET, Filter, M, N, Vector, dot, inertia_row};
 use super::trail::{Act, Trail};
 use crate::Quantity;
 use crate::math::sqrt;
 
 impl Trail {
     /// The state after the tick.
-    pub(super) fn finish(&mut self, filter: &Filter, now: &Inertia, posture: [f64; 3]) {
-        self.payload = filter.x[M];
-        self.covariance = filter.row(M);
+    pub(super) fn finish(
+        &mut self,
+        filter: &Filter,
+        sticks: &Sticking,
+        now: &Inertia,
+        posture: [f64; 3],
+    ) {
+        (self.payload, self.own) = filter.payload(sticks);
+        self.covariance = filter.along([(M, 1.0), (BUCKET, sticks.share)].into_iter());
         let row = inertia_row(now);
         self.posture = posture;
         self.inertia = filter.inertia(now, filter.x[M]);
@@ -84,7 +91,6 @@ impl Smoother {
         let (shift, known) = self.said(&trail.covariance);
         let [least, most] = trail.range;
         let payload = (trail.payload - shift).clamp(least, most);
-        let own = trail.covariance[M];
         self.disagreement = self.disagreement.max(trail.disagreement);
         let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
         let (moved, identified) = self.said(&trail.along);
@@ -92,7 +98,9 @@ impl Smoother {
         Smoothed {
             payload: Quantity {
                 value: payload,
-                std: sqrt(left(own, known) * self.disagreement + trail.loads.variance(payload)),
+                std: sqrt(
+                    left(trail.own, known) * self.disagreement + trail.loads.variance(payload),
+                ),
             },
             inertia: Quantity {
                 value: trail.inertia - moved,
@@ -170,7 +178,7 @@ mod tests {
             let innovation = value - filter.x[M];
             filter.measure([(M, 1.0)], innovation, 100.0, 1e9, &mut trail);
             let mut trail = trail.expect("a trail");
-            trail.finish(&filter, &Inertia::default(), [0.0; 3]);
+            trail.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
             trail
         });
         let mut smoother = Smoother::default();
@@ -188,12 +196,12 @@ mod tests {
         let mut filter = Filter::new([0.0; N], &std);
         let mut before = Trail::NOTHING;
         before.range = [-1e9, 1e9];
-        before.finish(&filter, &Inertia::default(), [0.0; 3]);
+        before.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
         let mut after = Some(before);
         filter.set(M, 0.0, 1e4, &mut after);
         filter.measure([(M, 1.0)], 300.0, 1.0, 1e9, &mut after);
         let mut after = after.expect("a trail");
-        after.finish(&filter, &Inertia::default(), [0.0; 3]);
+        after.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
         let mut smoother = Smoother::default();
         assert!(smoother.back(&after).payload.value > 290.0);
         let old = smoother.back(&before).payload;

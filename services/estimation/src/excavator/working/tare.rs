@@ -5,18 +5,16 @@ use core::f64::consts::TAU;
 
 use super::Working;
 use super::bucket::Content;
-use super::filter::{M, inertia_row};
+use super::filter::{BUCKET, M, inertia_row};
 use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
 use crate::math::{ln, sqrt};
 
-/// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
-/// mostly little of it (an exponential distribution has both alike).
-const STICKING: [f64; 2] = [0.035, 0.04];
-/// So many times what sticks is taken for the same as before; beyond, what is left of the error is small beside the bucket's.
-const MAX_TARES: f64 = 3.0;
+/// What sticks differs from load to load by this standard deviation, as a share of the rated payload, and has changed for good by this
+/// one after each.
+const STICKING: [f64; 2] = [0.02, 0.005];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
 const KNOWN_STD_SHARE: f64 = 0.15;
@@ -39,7 +37,7 @@ impl Working {
         let p = &settings.prior;
         let (value, std) = match content {
             Content::Unchanged => return,
-            Content::Emptied => self.sticking(),
+            Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
         if let Some(weigh) = &mut self.weigh {
@@ -48,8 +46,23 @@ impl Working {
         self.filter.set(M, value, std * std, trail);
         self.parallel.filter.set(M, value, std * std, &mut None);
         self.scale.hold(value, std);
-        self.tared = content == Content::Emptied;
-        self.tares += f64::from(u8::from(self.tared));
+        self.tared = false;
+        if content == Content::Emptied {
+            self.is_emptied();
+        }
+    }
+
+    /// Other soil may stick from now on.
+    fn is_emptied(&mut self) {
+        self.tared = true;
+        let changes = STICKING[1] * self.rated;
+        for filter in [
+            &mut self.filter,
+            &mut self.parallel.filter,
+            &mut self.scale.filter,
+        ] {
+            filter.p[BUCKET][BUCKET] += changes * changes;
+        }
     }
 
     /// Variance of a payload of which nothing is known [kg^2].
@@ -57,10 +70,9 @@ impl Working {
         0.25 * self.rated * self.rated
     }
 
-    /// What an emptied bucket still holds, and its standard deviation [kg].
-    fn sticking(&self) -> (f64, f64) {
-        let [share, sticking] = STICKING.map(|share| share * self.rated);
-        (share, sticking * sqrt(1.0 + self.tares.min(MAX_TARES)))
+    /// What sticks, as it differs from load to load \[kg\].
+    fn sticking(&self) -> f64 {
+        STICKING[0] * self.rated
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
@@ -77,12 +89,10 @@ impl Working {
             }
             return;
         }
-        let (empty, std) = self.sticking();
+        let std = self.sticking();
         let parallel = &self.parallel.filter;
-        let [value, other] = [empty - self.filter.x[M], empty - parallel.x[M]];
-        // How much sticks is not the less certain for having been a weight before.
-        let sticks = STICKING[1] * self.rated;
-        let apart = value * value > 9.0 * (claimed + sticks * sticks);
+        let [value, other] = [-self.filter.x[M], -parallel.x[M]];
+        let apart = value * value > 9.0 * (claimed + std * std);
         let parallel_variance = parallel.p[M][M];
         let explained = other * other < 4.0 * (parallel_variance + std * std);
         if apart && self.is_kept(variance) {
@@ -92,13 +102,13 @@ impl Working {
             self.contradiction.outright();
             return;
         }
-        let doubtful = value * value > 4.0 * (claimed + sticks * sticks);
+        let doubtful = value * value > 4.0 * (claimed + std * std);
         if doubtful && self.tared {
             // Another gain may explain it: what speaks for it is known better with each row.
             let both = [(value, variance), (other, parallel_variance)];
             let both = both.map(|(value, variance)| Innovation {
                 value,
-                variance: variance + sticks * sticks,
+                variance: variance + std * std,
             });
             let (usual, before) = (self.contradiction.usual(), self.weighed_something);
             self.weighed_something = self.parallel.weigh_anew(both, gate, usual, before);
@@ -112,18 +122,15 @@ impl Working {
             self.contradiction
                 .agreed(sqrt(before) < CONFIRMED_STD_SHARE * now.empty);
         }
-        if !core::mem::replace(&mut self.tared, true) {
+        if !self.tared {
+            self.is_emptied();
             let row = [(M, 1.0)];
-            self.scale.tare(empty, std * std, gate);
+            self.scale.tare(std * std, gate);
             let said = self.filter.measure(row, value, std * std, gate, trail);
             let parallel = &mut self.parallel.filter;
             let other = parallel.measure(row, other, std * std, gate, &mut None);
-            let both = [said, other].map(|said| Innovation {
-                variance: said.variance - std * std + sticks * sticks,
-                ..said
-            });
-            self.parallel.weigh(both, gate, self.contradiction.usual());
-            self.tares += 1.0;
+            self.parallel
+                .weigh([said, other], gate, self.contradiction.usual());
             self.agreement.interrupt();
         }
     }

@@ -25,8 +25,9 @@ pub(super) enum Act {
 pub struct Trail {
     pub(super) acts: [Option<Act>; MOST],
     pub(super) count: usize,
-    /// Payload, and its row of the covariance.
+    /// Payload, its variance, and its covariance with the states.
     pub(super) payload: f64,
+    pub(super) own: f64,
     pub(super) covariance: Vector,
     /// Inertia at this posture, its covariance with the states, and its variance.
     pub(super) posture: [f64; 3],
@@ -51,6 +52,7 @@ impl Trail {
         acts: [None; MOST],
         count: 0,
         payload: 0.0,
+        own: 0.0,
         covariance: [0.0; N],
         posture: [0.0; 3],
         inertia: 0.0,

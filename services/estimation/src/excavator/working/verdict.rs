@@ -52,8 +52,9 @@ impl Working {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let std = |i: usize| sqrt(p[i][i].max(0.0));
         let [least, most] = settings.payload_range();
-        let payload = x[M].clamp(least, most);
-        let at_limit = payload != x[M];
+        let (weight, variance) = self.filter.payload(&self.sticks);
+        let payload = weight.clamp(least, most);
+        let at_limit = payload != weight;
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
         let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
@@ -65,8 +66,10 @@ impl Working {
         } else {
             0.0
         };
-        let inertia = self.filter.inertia(&drive.now, payload);
-        let parallel = self.parallel.variances(payload, inertia, &drive.now);
+        let inertia = self.filter.inertia(&drive.now, x[M] + payload - weight);
+        let parallel = self
+            .parallel
+            .variances(&self.sticks, payload, inertia, &drive.now);
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
@@ -78,9 +81,10 @@ impl Working {
         let g = drive.now.per_payload;
         let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let [payload, inertia] = if contradicted && weighs {
-            self.scale.answer(&drive.now, [least, most], anything)
+            self.scale
+                .answer(&self.sticks, &drive.now, [least, most], anything)
         } else {
-            let variance = p[M][M].max(0.0) * factor + self.loads.variance(payload);
+            let variance = variance * factor + self.loads.variance(payload);
             [
                 (payload, variance + parallel[0] + anything),
                 (
