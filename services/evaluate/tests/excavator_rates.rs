@@ -24,8 +24,8 @@ fn sample(row: &Row) -> Sample {
         velocity: row.swing_velocity,
         torque: row.swing_torque,
         posture: row.posture,
-        boom_head_pressure: row.boom_head_pressure,
-        boom_rod_pressure: row.boom_rod_pressure,
+        boom_head_pressure: row.pressures[0],
+        boom_rod_pressure: row.pressures[1],
         ..Sample::default()
     }
 }
