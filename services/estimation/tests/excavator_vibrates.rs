@@ -15,7 +15,14 @@ struct Machine {
     vibration: f64,
     /// Growth of the Coulomb friction over the whole time, as a factor.
     friction: f64,
+    /// Slope of the ground, downwards before and upwards after a way on the tracks that begins with row [`TRAVELS`] [rad].
+    slope: f64,
 }
+
+/// First row of the way, and length of it [rows].
+const TRAVELS: usize = 4200;
+const WAY: usize = 700;
+const GRAVITY: f64 = 9.806_65;
 
 /// Swings to and fro for a minute and a half with a stand in between; shares of the moving rows that are trusted, and of those the
 /// wrong ones.
@@ -35,15 +42,20 @@ fn shares(machine: &Machine) -> (f64, f64) {
         f64::from(noise) / f64::from(u32::MAX) - 0.5
     };
     let (mut moving, mut trusted, mut wrong) = (0.0, 0.0, 0.0_f64);
-    for k in 0..9000 {
-        let time = f64::from(k) / RATE;
+    let upper = settings.doubts.unwrap().upper_moment(&geometry).0;
+    let mut turn = 0.0_f64;
+    for k in 0..9000_usize {
+        let time = k as f64 / RATE;
+        let way = if machine.slope == 0.0 { 0 } else { WAY };
+        let worked = (k - k.saturating_sub(TRAVELS).min(way)) as f64 / RATE;
         // 2 s of standing, in which the joints move, and a swing of 4 s; the next one goes back.
-        let (swing, phase) = ((time / 6.0) as usize, time % 6.0);
+        let (swing, phase) = ((worked / 6.0) as usize, worked % 6.0);
         let side = if swing % 2 == 0 { 1.0 } else { -1.0 };
         let [before, after] = [swing + 1, swing].map(|swing| POSTURES[swing % 2]);
         let moved = phase.min(1.0);
         let posture = [0, 1, 2].map(|i| before[i] + moved * (after[i] - before[i]));
-        let inertia = geometry.inertia(posture).with_payload(PAYLOAD);
+        let now = geometry.inertia(posture);
+        let inertia = now.with_payload(PAYLOAD);
         let rate = core::f64::consts::PI / 4.0;
         let (sin, cos) = (rate * (phase - 2.0).max(0.0)).sin_cos();
         let (velocity, acceleration) = (side * 0.8 * sin * sin, side * 1.6 * rate * sin * cos);
@@ -52,11 +64,14 @@ fn shares(machine: &Machine) -> (f64, f64) {
             + settings.nominal_damping * velocity
             + friction * (velocity / 0.008).tanh();
         let moves = f64::from(u8::from(velocity != 0.0));
+        turn += velocity / RATE;
+        let slope = if k < TRAVELS { -1.0 } else { 1.0 } * machine.slope;
+        let leaning = GRAVITY * slope * turn.cos() * (upper + now.moment + PAYLOAD * now.radius);
         let wavers = machine.vibration * (core::f64::consts::TAU * 3.1 * time).sin();
         let sample = Sample {
             time,
             velocity: Some(velocity + moves * wavers + 0.01 * drawn()),
-            torque: Some(torque + 100.0 * drawn()),
+            torque: Some(torque - moves * leaning + 100.0 * drawn()),
             posture: posture.map(|q| Some(q + 1e-3 * drawn())),
             ..Sample::default()
         };
@@ -78,6 +93,7 @@ fn a_velocity_that_wavers_is_noise_of_the_velocity_and_no_torque() {
     let (trusted, wrong) = shares(&Machine {
         vibration: 0.012,
         friction: 1.0,
+        slope: 0.0,
     });
     assert!(trusted > 0.5 && wrong < 0.05, "{trusted} {wrong}");
 }
@@ -87,6 +103,17 @@ fn friction_that_grows_takes_no_trust_away() {
     let (trusted, wrong) = shares(&Machine {
         vibration: 0.0,
         friction: 4.0,
+        slope: 0.0,
     });
     assert!(trusted > 0.7 && wrong < 0.05, "{trusted} {wrong}");
+}
+
+#[test]
+fn a_machine_that_has_moved_stands_on_other_ground() {
+    let (trusted, wrong) = shares(&Machine {
+        vibration: 0.0,
+        friction: 1.0,
+        slope: 0.015,
+    });
+    assert!(trusted > 0.6 && wrong < 0.05, "{trusted} {wrong}");
 }

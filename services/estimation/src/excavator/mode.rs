@@ -154,6 +154,9 @@ impl Core {
             let posture = needs_posture.then_some(tick.posture);
             let half = settings.partial_range(posture);
             state.inertia_std = half.widened(state.inertia, state.inertia_std);
+            // Nor can the content: the bucket may hold anything.
+            let prior = &settings.prior;
+            state.payload = state.payload.map(|_| (prior.payload, prior.payload_std));
         }
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, &tick, accepted, &state, basis);

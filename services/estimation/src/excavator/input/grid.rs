@@ -96,18 +96,18 @@ impl Fill {
                 return Tick { period: h, ..to };
             }
             let share = i as f64 / (n + 1) as f64;
+            let between = |from: f64, to: f64| from + share * (to - from);
             Tick {
                 time: from.time + h * i as f64,
                 period: h,
                 velocity: None,
-                posture: core::array::from_fn(|j| {
-                    from.posture[j] + share * (to.posture[j] - from.posture[j])
-                }),
-                posture_variance: to.posture_variance,
+                posture: core::array::from_fn(|j| between(from.posture[j], to.posture[j])),
+                // The noise of the rows is in all n + 1 ticks: their mean is no better than that of the rows.
+                posture_variance: to.posture_variance * (n + 2) as f64,
                 velocity_variance: to.velocity_variance,
-                // Between regular rows the torque has moved on; in a gap it is not known how.
+                // Between regular rows torque and pressures have moved on; in a gap it is not known how.
                 torque: if regular {
-                    from.torque + share * (to.torque - from.torque)
+                    between(from.torque, to.torque)
                 } else {
                     from.torque
                 },
@@ -115,7 +115,12 @@ impl Fill {
                 torque_age: from.torque_age + h * i as f64,
                 posture_age: from.posture_age + h * i as f64,
                 inclination: None,
-                boom_pressure: None,
+                boom_pressure: match (from.boom_pressure, to.boom_pressure) {
+                    (Some(from), Some(to)) if regular => {
+                        Some([between(from[0], to[0]), between(from[1], to[1])])
+                    }
+                    _ => None,
+                },
             }
         })
     }

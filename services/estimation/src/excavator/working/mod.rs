@@ -57,6 +57,9 @@ const WARMING: f64 = 60.0;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
+/// A stand longer than this may be a way to other ground on the tracks [s]: so often in each further second [1/s].
+const TRAVEL: f64 = 2.0;
+const TRAVELS: f64 = 0.02;
 /// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
 const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
@@ -237,7 +240,12 @@ impl Working {
         }
         let innovation = match phase {
             Phase::Moving => self.moving(settings, drive, share, trail),
-            Phase::Held => self.rest(0.0, 1e-6, trail),
+            Phase::Held => {
+                if self.slow_for > TRAVEL {
+                    self.travel(drive.period);
+                }
+                self.rest(0.0, 1e-6, trail)
+            }
             Phase::Released(w) => self.set_off(w, drive, trail),
         };
         let anew = core::mem::take(&mut self.anew);
@@ -450,6 +458,18 @@ impl Working {
         self.scale.leave(&input);
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
+    }
+
+    /// The machine may be under way: where it arrives, the ground slopes otherwise.
+    fn travel(&mut self, period: f64) {
+        for i in [SLOPE, SLOPE + 1] {
+            let anywhere = self.stated[i] * self.stated[i];
+            let parallel = &mut self.parallel.filter;
+            for filter in [&mut self.filter, parallel, &mut self.scale.filter] {
+                let variance = filter.p[i][i] + TRAVELS * period * anywhere;
+                filter.p[i][i] = variance.min(anywhere);
+            }
+        }
     }
 
     /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
