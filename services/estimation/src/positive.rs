@@ -15,7 +15,7 @@ const FAR: f64 = 8.0;
 const DEEP: f64 = -30.0;
 /// Where the series of Phi ends and the continued fraction of its tail begins.
 const TAIL: f64 = -3.0;
-/// Terms of both: to 1e-12 at their common end.
+/// Terms of both, at most: to 1e-12 at their common end.
 const TERMS: u32 = 40;
 
 /// What a quantity is that cannot be negative.
@@ -46,6 +46,10 @@ fn hazard(a: f64) -> f64 {
     for n in 1..=2 * TERMS {
         term *= a * a / f64::from(2 * n + 1);
         sum += term;
+        // What follows is rounding.
+        if term.abs() < 1e-17 * sum.abs() {
+            break;
+        }
     }
     density / (0.5 + density * sum)
 }

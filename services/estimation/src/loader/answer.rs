@@ -3,7 +3,7 @@
 use super::Method;
 use super::estimate::Estimate;
 use super::filter::{Belief, CgFilter, RowReport};
-use super::floors::with_floors;
+use super::floors::{Learns, with_floors};
 use super::layout::{CG_HEIGHT, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
 use super::settings::Settings;
 use super::verdict::{Doubt, Intervals};
@@ -14,6 +14,7 @@ use crate::math::norm;
 fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,
+    learns: &Learns,
     doubt: &Doubt,
 ) -> (Each<f64>, Intervals) {
     let x = filter.state();
@@ -23,7 +24,6 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         height: filter.std(CG_HEIGHT),
     };
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
-    let learns = filter.learns(settings);
     let doubted = |std: f64, beyond: f64, centre: f64| {
         norm(&[doubt.birge * std, beyond, doubt.wavering * centre])
     };
@@ -51,8 +51,9 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
 ) -> Estimate {
     let x = filter.state();
     let layout = const { Layout::of(N) };
-    let doubt = filter.doubt(settings);
-    let (centre, intervals) = intervals(filter, settings, &doubt);
+    let learns = filter.learns(settings);
+    let doubt = filter.doubt(settings, &learns);
+    let (centre, intervals) = intervals(filter, settings, &learns, &doubt);
     let reported = intervals.reported;
     let verdict = filter
         .evidence

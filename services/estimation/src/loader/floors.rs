@@ -46,35 +46,20 @@ pub(super) struct Learns {
 /// Standard deviations with the floors.
 pub(super) fn with_floors(
     settings: &Settings,
-    learns: Learns,
+    learns: &Learns,
     centre: Each<f64>,
     std: Each<f64>,
 ) -> Each<f64> {
-    let Each { ratio, height } = centre;
+    let radius = radius_std(learns);
     let machine = &settings.machine;
-    let radius = if learns.radii { 0.0 } else { RADIUS_STD };
-    let left = learns.load_sensitivity;
-    // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
-    let (sensitivity, by_height) = if settings.real_tyre() {
-        (left, left)
-    } else {
-        (norm(&[left, machine.radius_load_sensitivity]), 0.0)
-    };
-    let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
-    let relative = norm(&[
-        RATIO_PER_SENSITIVITY * sensitivity,
-        (1.0 - ratio) * torque_ratio,
-        (1.0 - ratio) * machine.stiffness_ratio_std,
-        settings.estimator.cg_ratio_floor,
-        RATIO_PER_RADIUS * radius,
-    ]);
-    let shifted = if learns.acceleration {
-        height * settings.sensors.acceleration_offset_std / (GRAVITY * machine.wheelbase)
+    let by_height = if settings.real_tyre() {
+        learns.load_sensitivity
     } else {
         0.0
     };
+    let height = centre.height;
     Each {
-        ratio: norm(&[std.ratio, ratio * relative, shifted]),
+        ratio: ratio_with_floors(settings, learns, centre, std.ratio),
         height: norm(&[
             std.height,
             settings.estimator.cg_height_floor,
@@ -83,4 +68,41 @@ pub(super) fn with_floors(
             height * HEIGHT_PER_SENSITIVITY * by_height,
         ]),
     }
+}
+
+/// The standard deviation of the ratio with the floors.
+pub(super) fn ratio_with_floors(
+    settings: &Settings,
+    learns: &Learns,
+    centre: Each<f64>,
+    std: f64,
+) -> f64 {
+    let Each { ratio, height } = centre;
+    let machine = &settings.machine;
+    let left = learns.load_sensitivity;
+    // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
+    let sensitivity = if settings.real_tyre() {
+        left
+    } else {
+        norm(&[left, machine.radius_load_sensitivity])
+    };
+    let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
+    let relative = norm(&[
+        RATIO_PER_SENSITIVITY * sensitivity,
+        (1.0 - ratio) * torque_ratio,
+        (1.0 - ratio) * machine.stiffness_ratio_std,
+        settings.estimator.cg_ratio_floor,
+        RATIO_PER_RADIUS * radius_std(learns),
+    ]);
+    let shifted = if learns.acceleration {
+        height * settings.sensors.acceleration_offset_std / (GRAVITY * machine.wheelbase)
+    } else {
+        0.0
+    };
+    norm(&[std, ratio * relative, shifted])
+}
+
+/// What is not known of the rolling radii where the filter takes them as exact.
+fn radius_std(learns: &Learns) -> f64 {
+    if learns.radii { 0.0 } else { RADIUS_STD }
 }

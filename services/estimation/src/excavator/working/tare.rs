@@ -14,7 +14,7 @@ use crate::math::{ln, sqrt};
 
 /// What sticks differs from load to load by this standard deviation, as a share of the rated payload, and has changed for good by this
 /// one after each.
-const STICKING: [f64; 2] = [0.02, 0.005];
+const STICKING: [f64; 2] = [0.04, 0.005];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
 const KNOWN_STD_SHARE: f64 = 0.15;

@@ -2,7 +2,7 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, with_floors};
+use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, ratio_with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::load::axle_torque::RatioAway;
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
@@ -63,7 +63,7 @@ fn beyond(value: f64, (centre, std): (f64, f64)) -> f64 {
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
-    pub(in crate::loader) fn doubt(&self, settings: &Settings) -> Doubt {
+    pub(in crate::loader) fn doubt(&self, settings: &Settings, learns: &Learns) -> Doubt {
         let at_limit = Each::of(|i| self.is_at_limit(settings, i));
         if !settings.at_work() {
             return Doubt {
@@ -74,7 +74,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
         let away = self.away(expected);
-        let ratio_std = norm(&[expected[1].1, self.told(settings)]);
+        let ratio_std = norm(&[expected[1].1, self.told(settings, learns)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
@@ -113,7 +113,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             unknown_height: self.lifts_unreported(settings),
             reason,
             acts: self.acts(settings),
-            one_way: self.wants_a_drive_back(settings),
+            one_way: self.wants_a_drive_back(settings, learns),
         }
     }
 
@@ -128,10 +128,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// How far the ratio of a sound machine may be told from the true one, however well that was known before: the filter's deviation
     /// and the floors.
-    fn told(&self, settings: &Settings) -> f64 {
+    fn told(&self, settings: &Settings, learns: &Learns) -> f64 {
         let own = Each::of(|i| self.belief.state()[i]);
-        let std = Each::of(|i| self.belief.std(i));
-        with_floors(settings, self.learns(settings), own, std).ratio
+        ratio_with_floors(settings, learns, own, self.belief.std(CG_RATIO))
     }
 
     /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
@@ -225,11 +224,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// What is not known of the radii's load sensitivity keeps the ratio from being trusted, and a drive the other way tells it.
-    fn wants_a_drive_back(&self, settings: &Settings) -> bool {
+    fn wants_a_drive_back(&self, settings: &Settings, learns: &Learns) -> bool {
         let converged = settings.estimator.converged_ratio;
         const { Layout::of(N) }.load_sensitivity.is_some()
             && self.directions.one_way()
-            && RATIO_PER_SENSITIVITY * self.sensitivity_left(settings) > converged
+            && RATIO_PER_SENSITIVITY * learns.load_sensitivity > converged
     }
 
     /// What an error that both slips share does to the ratio, as a standard deviation: of a stiffness that is x off by it the ratio is
@@ -340,7 +339,7 @@ mod tests {
         filter.coupling.see(&apart);
         filter.belief.state_mut()[CG_RATIO] += ratio;
         filter.belief.state_mut()[6] += radius;
-        filter.doubt(settings).reason
+        filter.doubt(settings, &filter.learns(settings)).reason
     }
 
     #[test]

@@ -279,15 +279,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The slips by which the axles pull with these torques, to first order.
     fn pulled_slips(&self, inputs: &Inputs) -> [f64; 2] {
-        let ratio = self.belief.state()[CG_RATIO];
-        let per_torque = 1.0
-            / (self.dynamics.wheel_radius
-                * self.dynamics.mass
-                * GRAVITY
-                * self.belief.state()[SLIP_STIFFNESS]);
+        let state = self.belief.state();
+        let (ratio, machine) = (state[CG_RATIO], &self.dynamics);
+        let weight = machine.wheel_radius * machine.mass * GRAVITY;
+        let per_torque = 1.0 / (weight * state[SLIP_STIFFNESS] * ratio * (1.0 - ratio));
         [
-            inputs.front_torque * per_torque / ratio,
-            inputs.rear_torque * per_torque / (1.0 - ratio),
+            inputs.front_torque * per_torque * (1.0 - ratio),
+            inputs.rear_torque * per_torque * ratio,
         ]
     }
 

@@ -33,6 +33,8 @@ const SLIPPING: f64 = 100.0;
 const TOGETHER: f64 = 0.5;
 /// A unit that is meant is within this factor, another tyre or gear too.
 const ABOUT: f64 = 1.3;
+/// Wheels of both axles turn alike within this factor: units are exact, and tyres differ by a few percent.
+const TURN_ALIKE: f64 = 1.12;
 /// One of a thousandth within this factor: the split of the torque is free.
 const THOUSANDTH: f64 = 10.0;
 /// Root mean square of the torque over that of the machine's weight at the wheels: no machine moves with less.
@@ -214,7 +216,7 @@ impl Axles {
 
     fn wheel_unit(&self) -> Option<String> {
         let ratio = self.wheels.ratio();
-        let is_about = |unit: f64| about(ratio / unit, ABOUT);
+        let is_about = |unit: f64| about(ratio / unit, TURN_ALIKE);
         let of = |(name, unit): &(&'static str, f64)| {
             let axle = is_about(*unit).then_some("front");
             axle.or(is_about(1.0 / unit).then_some("rear"))
