@@ -16,12 +16,12 @@ use core::f64::consts::{PI, TAU};
 use estimation::loader::Sample;
 use estimation::loader::wheel_dynamics::GRAVITY;
 
-/// Length of a block, and the longest time between two rows in it [s].
+/// Length of a block, and the longest time between two rows in it \[s\].
 const BLOCK: f64 = 0.2;
 const GAP: f64 = 0.2;
 /// Slower than this it may stand, or dig [m/s].
 const DRIVES: f64 = 1.0;
-/// Turning from this angle, or this rate, on, its axles roll at two speeds [rad], [rad/s].
+/// Turning from this angle, or this rate, on, its axles roll at two speeds \[rad\], \[rad/s\].
 const TURNS: f64 = 0.05;
 /// More difference of the wheel speeds than this is no slip that goes with the torque.
 const SLIPS: f64 = 0.2;
