@@ -147,7 +147,7 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
     let channels = channels(&streams, sensors);
     let shared = Arc::new(Shared::new(id, plan, args.rate, streams));
     // What a gateway that was killed held in the channels.
-    if !Cleaner::start().is_ok_and(|cleaner| cleaner.clean_up(Duration::from_secs(1))) {
+    if !Cleaner::start().is_ok_and(|mut cleaner| cleaner.clean_up(Duration::from_secs(1))) {
         tracing::warn!("what the dead held in the channels is not free yet");
     }
     // The channels first: what comes while Zenoh connects waits in the queue.
