@@ -76,11 +76,7 @@ impl Failure {
 
     /// A thread could not be started.
     pub fn thread(error: std::io::Error) -> Self {
-        Self::input(
-            format!("cannot start a thread: {error}"),
-            "the limits of this user",
-            "check the limits on processes (ulimit -u) and memory",
-        )
+        runtime::Error::thread(error).into()
     }
 
     /// A defect of heft itself.

@@ -35,7 +35,8 @@ impl Error {
     }
 
     /// A thread could not be started.
-    pub(crate) fn thread(error: std::io::Error) -> Self {
+    #[must_use]
+    pub fn thread(error: std::io::Error) -> Self {
         Self::new(
             format!("cannot start a thread: {error}"),
             "the limits of this user",

@@ -1,6 +1,13 @@
-//! What a column alone shows: angles in degrees, pressures in another unit or of the other side.
+//! Units of turning, and what a column alone shows: angles in degrees, pressures in another unit or of the other side.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
+
+/// Units of an angular velocity, in a radian per second.
+pub(super) const TURNING: [(&str, f64); 3] = [
+    ("rpm", 60.0 / TAU),
+    ("deg/s", 180.0 / PI),
+    ("turn/s", 1.0 / TAU),
+];
 
 /// Fewest rows that tell.
 const FEWEST: u32 = 100;

@@ -339,3 +339,41 @@ impl Grid {
         (Some((angle - earlier) / h), variance)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn between_regular_rows_pressures_and_noise_are_those_of_the_rows() {
+        let row = |time: f64, head: f64| Tick {
+            time,
+            period: 0.05,
+            posture_variance: 4e-6,
+            boom_pressure: Some([head, 1e6]),
+            ..Tick::default()
+        };
+        let ticks = |regular: bool| {
+            let fill = Fill {
+                from: row(0.0, 10e6),
+                to: row(0.05, 15e6),
+                inserted: 4,
+                regular,
+                restart: false,
+            };
+            fill.ticks().collect::<std::vec::Vec<_>>()
+        };
+        let filled = ticks(true);
+        for (k, tick) in filled.iter().enumerate() {
+            let [head, rod] = tick.boom_pressure.expect("between two of them");
+            assert!((head - 11e6 - 1e6 * k as f64).abs() < 1.0, "{k}: {head}");
+            assert_eq!(rod, 1e6);
+        }
+        // Five ticks together know the angle as well as the one row.
+        let sum: f64 = filled.iter().map(|tick| tick.posture_variance).sum();
+        assert!((sum / 25.0 / 4e-6 - 1.0).abs() < 1e-12, "{sum}");
+        let is_known = |tick: &Tick| tick.boom_pressure.is_some();
+        assert_eq!(ticks(false).iter().filter(|tick| is_known(tick)).count(), 1);
+    }
+}

@@ -258,20 +258,19 @@ impl Filter {
     /// Value and variance of a combination of few states.
     pub(super) fn combination<const K: usize>(&self, row: &[(usize, f64); K]) -> (f64, f64) {
         let (mut value, mut variance) = (0.0, 0.0);
-        for &(i, a) in row {
+        for (k, &(i, a)) in row.iter().enumerate() {
             value += a * self.x[i];
-            for &(j, b) in row {
-                variance += a * b * self.p[i][j];
-            }
+            let beside: f64 = row[k + 1..].iter().map(|&(j, b)| b * self.p[i][j]).sum();
+            variance += a * (a * self.p[i][i] + 2.0 * beside);
         }
         (value, variance.max(0.0))
     }
 
     /// Payload with what sticks in the bucket \[kg\], and what the states leave open of it [kg^2].
     pub(super) fn payload(&self, sticks: &Sticking) -> (f64, f64) {
-        let row = [(M, 1.0), (BUCKET, sticks.share)];
-        let variance = self.combination(&row).1;
-        (self.x[M] + sticks.of(self.x[BUCKET]), variance)
+        let (x, p, share) = (&self.x, &self.p, sticks.share);
+        let variance = p[M][M] + share * (2.0 * p[M][BUCKET] + share * p[BUCKET][BUCKET]);
+        (x[M] + sticks.of(x[BUCKET]), variance.max(0.0))
     }
 
     /// Row `i` of the covariance.
@@ -311,12 +310,14 @@ impl Filter {
     /// Whether every state and variance is a number, and no variance negative.
     pub(super) fn is_sound(&self) -> bool {
         // What is not finite beside the diagonal shows in the states with the next motion.
-        let (mut sum, mut positive) = (0.0, true);
+        let (mut sum, mut least) = (0.0, 0.0);
         for i in 0..N {
-            sum += self.x[i] + self.p[i][i];
-            positive &= self.p[i][i] >= 0.0;
+            let variance = self.p[i][i];
+            sum += self.x[i] + variance;
+            // One instruction; one that is no number shows in the sum.
+            least = if variance < least { variance } else { least };
         }
-        positive && sum.is_finite()
+        least == 0.0 && sum.is_finite()
     }
 }
 
@@ -390,6 +391,9 @@ mod tests {
             filter
         };
         for i in 0..N {
+            let mut filter = Filter::new([1.0; N], &[1.0; N]);
+            filter.p[i][i] = -1e-9;
+            assert!(!filter.is_sound(), "a negative variance at {i}");
             for j in (0..N).filter(|j| *j != i) {
                 assert!(moved(i, j, 0.1).is_sound());
                 for none in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

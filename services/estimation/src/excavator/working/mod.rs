@@ -464,10 +464,12 @@ impl Working {
     fn travel(&mut self, period: f64) {
         for i in [SLOPE, SLOPE + 1] {
             let anywhere = self.stated[i] * self.stated[i];
+            let more = TRAVELS * period * anywhere;
             let parallel = &mut self.parallel.filter;
             for filter in [&mut self.filter, parallel, &mut self.scale.filter] {
-                let variance = filter.p[i][i] + TRAVELS * period * anywhere;
-                filter.p[i][i] = variance.min(anywhere);
+                if filter.p[i][i] < anywhere {
+                    filter.p[i][i] += more;
+                }
             }
         }
     }

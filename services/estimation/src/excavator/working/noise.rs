@@ -5,9 +5,7 @@
 //! the assumed noises are right, and so has the sum of four of them, and what they differ by: the logarithm of the torque's noise
 //! follows the former, that of the velocity's the latter (gradient of the likelihood).
 
-use core::f64::consts::LN_2;
-
-use crate::math::{exp, sqrt};
+use crate::math::{exp, ln, sqrt};
 
 /// Ticks of a sum, and sums that are compared.
 const BLOCK: u32 = 10;
@@ -17,11 +15,8 @@ const BLOCKS: usize = 4;
 const RATES: [[f64; 2]; 2] = [[0.1, 0.1], [0.3, 0.03]];
 /// One sum says no more than this square.
 const LARGEST: f64 = 9.0;
-/// Logarithms of the smallest and largest factor of the variance of the torque, and of the velocity: a quarter, 400 and 36.
-const RANGES: [[f64; 2]; 2] = [
-    [-2.0 * LN_2, 5.991_464_547_107_982],
-    [-2.0 * LN_2, 3.583_518_938_456_11],
-];
+/// Smallest and largest factor of the variance of the torque, and of the velocity.
+const RANGES: [[f64; 2]; 2] = [[0.25, 400.0], [0.25, 36.0]];
 /// Standard deviation of the velocity of an upper body about that of a rigid one [rad/s]: .003 to .007 where booms give way
 /// sideways at 3 Hz.
 const VIBRATION: f64 = 0.01;
@@ -70,7 +65,7 @@ impl Noise {
         let slow = all * all / BLOCKS as f64;
         let fast = (squares - slow) / (BLOCKS - 1) as f64;
         for (i, excess) in [slow, fast].into_iter().enumerate() {
-            let [least, most] = RANGES[i];
+            let [least, most] = RANGES[i].map(ln);
             let excess = excess.min(LARGEST) - 1.0;
             let step = RATES[i][usize::from(excess < 0.0)] * excess;
             self.logarithms[i] = (self.logarithms[i] + step).clamp(least, most);

@@ -295,6 +295,8 @@ impl LiftWitness {
             motion = self.content.put_down(&motion);
         }
         self.take(&posture, sample, &motion, dt);
+        // What swings is not known, whatever comes of it.
+        motion.open |= self.scale.swings();
         let posture = Posture {
             rest: self.scale.rest(),
             ..posture
@@ -313,8 +315,7 @@ impl LiftWitness {
             self.below
                 .see(Quantity { std, ..payload }, empty.most(), rests, dt);
         }
-        let open = motion.open || self.scale.swings();
-        let answer = self.answer(&empty, &empty, payload, open);
+        let answer = self.answer(&empty, &empty, payload, motion.open);
         self.answer = Some(answer);
         answer
     }

@@ -66,7 +66,7 @@ pub(super) struct Scale {
     /// Smoothed innovation, and variance of what heaves, as shares of the moment.
     fast: f64,
     heaving: f64,
-    /// The same of the last second, whatever its size.
+    /// The same of the last half second, whatever its size.
     rocking: f64,
     /// The moment is another one, of a rocking machine or of another content.
     swings: bool,
@@ -327,7 +327,7 @@ impl Scale {
         self.state[1]
     }
 
-    /// The machine rocks, or the content is another one: a second of rows tells which.
+    /// The machine rocks, or the content is another one: half a second of rows tells which.
     pub fn swings(&self) -> bool {
         self.swings
     }

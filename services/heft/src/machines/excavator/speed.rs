@@ -2,11 +2,10 @@
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
-/// Units of an angular velocity, in a radian per second. The first that explains the torque counts.
-const UNITS: [(&str, f64); 2] = [
-    ("rpm", 60.0 / core::f64::consts::TAU),
-    ("deg/s", 180.0 / core::f64::consts::PI),
-];
+use crate::machines::units::TURNING;
+
+/// Units of a swing velocity. The first that explains the torque counts.
+const UNITS: [(&str, f64); 2] = [TURNING[0], TURNING[1]];
 /// Swinging from this velocity on; makers' sheets allow 15 revolutions per minute: none swings faster than the second [rad/s].
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 2.0;

@@ -11,10 +11,10 @@
 //!
 //! c1 is the radii, c2 the place of the load. Both axles carry alike torques, so only c3 tells which is the front one.
 
-use core::f64::consts::{PI, TAU};
-
 use estimation::loader::Sample;
 use estimation::loader::wheel_dynamics::GRAVITY;
+
+use crate::machines::units::TURNING;
 
 /// Length of a block, and the longest time between two rows in it \[s\].
 const BLOCK: f64 = 0.2;
@@ -41,13 +41,6 @@ const THOUSANDTH: f64 = 10.0;
 const MOVES: f64 = 2e-3;
 /// Standard deviations of c3 as of independent blocks; -4.5 to 55 were recorded, the least in turns.
 const SURE: f64 = 8.0;
-
-/// Units in which wheels turn, in a radian per second.
-const TURNING: [(&str, f64); 3] = [
-    ("rpm", 60.0 / TAU),
-    ("deg/s", 180.0 / PI),
-    ("turn/s", 1.0 / TAU),
-];
 
 /// Rows of a block.
 #[derive(Default)]

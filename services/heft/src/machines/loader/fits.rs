@@ -6,7 +6,7 @@ use recording::STEEPEST;
 
 use super::axles::Axles;
 use crate::commands::estimate::look::Look;
-use crate::machines::units::{Angles, Cylinder};
+use crate::machines::units::{Angles, Cylinder, TURNING};
 
 /// A sensor shows a slope that is too steep for less than this share of the rows.
 const OFTEN: f64 = 0.1;
@@ -174,23 +174,17 @@ fn is_of_wheels(mismatch: Mismatch) -> bool {
 
 /// Units of the speed, or of the wheel speeds, that make a machine so many times as fast as its wheels; the rest is named otherwise.
 fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
-    const UNITS: [(f64, &str, &str); 3] = [
-        (2.237, "speed", "mph"),
-        (
-            std::f64::consts::TAU,
-            "front_wheel_speed and rear_wheel_speed",
-            "turn/s",
-        ),
-        (
-            std::f64::consts::PI / 180.0,
-            "front_wheel_speed and rear_wheel_speed",
-            "deg/s",
-        ),
-    ];
-    let found = UNITS
-        .iter()
-        .find(|(unit, ..)| (0.8..1.25).contains(&(ratio / unit)))?;
-    Some((found.1, found.2))
+    const MILES_PER_HOUR: f64 = 2.237;
+    const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
+    let [_, degrees, turns] = TURNING;
+    [
+        ("speed", ("mph", MILES_PER_HOUR)),
+        (WHEELS, (turns.0, 1.0 / turns.1)),
+        (WHEELS, (degrees.0, 1.0 / degrees.1)),
+    ]
+    .into_iter()
+    .find(|(_, (_, unit))| (0.8..1.25).contains(&(ratio / unit)))
+    .map(|(column, (unit, _))| (column, unit))
 }
 
 /// What to do about it.
