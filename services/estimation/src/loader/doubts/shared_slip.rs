@@ -46,15 +46,27 @@ impl SharedSlip {
         }
     }
 
-    /// Standard deviation of the slip stiffness `k` with what its slips share; `prior`: what it was expected to be; `range`: what it may be.
-    pub fn std(&self, k: Quantity, prior: Quantity, range: f64) -> f64 {
-        let per_speed = if self.second > 0.0 {
+    /// Mean of 1/v over the motion, weighted as least squares does [s/m].
+    fn per_speed(&self) -> f64 {
+        if self.second > 0.0 {
             (self.first / self.second).min(1.0 / SLOWEST)
         } else {
             1.0 / SLOWEST
-        };
+        }
+    }
+
+    /// Derivative of the ratio by a lag between the wheel speeds of both axles [1/s].
+    pub fn ratio_by_lag(&self, stiffness: f64, ratio: f64) -> f64 {
+        let [front, rear] = [ratio, 1.0 - ratio].map(|share| 1.0 / (share * share));
+        GRAVITY * stiffness * self.per_speed() / (0.5 * (front + rear))
+    }
+
+    /// Standard deviation of the slip stiffness `k` with what its slips share; `prior`: what it was expected to be; `range`: what it may be;
+    /// `lag`: between the wheel speeds of both axles, half of which each may be late [s].
+    pub fn std(&self, k: Quantity, prior: Quantity, range: f64, lag: f64) -> f64 {
         let learnt = (1.0 - k.std * k.std / (prior.std * prior.std)).max(0.0);
-        let timing = learnt * k.value * k.value * GRAVITY * APART * per_speed;
+        let apart = norm(&[APART, 0.5 * lag]);
+        let timing = learnt * k.value * k.value * GRAVITY * apart * self.per_speed();
         let away = k.value - prior.value;
         let spread = norm(&[prior.std, k.std, timing]);
         let z = away / spread;
@@ -78,7 +90,7 @@ mod tests {
     fn std(value: f64, speed: f64) -> f64 {
         let mut slip = SharedSlip::default();
         (0..1000).for_each(|k| slip.see(speed, f64::from(k % 3) - 1.0, 0.01));
-        slip.std(Quantity { value, std: 0.5 }, PRIOR, 76.0)
+        slip.std(Quantity { value, std: 0.5 }, PRIOR, 76.0, 0.0)
     }
 
     #[test]
@@ -87,7 +99,7 @@ mod tests {
         assert!((slow - 1.70_f64.hypot(0.5)).abs() < 0.01, "{slow}");
         assert!(std(19.0, 8.0) < 0.7, "{}", std(19.0, 8.0));
         assert!(std(19.0, -2.0) == slow);
-        let stood = SharedSlip::default().std(PRIOR, PRIOR, 76.0);
+        let stood = SharedSlip::default().std(PRIOR, PRIOR, 76.0, 0.0);
         assert_eq!(stood, PRIOR.std, "nothing has moved");
     }
 

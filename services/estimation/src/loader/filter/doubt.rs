@@ -25,7 +25,7 @@ const OTHER_RADIUS: f64 = 0.04;
 /// Where nobody states the radius it may be off by so many standard deviations of its prior.
 const UNSTATED_RADIUS: f64 = 3.0;
 /// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
-const NOTED_SLIP: f64 = 0.005;
+pub(super) const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
 const NOTED_SLOPE: f64 = 0.02;
 /// Where a load sits, in bucket reaches ahead of the front axle.
@@ -277,6 +277,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let named = norm(&[
             by_axle_torque,
             self.by_shared_slip(settings),
+            self.by_wheel_lag(settings),
             self.curves.ratio_std(),
         ]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
@@ -292,6 +293,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: norm(&[ratio, other * ahead]),
             height: norm(&[height, by_load * state[CG_HEIGHT]]),
         }
+    }
+
+    /// What the time between both wheel speeds leaves of the ratio, as far as the slips have told it.
+    fn by_wheel_lag(&self, settings: &Settings) -> f64 {
+        let [stiffness, ratio] = [SLIP_STIFFNESS, CG_RATIO].map(|i| self.belief.state()[i]);
+        let left = self.belief.std(CG_RATIO) / settings.prior.cg_ratio_std;
+        let learnt = (1.0 - left * left).max(0.0);
+        learnt * self.wheel_lag.lag().std * self.shared_slip.ratio_by_lag(stiffness, ratio)
     }
 
     /// Curves that nobody reports are more than the ratio's interval may be.

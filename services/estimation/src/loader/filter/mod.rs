@@ -37,6 +37,7 @@ use super::load::mass_step::Load;
 use super::measurements::conditions::Digging;
 use super::measurements::quantisation::Quantisation;
 use super::measurements::slope::SlopeError;
+use super::measurements::wheel_lag::WheelLag;
 use super::measurements::wheel_noise::WheelNoise;
 use super::measurements::windup::Windup;
 use super::physics::cg_model::CgModel;
@@ -81,6 +82,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     hold: InputHold,
     digging: Digging,
     wheel_noise: WheelNoise,
+    wheel_lag: WheelLag,
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
@@ -138,6 +140,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             hold: InputHold::new(settings.machine.mass),
             digging: Digging::default(),
             wheel_noise: WheelNoise::default(),
+            wheel_lag: Self::wheel_lag(settings),
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),
@@ -168,6 +171,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
+    /// What is known beforehand of the time between both wheel speeds.
+    fn wheel_lag(settings: &Settings) -> WheelLag {
+        let prior = &settings.prior;
+        let quantity = |value, std| Quantity { value, std };
+        WheelLag::new(
+            quantity(prior.slip_stiffness, prior.slip_stiffness_std),
+            quantity(prior.cg_ratio, prior.cg_ratio_std),
+            prior.radius_std,
+        )
+    }
+
     /// The state \[v, w_f, w_r, K, h, lam, ..\].
     pub fn state(&self) -> &[f64; N] {
         self.belief.state()
@@ -185,7 +199,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let own = quantity(self.state()[SLIP_STIFFNESS], self.std(SLIP_STIFFNESS));
         let expected = quantity(prior.slip_stiffness, prior.slip_stiffness_std);
         let range = settings.bounds()[0];
-        let std = self.shared_slip.std(own, expected, range.high - range.low);
+        let lag = self.wheel_lag.lag().value;
+        let width = range.high - range.low;
+        let std = self.shared_slip.std(own, expected, width, lag);
         quantity(own.value, std)
     }
 

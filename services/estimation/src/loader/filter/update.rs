@@ -1,7 +1,7 @@
 //! The consistent step with every rule: predict, doubt, absorb.
 
 use super::report::RowReport;
-use super::wheels::Seen;
+use super::wheels::{Before, Seen};
 use super::{Belief, CgFilter};
 use crate::loader::input::inputs::StepInputs;
 use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
@@ -39,7 +39,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
         let mut std = self.measurement_std(settings, &state, &conditions, model);
         let mut expected = self.belief.predict(&mut ahead, model, &process_std);
-        let innovation = self.innovation(settings, &measured, &state, &expected, model);
+        let innovation = self.innovation(settings, &measured, before, &state, &expected, model);
         let noise = if settings.at_work() {
             self.doubt_hops(settings, &innovation, &expected, state[SPEED], &mut std)
         } else {
@@ -60,6 +60,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 sine: step.sine,
             };
             self.learn_from_wheels(settings, &seen, &expected, model);
+        } else {
+            self.wheel_lag.interrupt();
         }
         let nis = self
             .belief
@@ -95,11 +97,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         conditions
     }
 
-    /// What was measured beyond the prediction; of the wheels at work without what winds up the tyres and what bends the machine.
+    /// What was measured beyond the prediction; of the wheels at work without what winds up the tyres, what bends the machine,
+    /// and how much later one of them comes.
     fn innovation(
         &mut self,
         settings: &Settings,
         measured: &[f64; M],
+        before: Before,
         state: &[f64; N],
         expected: &B::Expected,
         model: &CgModel,
@@ -115,9 +119,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
             );
             // Nobody says on which body the speed is measured: half of it each.
-            let closing = 0.5 * self.effect.closing / self.dynamics.wheel_radius;
-            innovation[FRONT_WHEEL] += closing - windup[0];
-            innovation[REAR_WHEEL] -= closing + windup[1];
+            // So it is with the time: half of the lag each.
+            let gained = (state[SPEED] - before.speed) / model.dt * self.wheel_lag.lag().value;
+            let apart = 0.5 * (self.effect.closing - gained) / self.dynamics.wheel_radius;
+            innovation[FRONT_WHEEL] += apart - windup[0];
+            innovation[REAR_WHEEL] -= apart + windup[1];
         }
         innovation
     }

@@ -5,7 +5,9 @@ use super::{Belief, CgFilter};
 use crate::loader::doubts::coupling::Turning;
 use crate::loader::doubts::curves::Difference;
 use crate::loader::doubts::manoeuvres::Slip;
+use crate::loader::filter::doubt::NOTED_SLIP;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::measurements::wheel_lag::Row;
 use crate::loader::measurements::windup::LEAST_SHARE;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
@@ -52,6 +54,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
         let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
         self.wheel_noise.see(&settings.estimator, wheels, model.dt);
+        self.see_lag(seen, model);
         let slip = self.slip(seen, model);
         let disagrees = self
             .manoeuvres
@@ -75,6 +78,22 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             noise: seen.noise[0] + seen.noise[1],
             dt: model.dt,
         });
+    }
+
+    /// What a row shows of the time between both wheel speeds; a machine that brakes or bends shows nothing.
+    fn see_lag(&mut self, seen: &Seen<N, M>, model: &CgModel) {
+        if self.effect.braking || self.effect.turn > NOTED_SLIP {
+            return self.wheel_lag.interrupt();
+        }
+        let (machine, inputs) = (&self.dynamics, &model.inputs);
+        let per_weight = 1.0 / (machine.wheel_radius * machine.mass * GRAVITY);
+        let row = Row {
+            speeds: [seen.state[SPEED], seen.before.speed],
+            difference: machine.wheel_radius
+                * (seen.measured[FRONT_WHEEL] - seen.measured[REAR_WHEEL]),
+            pulls: [inputs.front_torque, inputs.rear_torque].map(|torque| torque * per_weight),
+        };
+        self.wheel_lag.see(&row, model.dt);
     }
 
     /// What a row shows of the difference of the rim speeds.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `conditions` | when the parameters are held |
 //! | `wheel_noise` | how noisy the wheels are |
+//! | `wheel_lag` | how much later the rear wheel speed comes than the front one |
 //! | `slip_fluctuation` | slips that fluctuate: rough roads |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `quantisation` | wheel speeds in steps |
@@ -15,5 +16,6 @@ pub(super) mod conditions;
 pub(super) mod quantisation;
 pub(super) mod slip_fluctuation;
 pub(super) mod slope;
+pub(super) mod wheel_lag;
 pub(super) mod wheel_noise;
 pub(super) mod windup;
