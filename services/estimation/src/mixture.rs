@@ -12,14 +12,14 @@ const HALF_WIDTH: f64 = 1.959_964;
 /// What a hypothesis adds to the 95 % interval about the other's value, as a standard deviation (to be added as squares). It has this
 /// `probability`; by it the value lies `away`, on either side, with standard deviation `std`.
 pub fn spread(probability: f64, away: f64, std: f64) -> f64 {
-    let outside = OUTSIDE / probability.max(OUTSIDE);
+    let probability = probability.max(OUTSIDE);
+    if probability <= OUTSIDE {
+        return 0.0;
+    }
+    let outside = OUTSIDE / probability;
     let shifted = away.abs() + std * upper_quantile(outside);
     let about = std * upper_quantile(0.5 * outside);
-    if outside < 1.0 {
-        shifted.max(about) / HALF_WIDTH
-    } else {
-        0.0
-    }
+    shifted.max(about) / HALF_WIDTH
 }
 
 /// What a normal deviate exceeds with this probability, to .0005 (Abramowitz, Stegun 1964, 26.2.23).
