@@ -3,7 +3,8 @@
 //! Carrying and lifting level leave the bucket's angle as it is. A bucket that turns low is in the heap: the ground carries
 //! a part of it, and pushes. Whatever carries a bucket that does not turn comes as a jump of the moment (`scale`). A bucket that
 //! the ground has had is free when the arm has lifted it or the machine has driven away: until then it may be pushed on, and what
-//! it holds grows without any sign.
+//! it holds grows without any sign. While the wheels push against something (`drive`) nobody drives away: who grades or strips does
+//! that for minutes, and the ground carries what it likes.
 //!
 //! A cylinder that carries less than a quarter of the empty arm and bucket weighs nothing: the arm floats, lies on its bucket, or the
 //! sensor reads nothing.
@@ -64,7 +65,7 @@ pub(super) struct Motion {
 
 impl Content {
     /// Takes the rates of arm and bucket [rad/s], and how fast the machine drives [m/s]; `low` where the ground is within reach, `pushes`
-    /// where the axles' torques do.
+    /// where the wheels do.
     pub fn motion(
         &mut self,
         [lift, bucket]: [f64; 2],
@@ -84,8 +85,7 @@ impl Content {
         };
         self.settling = (self.settling - dt).max(0.0);
         self.held = (self.held - dt).max(0.0);
-        let slowest = if pushes { 0.0 } else { CREEPS };
-        let speed = speed.map_or(FREE_AFTER / HOLDS, |v| v.abs().max(slowest));
+        let speed = speed.map_or(FREE_AFTER / HOLDS, |v| v.abs().max(CREEPS));
         self.way = if low {
             (self.way - speed * dt).max(0.0)
         } else {
@@ -93,6 +93,8 @@ impl Content {
         };
         if turning {
             self.settling = SETTLES;
+        }
+        if turning || pushes {
             self.touch();
         }
         let held = low && (self.held > 0.0 || self.way > 0.0);
@@ -116,7 +118,7 @@ impl Content {
         }
     }
 
-    /// The moment jumped or the bucket turns: where it is low, the ground takes hold of it, or lets go.
+    /// The moment jumped, the bucket turns or the wheels push: where it is low, the ground takes hold of it, or lets go.
     pub fn touch(&mut self) {
         (self.held, self.way) = (HOLDS, FREE_AFTER);
     }
@@ -132,8 +134,9 @@ mod tests {
     /// How long a bucket that the ground has taken hold of stays open [s]; low, pushed, and driven at this speed [m/s].
     fn open_for(acts: [bool; 2], speed: Option<f64>) -> f64 {
         let mut content = Content::default();
-        (0..200).for_each(|_| _ = content.motion(STILL, acts, speed, 0.01));
-        assert!(!content.motion(STILL, acts, speed, 0.01).open);
+        let free = [acts[0], false];
+        (0..200).for_each(|_| _ = content.motion(STILL, free, speed, 0.01));
+        assert!(!content.motion(STILL, free, speed, 0.01).open);
         content.touch();
         let open = (0..1000).take_while(|_| content.motion(STILL, acts, speed, 0.01).open);
         0.01 * open.count() as f64
@@ -149,6 +152,7 @@ mod tests {
             open_for([true; 2], Some(0.0)) > 9.9,
             "the wheels still push"
         );
+        assert!(open_for([true; 2], Some(1.0)) > 9.9, "it grades");
         assert_eq!(
             open_for([false; 2], Some(0.0)),
             0.0,

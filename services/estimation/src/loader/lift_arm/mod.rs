@@ -9,6 +9,7 @@
 //! | `silence` | signals that do not come: a load may have come or gone |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
+//! | `drive` | the specific force where no accelerometer tells it; wheels that push
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `turn` | sine and cosine of an angle, taken once a row |
 //! | `stops` | the ends of the arm's travel: what a stop carries is no weight |
@@ -39,6 +40,7 @@ mod below;
 mod content;
 mod doubt;
 mod drawing;
+mod drive;
 mod geometry;
 mod lifts;
 mod linkage;
@@ -55,7 +57,6 @@ mod turn;
 use super::input::carriage::Carriage;
 use super::layout::Each;
 use super::physics::cg_model::Loading;
-use super::physics::wheel_dynamics::GRAVITY;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
@@ -64,6 +65,7 @@ use below::Below;
 use content::{Content, Motion};
 use doubt::Doubts;
 use drawing::Drawing;
+use drive::Drive;
 use geometry::{Empty, Posture, USUAL_ROD_PRESSURE};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
@@ -86,8 +88,6 @@ const CHANGED: f64 = 60.0;
 const SMOOTH: f64 = 0.12;
 /// Deviations below nothing beyond which a bucket at the lower end of the arm's travel rests on something.
 const CARRIED: f64 = 1.9;
-/// Torques that drive with more than this share of the weight push against something: rolling resistance is half of it.
-const PUSHES: f64 = 0.05;
 /// Faster than this the machine shakes its sensors [m/s].
 const DRIVING: f64 = 0.5;
 
@@ -109,8 +109,7 @@ pub(super) struct LiftWitness {
     measures_rod: bool,
     carriage: Carriage,
     seals: Seals,
-    /// Torque of both axles that pushes [N m].
-    pushing: f64,
+    drive: Drive,
     content: Content,
     stops: Stops,
     scale: Scale,
@@ -165,7 +164,7 @@ impl LiftWitness {
             measures_rod: false,
             carriage: Carriage::default(),
             seals: Seals::default(),
-            pushing: PUSHES * GRAVITY * settings.machine.mass * settings.machine.wheel_radius,
+            drive: Drive::new(settings, drawing.capacity),
             content: Content::default(),
             stops: Stops::default(),
             doubts: Doubts::default(),
@@ -189,7 +188,13 @@ impl LiftWitness {
     /// something was weighed.
     pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Weighed> {
         let now = self.signals.take(sample, fresh);
-        let Now { lift, tilt, rod } = now;
+        let Now {
+            lift,
+            tilt,
+            rod,
+            acceleration,
+        } = now;
+        self.drive.take(sample, acceleration);
         let lift = lift.filter(|_| tilt.is_some() || !self.signals.measure_tilt());
         let (Some(lift), Some(head)) = (lift, sample.lift_head_pressure) else {
             let held = lift.and_then(|_| self.answer_at(sample.time, fresh));
@@ -272,7 +277,7 @@ impl LiftWitness {
             head,
             rod,
             gravity: self.drawing.gravity(sample.slope.unwrap_or(0.0)),
-            acceleration: sample.acceleration.unwrap_or(0.0),
+            acceleration: self.drive.felt,
             seals: 0.0,
             rest: 0.0,
         }
@@ -282,10 +287,9 @@ impl LiftWitness {
         let rod_length = self.drawing.rod_length(posture.arm);
         self.seals.take(rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
-        let pushes = self.pushes(sample);
-        let mut motion = self
-            .content
-            .motion(self.rates, [low, pushes], sample.speed, dt);
+        let mut motion =
+            self.content
+                .motion(self.rates, [low, self.drive.pushes()], sample.speed, dt);
         self.learn(posture, &motion);
         let posture = Posture {
             seals: self.seals.share(),
@@ -320,12 +324,6 @@ impl LiftWitness {
         answer
     }
 
-    /// The wheels push with more than it takes to roll.
-    fn pushes(&self, sample: &Sample) -> bool {
-        let torque = |axle: Option<f64>| axle.unwrap_or(0.0);
-        (torque(sample.front_torque) + torque(sample.rear_torque)).abs() > self.pushing
-    }
-
     /// The payload by this row, as far as no stop and no ground carries.
     fn take(&mut self, posture: &Posture, sample: &Sample, motion: &Motion, dt: f64) {
         let lift = self.angles.map_or(0.0, |[lift, _]| lift);
@@ -340,9 +338,14 @@ impl LiftWitness {
         if self.saturation.see(posture.head, moves, dt) {
             return;
         }
-        let accelerated = sample.acceleration.is_some();
-        self.scale
-            .step(drawing, posture, &self.seals, motion, accelerated, dt);
+        self.scale.step(
+            drawing,
+            posture,
+            &self.seals,
+            motion,
+            self.drive.measured,
+            dt,
+        );
         let is_low = self.stops.is_at(End::Lower, lift);
         if self.stops.is_at(End::Upper, lift) && self.scale.presses(drawing, posture, motion) {
             self.scale.stop();

@@ -29,13 +29,14 @@ impl Held {
     }
 }
 
-/// Angles of arm and bucket, and the pressure behind the rod.
+/// Angles of arm and bucket, the pressure behind the rod, and the specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Signals {
     lift: Held,
     tilt: Held,
     rod: Held,
+    acceleration: Held,
 }
 
 /// What holds of them in a row; none where it is missing or too old.
@@ -47,6 +48,8 @@ pub(super) struct Now {
     pub tilt: Option<f64>,
     /// Pressure on the rod side [Pa].
     pub rod: Option<f64>,
+    /// What an accelerometer shows [m/s^2].
+    pub acceleration: Option<f64>,
 }
 
 impl Signals {
@@ -55,6 +58,7 @@ impl Signals {
         lift: Held::NEVER,
         tilt: Held::NEVER,
         rod: Held::NEVER,
+        acceleration: Held::NEVER,
     };
 
     /// Takes a plausible row; a value counts for as long as it is `fresh` [s].
@@ -64,6 +68,7 @@ impl Signals {
             lift: hold(&mut self.lift, sample.lift_angle),
             tilt: hold(&mut self.tilt, sample.tilt_angle),
             rod: hold(&mut self.rod, sample.lift_rod_pressure),
+            acceleration: hold(&mut self.acceleration, sample.acceleration),
         }
     }
 
