@@ -109,6 +109,8 @@ pub(super) struct Working {
     weighed_nothing: bool,
     /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
     weighed_something: f64,
+    /// The content is believed to be what is expected of any, beside what weighed it.
+    expected: bool,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
     /// What sticks in it, the same in all of them.
@@ -190,6 +192,7 @@ impl Working {
             changed: false,
             weighed_nothing: false,
             weighed_something: 0.0,
+            expected: true,
             tared: false,
             sticks,
             carried: None,

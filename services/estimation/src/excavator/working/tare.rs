@@ -35,6 +35,9 @@ impl Working {
         trail: &mut Option<Trail>,
     ) {
         let p = &settings.prior;
+        if content != Content::Unchanged || self.bucket.is_open() {
+            self.content_is_over((p.payload, p.payload_std), trail);
+        }
         let (value, std) = match content {
             Content::Unchanged => return,
             Content::Emptied => (0.0, self.sticking()),
@@ -47,8 +50,20 @@ impl Working {
         self.parallel.filter.set(M, value, std * std, &mut None);
         self.scale.hold(value, std);
         self.tared = false;
+        self.expected = content == Content::Unknown;
         if content == Content::Emptied {
             self.is_emptied();
+        }
+    }
+
+    /// What is expected of any content, value and standard deviation, counts for this one alone: contents are alike (a machine that
+    /// grades carries none for an hour), so a hundred of them would seem to tell what else weighs.
+    fn content_is_over(&mut self, (value, std): (f64, f64), trail: &mut Option<Trail>) {
+        if core::mem::take(&mut self.expected) {
+            let prior = (value, std * std);
+            self.filter.take_back(M, prior, trail);
+            self.parallel.filter.take_back(M, prior, &mut None);
+            self.scale.filter.take_back(M, prior, &mut None);
         }
     }
 
