@@ -105,6 +105,8 @@ pub(super) struct Working {
     change: Cusum,
     /// They have reached their limit in this swing: its value is not believed any more.
     changed: bool,
+    /// What does so is no payload: something pushes the upper body until it stands.
+    pushed: bool,
     /// An emptied bucket has weighed nothing in this swing.
     weighed_nothing: bool,
     /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
@@ -190,6 +192,7 @@ impl Working {
             largest: 0.0,
             change: Cusum::new(0.5, CHANGE),
             changed: false,
+            pushed: false,
             weighed_nothing: false,
             weighed_something: 0.0,
             expected: true,
@@ -315,6 +318,7 @@ impl Working {
         self.noise.rest();
         self.change.clear();
         self.changed = false;
+        self.pushed = false;
         if self.parallel.is_over() {
             self.contradiction.swung(self.agreement.factor());
         }
@@ -374,7 +378,7 @@ impl Working {
         let measured = drive.velocity.map(|velocity| (velocity, variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
-        let free = self.filter.x[W].abs() > FREE;
+        let free = self.filter.x[W].abs() > FREE && !self.pushed;
         let other = free.then_some((innovation, usual));
         self.parallel.step(&input, shape, measured, gate, other);
         if self.parallel.overtakes(&mut self.filter) {
@@ -397,7 +401,7 @@ impl Working {
             }
             self.agreement.contradict();
             self.changed = true;
-        } else if self.changed {
+        } else if self.changed && !self.pushed {
             let weight = (self.filter.x[M], self.filter.p[M][M]);
             self.changed = !self.contradiction.withdraws(weight, self.anything());
         }
@@ -407,7 +411,11 @@ impl Working {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
         let payload = self.filter.payload(&self.sticks);
-        self.contradiction.weighs(payload, s.payload_range());
+        let range = s.payload_range();
+        if !self.pushed && self.contradiction.weighs(payload, range, self.changed) {
+            self.pushed = true;
+            self.hold(s, Content::Unknown, trail);
+        }
         self.tare(gate, &drive.now, trail);
         innovation
     }
@@ -419,7 +427,7 @@ impl Working {
         let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
         let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
         // What the ground does to a bucket that digs lasts, unlike noise.
-        let pushed = if self.slow_for > CREPT {
+        let pushed = if self.pushed || self.slow_for > CREPT {
             self.largest
         } else {
             0.0

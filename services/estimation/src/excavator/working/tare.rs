@@ -98,6 +98,9 @@ impl Working {
         if variance > limit * limit {
             return;
         }
+        if !self.changed {
+            self.contradiction.is_weighed();
+        }
         if !self.bucket.is_emptied() {
             if !self.bucket.is_open() && !self.bucket.is_settling() {
                 self.carried = Some(self.filter.x[M]);
