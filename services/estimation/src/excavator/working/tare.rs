@@ -165,3 +165,27 @@ impl Working {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    #[test]
+    fn contents_that_are_alike_tell_nothing_of_the_bucket() {
+        let settings = Settings::of(&Description::default());
+        let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+        let before = working.filter.p[BUCKET][BUCKET];
+        // Who grades carries nothing, each time that something may have been filled in.
+        for _ in 0..100 {
+            let weight = [(M, 1.0), (BUCKET, 1.0)];
+            let value = -working.filter.combination(&weight).0;
+            let filter = &mut working.filter;
+            filter.measure(weight, value, 100.0, 1e9, &mut None);
+            working.hold(&settings, Content::Unknown, &mut None);
+        }
+        let (x, p) = (working.filter.x[BUCKET], working.filter.p[BUCKET][BUCKET]);
+        assert!(x * x < p, "{x} {p}");
+        assert!(p > 0.99 * before, "{p} {before}");
+    }
+}
