@@ -70,9 +70,8 @@ impl Contradiction {
         odds > SAME
     }
 
-    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be. Whether something has pushed
-    /// the upper body instead: the ground on which the bucket lands, tracks that turn. That shows as a known payload that has
-    /// `changed` in the middle of the motion, and passes; a sensor that breaks contradicts the next motion too.
+    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be. Whether it is no payload that
+    /// has `changed` in the middle of the motion, but a push.
     pub(super) fn weighs(
         &mut self,
         (value, variance): (f64, f64),
@@ -80,14 +79,19 @@ impl Contradiction {
         changed: bool,
     ) -> bool {
         let beyond = value - value.clamp(least, most);
-        if beyond * beyond <= IMPOSSIBLE * IMPOSSIBLE * variance * self.usual() {
-            return false;
-        }
-        if !changed || core::mem::replace(&mut self.pushed, true) {
+        let cannot = beyond * beyond > IMPOSSIBLE * IMPOSSIBLE * variance * self.usual();
+        if cannot && !changed {
             self.outright();
-            return false;
         }
-        true
+        cannot && changed
+    }
+
+    /// Something pushes the upper body: the ground on which the bucket lands, tracks that turn. That passes; a sensor that breaks
+    /// contradicts the next motion too.
+    pub(super) fn pushes(&mut self) {
+        if core::mem::replace(&mut self.pushed, true) {
+            self.outright();
+        }
     }
 
     /// A payload is known that a bucket may hold: what pushed has passed.
@@ -142,13 +146,13 @@ mod tests {
     fn a_push_is_no_sensor_that_breaks_unless_it_is_there_in_the_next_swing_too() {
         let pushes = |known_between: bool| {
             let mut contradiction = Contradiction::new();
-            let push = |c: &mut Contradiction| c.weighs((-900.0, 400.0), [0.0, 2000.0], true);
-            assert!(push(&mut contradiction));
+            assert!(contradiction.weighs((-900.0, 400.0), [0.0, 2000.0], true));
+            contradiction.pushes();
             assert!(!contradiction.is_open());
             if known_between {
                 contradiction.is_weighed();
             }
-            push(&mut contradiction);
+            contradiction.pushes();
             contradiction.is_open()
         };
         assert!(!pushes(true));

@@ -390,7 +390,10 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
+        // Once more, though the payload may be any: it is none.
+        let mut no_payload = false;
         if self.change.push(z.clamp(-3.0, 3.0)) {
+            no_payload = self.changed;
             if !self.changed {
                 let before = (self.filter.x[M], self.filter.p[M][M]);
                 self.contradiction.changed(before);
@@ -412,7 +415,11 @@ impl Working {
         }
         let payload = self.filter.payload(&self.sticks);
         let range = s.payload_range();
-        if !self.pushed && self.contradiction.weighs(payload, range, self.changed) {
+        if !self.pushed {
+            no_payload |= self.contradiction.weighs(payload, range, self.changed);
+        }
+        if no_payload && !self.pushed {
+            self.contradiction.pushes();
             self.pushed = true;
             self.hold(s, Content::Unknown, trail);
         }
