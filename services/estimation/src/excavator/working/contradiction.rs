@@ -29,6 +29,8 @@ pub(super) struct Contradiction {
     usual: f64,
     /// Payload and its variance before it changed without a word [kg, kg^2].
     before: (f64, f64),
+    /// Something has pushed the upper body, and no payload was known since.
+    pushed: bool,
 }
 
 impl Contradiction {
@@ -37,6 +39,7 @@ impl Contradiction {
             level: 0,
             usual: 1.0,
             before: (0.0, 0.0),
+            pushed: false,
         }
     }
 
@@ -67,12 +70,33 @@ impl Contradiction {
         odds > SAME
     }
 
-    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be.
-    pub(super) fn weighs(&mut self, (value, variance): (f64, f64), [least, most]: [f64; 2]) {
+    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be. Whether it is no payload that
+    /// has `changed` in the middle of the motion, but a push.
+    pub(super) fn weighs(
+        &mut self,
+        (value, variance): (f64, f64),
+        [least, most]: [f64; 2],
+        changed: bool,
+    ) -> bool {
         let beyond = value - value.clamp(least, most);
-        if beyond * beyond > IMPOSSIBLE * IMPOSSIBLE * variance * self.usual() {
+        let cannot = beyond * beyond > IMPOSSIBLE * IMPOSSIBLE * variance * self.usual();
+        if cannot && !changed {
             self.outright();
         }
+        cannot && changed
+    }
+
+    /// Something pushes the upper body: the ground on which the bucket lands, tracks that turn. That passes; a sensor that breaks
+    /// contradicts the next motion too.
+    pub(super) fn pushes(&mut self) {
+        if core::mem::replace(&mut self.pushed, true) {
+            self.outright();
+        }
+    }
+
+    /// A payload is known that a bucket may hold: what pushed has passed.
+    pub(super) fn is_weighed(&mut self) {
+        self.pushed = false;
     }
 
     /// It cannot be as it is measured.
@@ -113,9 +137,26 @@ mod tests {
     fn a_bucket_that_weighs_less_than_nothing_contradicts() {
         for (payload, contradicts) in [((-50.0, 400.0), false), ((-70.0, 400.0), true)] {
             let mut contradiction = Contradiction::new();
-            contradiction.weighs(payload, [0.0, 2000.0]);
+            contradiction.weighs(payload, [0.0, 2000.0], false);
             assert_eq!(contradiction.is_open(), contradicts, "{payload:?}");
         }
+    }
+
+    #[test]
+    fn a_push_is_no_sensor_that_breaks_unless_it_is_there_in_the_next_swing_too() {
+        let pushes = |known_between: bool| {
+            let mut contradiction = Contradiction::new();
+            assert!(contradiction.weighs((-900.0, 400.0), [0.0, 2000.0], true));
+            contradiction.pushes();
+            assert!(!contradiction.is_open());
+            if known_between {
+                contradiction.is_weighed();
+            }
+            contradiction.pushes();
+            contradiction.is_open()
+        };
+        assert!(!pushes(true));
+        assert!(pushes(false));
     }
 
     /// A payload that seemed to change, and weighs this with this variance afterwards [kg, kg^2].

@@ -35,6 +35,9 @@ use crate::excavator::size::Sticking;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 
+/// A state that keeps more than this share of the variance that it began with has not been informed.
+const INFORMED: f64 = 0.5;
+
 /// What acts during one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Input {
@@ -222,17 +225,46 @@ impl Filter {
             }
             trail.measured(&whole, &gain, value, gated);
         }
-        for (x, g) in self.x.iter_mut().zip(&gain) {
-            *x += g * value;
-        }
-        for (column, c) in self.p.iter_mut().zip(&column) {
-            for (p, g) in column.iter_mut().zip(&gain) {
-                *p -= g * c;
-            }
-        }
+        self.take(&gain, value, &column);
         Innovation {
             value,
             variance: total,
+        }
+    }
+
+    /// Takes back what was known of state `i` beforehand, value and variance: it tells nothing of the other states any more. The inverse
+    /// of a measurement, with a negative variance. What has hardly been informed since is left.
+    pub(super) fn take_back(
+        &mut self,
+        i: usize,
+        (value, variance): (f64, f64),
+        trail: &mut Option<Trail>,
+    ) {
+        let column = self.p[i];
+        if column[i] > INFORMED * variance {
+            return;
+        }
+        let left = column[i] - variance;
+        let gain = column.map(|c| c / left);
+        let away = value - self.x[i];
+        if let Some(trail) = trail {
+            let mut row = [0.0; N];
+            row[i] = 1.0;
+            trail.measured(&row, &gain, away, left);
+        }
+        self.take(&gain, away, &column);
+    }
+
+    /// States and covariance by a gain, an innovation, and the covariances with what is measured.
+    #[inline(always)]
+    fn take(&mut self, gain: &Vector, value: f64, column: &Vector) {
+        for (x, g) in self.x.iter_mut().zip(gain) {
+            *x += g * value;
+        }
+        for (p, c) in self.p.iter_mut().zip(column) {
+            for (p, g) in p.iter_mut().zip(gain) {
+                *p -= g * c;
+            }
         }
     }
 
@@ -342,6 +374,28 @@ pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_taken_back_was_never_said() {
+        let (prior, known) = ((200.0, 160.0 * 160.0), 30.0 * 30.0);
+        let measured = |prior: (f64, f64)| {
+            let mut filter = Filter::new([0.0; N], &[0.0; N]);
+            filter.set(M, prior.0, prior.1, &mut None);
+            filter.set(BUCKET, 0.0, known, &mut None);
+            let row = [(M, 1.0), (BUCKET, 1.0)];
+            filter.measure(row, -prior.0, 100.0, 1e9, &mut None);
+            filter
+        };
+        let mut filter = measured(prior);
+        assert!(filter.x[BUCKET] < -5.0, "{}", filter.x[BUCKET]);
+        filter.take_back(M, prior, &mut None);
+        assert!(filter.x[BUCKET].abs() < 1e-9, "{}", filter.x[BUCKET]);
+        assert!((filter.p[BUCKET][BUCKET] / known - 1.0).abs() < 1e-9);
+        // A content of which nothing was known says the same.
+        let flat = measured((prior.0, 1e12));
+        assert!((filter.x[M] - flat.x[M]).abs() < 1e-4, "{}", filter.x[M]);
+        assert!((filter.p[M][M] / flat.p[M][M] - 1.0).abs() < 1e-4);
+    }
 
     #[test]
     fn a_torque_in_another_unit_is_another_gain_and_nothing_else() {

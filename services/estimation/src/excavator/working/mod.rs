@@ -105,10 +105,14 @@ pub(super) struct Working {
     change: Cusum,
     /// They have reached their limit in this swing: its value is not believed any more.
     changed: bool,
+    /// What does so is no payload: something pushes the upper body until it stands.
+    pushed: bool,
     /// An emptied bucket has weighed nothing in this swing.
     weighed_nothing: bool,
     /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
     weighed_something: f64,
+    /// The content is believed to be what is expected of any, beside what weighed it.
+    expected: bool,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
     /// What sticks in it, the same in all of them.
@@ -188,8 +192,10 @@ impl Working {
             largest: 0.0,
             change: Cusum::new(0.5, CHANGE),
             changed: false,
+            pushed: false,
             weighed_nothing: false,
             weighed_something: 0.0,
+            expected: true,
             tared: false,
             sticks,
             carried: None,
@@ -312,6 +318,7 @@ impl Working {
         self.noise.rest();
         self.change.clear();
         self.changed = false;
+        self.pushed = false;
         if self.parallel.is_over() {
             self.contradiction.swung(self.agreement.factor());
         }
@@ -371,7 +378,7 @@ impl Working {
         let measured = drive.velocity.map(|velocity| (velocity, variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
-        let free = self.filter.x[W].abs() > FREE;
+        let free = self.filter.x[W].abs() > FREE && !self.pushed;
         let other = free.then_some((innovation, usual));
         self.parallel.step(&input, shape, measured, gate, other);
         if self.parallel.overtakes(&mut self.filter) {
@@ -383,7 +390,10 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
+        // Once more, though the payload may be any: it is none.
+        let mut no_payload = false;
         if self.change.push(z.clamp(-3.0, 3.0)) {
+            no_payload = self.changed;
             if !self.changed {
                 let before = (self.filter.x[M], self.filter.p[M][M]);
                 self.contradiction.changed(before);
@@ -394,7 +404,7 @@ impl Working {
             }
             self.agreement.contradict();
             self.changed = true;
-        } else if self.changed {
+        } else if self.changed && !self.pushed {
             let weight = (self.filter.x[M], self.filter.p[M][M]);
             self.changed = !self.contradiction.withdraws(weight, self.anything());
         }
@@ -404,7 +414,15 @@ impl Working {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
         let payload = self.filter.payload(&self.sticks);
-        self.contradiction.weighs(payload, s.payload_range());
+        let range = s.payload_range();
+        if !self.pushed {
+            no_payload |= self.contradiction.weighs(payload, range, self.changed);
+        }
+        if no_payload && !self.pushed {
+            self.contradiction.pushes();
+            self.pushed = true;
+            self.hold(s, Content::Unknown, trail);
+        }
         self.tare(gate, &drive.now, trail);
         innovation
     }
@@ -416,7 +434,7 @@ impl Working {
         let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
         let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
         // What the ground does to a bucket that digs lasts, unlike noise.
-        let pushed = if self.slow_for > CREPT {
+        let pushed = if self.pushed || self.slow_for > CREPT {
             self.largest
         } else {
             0.0

@@ -35,6 +35,9 @@ impl Working {
         trail: &mut Option<Trail>,
     ) {
         let p = &settings.prior;
+        if content != Content::Unchanged || self.bucket.is_open() {
+            self.content_is_over((p.payload, p.payload_std), trail);
+        }
         let (value, std) = match content {
             Content::Unchanged => return,
             Content::Emptied => (0.0, self.sticking()),
@@ -47,8 +50,20 @@ impl Working {
         self.parallel.filter.set(M, value, std * std, &mut None);
         self.scale.hold(value, std);
         self.tared = false;
+        self.expected = content == Content::Unknown;
         if content == Content::Emptied {
             self.is_emptied();
+        }
+    }
+
+    /// What is expected of any content, value and standard deviation, counts for this one alone: contents are alike (a machine that
+    /// grades carries none for an hour), so a hundred of them would seem to tell what else weighs.
+    fn content_is_over(&mut self, (value, std): (f64, f64), trail: &mut Option<Trail>) {
+        if core::mem::take(&mut self.expected) {
+            let prior = (value, std * std);
+            self.filter.take_back(M, prior, trail);
+            self.parallel.filter.take_back(M, prior, &mut None);
+            self.scale.filter.take_back(M, prior, &mut None);
         }
     }
 
@@ -82,6 +97,9 @@ impl Working {
         let claimed = variance * self.contradiction.usual();
         if variance > limit * limit {
             return;
+        }
+        if !self.changed {
+            self.contradiction.is_weighed();
         }
         if !self.bucket.is_emptied() {
             if !self.bucket.is_open() && !self.bucket.is_settling() {
@@ -145,5 +163,29 @@ impl Working {
             let left = before - self.filter.x[M];
             left * left < spread * ln(odds.max(1.0))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    #[test]
+    fn contents_that_are_alike_tell_nothing_of_the_bucket() {
+        let settings = Settings::of(&Description::default());
+        let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+        let before = working.filter.p[BUCKET][BUCKET];
+        // Who grades carries nothing, each time that something may have been filled in.
+        for _ in 0..100 {
+            let weight = [(M, 1.0), (BUCKET, 1.0)];
+            let value = -working.filter.combination(&weight).0;
+            let filter = &mut working.filter;
+            filter.measure(weight, value, 100.0, 1e9, &mut None);
+            working.hold(&settings, Content::Unknown, &mut None);
+        }
+        let (x, p) = (working.filter.x[BUCKET], working.filter.p[BUCKET][BUCKET]);
+        assert!(x * x < p, "{x} {p}");
+        assert!(p > 0.99 * before, "{p} {before}");
     }
 }

@@ -3,8 +3,8 @@
 use super::states::{N, Vector};
 use crate::CommonError;
 
-/// Most that a tick does: content unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
-const MOST: usize = 8;
+/// Most that a tick does: content over, and unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
+const MOST: usize = 9;
 
 /// One thing that the filter did.
 #[derive(Debug, Clone, Copy, PartialEq)]
