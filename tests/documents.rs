@@ -294,6 +294,24 @@ fn every_command_of_the_pages_exists_with_its_options() {
 }
 
 #[test]
+fn every_command_of_the_bench_in_the_pages_is_one_of_its_usage() {
+    let main = Path::new(env!("CARGO_MANIFEST_DIR")).join("bench/src/main.rs");
+    let main = std::fs::read_to_string(main).expect("the program");
+    let mut seen = 0;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        for words in text.split("-p bench -- ").skip(1) {
+            let is_letter = |c: char| c.is_ascii_lowercase();
+            let word = words.split(|c| !is_letter(c)).next().unwrap_or_default();
+            seen += 1;
+            let known = main.contains(&format!("       bench {word} "));
+            assert!(known, "{}: bench -- {word}", page.display());
+        }
+    }
+    assert!(seen > 1, "{seen} commands found");
+}
+
+#[test]
 fn commands_that_need_nothing_run() {
     for arguments in [
         "check --machine excavator --print",

@@ -191,7 +191,7 @@ mod tests {
     fn the_size_of_the_machine_is_among_the_options_of_each() {
         use clap::Parser;
         let words = "heft calibrate excavator a --each --class 21.5t --set sensors.rate=50";
-        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let cli = crate::commands::Cli::parse_from(words.split(' '));
         let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
             panic!("calibrate");
         };
