@@ -310,7 +310,8 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
         both.into_iter().map(|(_, e)| e)
     };
     let mut kept: Vec<E> = Vec::new();
-    let (mut low, mut high): (Option<(u64, E)>, Option<(u64, E)>) = (None, None);
+    let mut low: Option<(u64, E)> = None;
+    let mut high: Option<(u64, E)> = None;
     for (n, estimate) in (0_u64..).zip(estimates) {
         let now = value(&estimate);
         if n.is_multiple_of(stretch) {
