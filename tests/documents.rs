@@ -193,8 +193,18 @@ fn a_long_sentence_is_found_and_code_is_one_word() {
     );
 }
 
+/// Names by which links reach the headings of a page: small letters, digits and hyphens for blanks.
+fn anchors(page: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(page).expect("a page");
+    let headings = split(&text).0.into_iter().filter(|l| l.starts_with('#'));
+    let kept = |c: char| c.is_alphanumeric() || "-_ ".contains(c);
+    let name = |heading: &str| heading.trim_start_matches('#').trim().to_lowercase();
+    let names = headings.map(|h| name(h).chars().filter(|c| kept(*c)).collect::<String>());
+    names.map(|name| name.replace(' ', "-")).collect()
+}
+
 #[test]
-fn every_link_of_a_page_leads_to_a_file() {
+fn every_link_of_a_page_leads_to_a_file_and_to_a_heading() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("docs")
         .canonicalize()
@@ -203,12 +213,19 @@ fn every_link_of_a_page_leads_to_a_file() {
     for page in pages() {
         let text = std::fs::read_to_string(&page).expect("a page");
         for target in text.split("](").skip(1).filter_map(|t| t.split(')').next()) {
-            let file = target.split('#').next().unwrap_or_default();
-            let is_address = target.starts_with("http") || file.is_empty();
-            let found = page.parent().expect("a folder").join(file).canonicalize();
+            if target.starts_with("http") {
+                continue;
+            }
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let found = match file {
+                "" => page.canonicalize(),
+                file => page.parent().expect("a folder").join(file).canonicalize(),
+            };
             // A page of the site can show nothing that is not in docs.
             let is_shown = |f: &PathBuf| !page.starts_with(&docs) || f.starts_with(&docs);
-            if !is_address && !found.is_ok_and(|f| is_shown(&f)) {
+            let is_there =
+                |f: &PathBuf| anchor.is_empty() || anchors(f).iter().any(|a| a == anchor);
+            if !found.is_ok_and(|f| is_shown(&f) && is_there(&f)) {
                 broken.push(format!("{}: {target}", page.display()));
             }
         }
@@ -291,6 +308,24 @@ fn every_command_of_the_pages_exists_with_its_options() {
     }
     assert!(seen > 30, "{seen} commands found");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_command_of_the_bench_in_the_pages_is_one_of_its_usage() {
+    let main = Path::new(env!("CARGO_MANIFEST_DIR")).join("bench/src/main.rs");
+    let main = std::fs::read_to_string(main).expect("the program");
+    let mut seen = 0;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        for words in text.split("-p bench -- ").skip(1) {
+            let is_letter = |c: char| c.is_ascii_lowercase();
+            let word = words.split(|c| !is_letter(c)).next().unwrap_or_default();
+            seen += 1;
+            let known = main.contains(&format!("       bench {word} "));
+            assert!(known, "{}: bench -- {word}", page.display());
+        }
+    }
+    assert!(seen > 1, "{seen} commands found");
 }
 
 #[test]

@@ -9,7 +9,7 @@
 //! | [`measure`] | interleaved blocks, minimum and median, single calls |
 //! | [`bounds`] | what the machine could do at best |
 //! | [`real`] | the steps of the product on the simulators' rows |
-//! | [`scale`], [`plot`] | machines per core |
+//! | [`scale`] | machines per core |
 //! | [`batch`], [`wide`] | eight machines at once: the step in lanes, and the registers |
 //! | [`counts`] | instructions a step |
 //! | [`report`] | table and JSON |
@@ -26,7 +26,6 @@ pub mod measure;
 pub mod ours;
 pub mod peers;
 pub mod pipelines;
-pub mod plot;
 pub mod problem;
 pub mod real;
 pub mod report;

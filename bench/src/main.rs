@@ -8,8 +8,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: bench [--json FILE]          steps of ours and of the peers, interleaved
        bench counts                 instructions a step, against the budgets (needs valgrind)
-       bench scale [--json FILE] [--plot FILE.svg]
-                                    machines on one host";
+       bench scale [--json FILE]    machines on one host";
 
 /// Laps over the rows of the real steps.
 const LAPS: usize = 7;
@@ -21,10 +20,8 @@ fn main() -> ExitCode {
         [] => compare(None),
         ["--json", file] => compare(Some(file)),
         ["counts"] => count(),
-        ["scale"] => scale(None, None),
-        ["scale", "--json", file] => scale(Some(file), None),
-        ["scale", "--plot", plot] => scale(None, Some(plot)),
-        ["scale", "--json", file, "--plot", plot] => scale(Some(file), Some(plot)),
+        ["scale"] => scale(None),
+        ["scale", "--json", file] => scale(Some(file)),
         [counts::SUBCOMMAND, key, index, passes] => block(key, index, passes),
         [limits::SUBCOMMAND, ..] => worker(&args[1..]),
         _ => {
@@ -117,19 +114,13 @@ fn real_steps() -> Map<String, Value> {
     document
 }
 
-fn scale(file: Option<&str>, plot: Option<&str>) -> ExitCode {
-    let (document, svg) = match shards::run() {
-        Ok(results) => results,
+fn scale(file: Option<&str>) -> ExitCode {
+    match shards::run() {
+        Ok(results) => write(file, &format!("{results:#}\n")),
         Err(error) => {
             eprintln!("bench scale: {error}");
-            return ExitCode::from(2);
+            ExitCode::from(2)
         }
-    };
-    let plotted = write(plot, &svg);
-    if plotted == ExitCode::SUCCESS {
-        write(file, &format!("{document:#}\n"))
-    } else {
-        plotted
     }
 }
 

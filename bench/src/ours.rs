@@ -95,7 +95,7 @@ macro_rules! on_rover {
         impl Filter<RoverSample, 6> for $name {
             #[inline(always)]
             fn step(&mut self, sample: &RoverSample) {
-                let rover = Rover { torque: sample.torque, ..self.rover };
+                let rover = self.rover.under(sample.torque);
                 self.filter.step(&rover, &self.process_std, &sample.measured, &self.measurement_std);
             }
 

@@ -5,5 +5,6 @@
 pub mod extended;
 pub mod kalman;
 pub mod regression;
+mod rover;
 pub mod square_root;
 pub mod unscented;

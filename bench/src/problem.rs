@@ -127,6 +127,12 @@ impl Rover {
         torque: [0.0; 2],
     };
 
+    /// The same vehicle under other torques.
+    #[inline(always)]
+    pub fn under(&self, torque: [f64; 2]) -> Self {
+        Self { torque, ..*self }
+    }
+
     /// The dynamic states a period later.
     #[inline(always)]
     pub fn advance<T: Scalar>(&self, x: &[T; 6]) -> [T; 3] {
@@ -242,11 +248,7 @@ pub fn rover_data() -> Vec<RoverSample> {
         .map(|k| {
             let push = if (k / 64) % 2 == 0 { 0.3 } else { -0.1 };
             let torque = [0.06 + push, 0.05 + push];
-            state = Rover {
-                torque,
-                ..Rover::NEW
-            }
-            .next(&state);
+            state = Rover::NEW.under(torque).next(&state);
             let measured =
                 std::array::from_fn(|j| state[j] + ROVER.measurement_std[j] * noise.next());
             RoverSample { torque, measured }
@@ -282,10 +284,7 @@ mod tests {
     #[test]
     fn the_hand_written_jacobian_is_the_derivative() {
         let x = [1.4, 3.1, 2.9, 5.5, 0.85, 0.47];
-        let rover = Rover {
-            torque: [0.3, 0.2],
-            ..Rover::NEW
-        };
+        let rover = Rover::NEW.under([0.3, 0.2]);
         let seeded: [Dual<6>; 6] = std::array::from_fn(|i| {
             Dual::new(x[i], std::array::from_fn(|j| f64::from(u8::from(i == j))))
         });

@@ -6,7 +6,7 @@
 use crate::measure::{Contender, custom, interleaved};
 use crate::pipelines::{self, Cost};
 use crate::problem::Filter;
-use crate::{plot, real};
+use crate::real;
 use serde_json::{Value, json};
 use std::rc::Rc;
 
@@ -60,8 +60,8 @@ where
     }
 }
 
-/// Measures, prints, and returns the JSON and the plot.
-pub fn run() -> std::io::Result<(Value, String)> {
+/// Measures, prints, and returns the JSON.
+pub fn run() -> std::io::Result<Value> {
     let (rows, work) = (
         Rc::new(real::excavator_rows()),
         Rc::new(real::loader_rows()),
@@ -74,32 +74,6 @@ pub fn run() -> std::io::Result<(Value, String)> {
     ];
     print(&curves);
     let pipelines = pipelines()?;
-    let mut series: Vec<plot::Series> = curves
-        .iter()
-        .map(|curve| plot::Series {
-            name: format!("shard: {}", curve.name),
-            points: MACHINES
-                .iter()
-                .zip(&curve.cost_ns)
-                .map(|(n, cost)| (*n as f64, PERIOD_NS / cost))
-                .collect(),
-        })
-        .collect();
-    if !pipelines.is_empty() {
-        series.push(plot::Series {
-            name: "heft run, excavator: six processes each".into(),
-            points: pipelines
-                .iter()
-                .map(|cost| (cost.machines as f64, PERIOD_NS / cost.sample_ns))
-                .collect(),
-        });
-    }
-    let svg = plot::log_log(
-        "Machines per core at 100 Hz",
-        "machines at the same time",
-        "machines per core",
-        &series,
-    );
     let shards: serde_json::Map<String, Value> = curves
         .iter()
         .map(|curve| {
@@ -111,9 +85,7 @@ pub fn run() -> std::io::Result<(Value, String)> {
             (curve.name.to_string(), json!({ "state_bytes": curve.state_bytes, "shard": points }))
         })
         .collect();
-    let document =
-        json!({ "rate_hz": 1e9 / PERIOD_NS, "steps": shards, "pipelines": to_json(&pipelines) });
-    Ok((document, svg))
+    Ok(json!({ "rate_hz": 1e9 / PERIOD_NS, "steps": shards, "pipelines": to_json(&pipelines) }))
 }
 
 /// Real pipelines, by the program `heft` beside this one.

@@ -1,22 +1,9 @@
 //! Extended Kalman filters, all with the Jacobian written out by hand.
 
-use super::unscented::diagonal;
+use super::rover::{KfilterRover, covariances, diagonal, jacobian, kfilter_measurement, variances};
 use crate::problem::{Filter, ROVER, Rover, RoverSample};
-use kfilter::system::{InputSystem, LinearisableSystem, System};
 use kfilter::{KalmanFilter as _, KalmanPredictInput, KalmanUpdate};
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
-use nalgebra_of_kfilter as older;
-
-fn variances<const N: usize>(std: &[f64; N]) -> [f64; N] {
-    std.map(|std| std * std)
-}
-
-/// The whole Jacobian, row by row.
-fn rows(rover: &Rover, x: &[f64; 6]) -> [[f64; 6]; 6] {
-    let [v, front, rear] = rover.jacobian(x);
-    let unit = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
-    [v, front, rear, unit(3), unit(4), unit(5)]
-}
 
 /// The textbook form in nalgebra.
 pub struct Textbook {
@@ -30,25 +17,23 @@ pub struct Textbook {
 
 impl Default for Textbook {
     fn default() -> Self {
+        let (p, q, r) = covariances();
         Self {
             rover: ROVER.rover,
             x: ROVER.state.into(),
-            p: Matrix6::from_diagonal(&variances(&ROVER.initial_std).into()),
-            q: Matrix6::from_diagonal(&variances(&ROVER.process_std).into()),
+            p,
+            q,
             h: Matrix3x6::identity(),
-            r: Matrix3::from_diagonal(&variances(&ROVER.measurement_std).into()),
+            r,
         }
     }
 }
 
 impl Filter<RoverSample, 6> for Textbook {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         let x = self.x.into();
-        let f = Matrix6::from_row_slice(rows(&rover, &x).as_flattened());
+        let f = Matrix6::from_row_slice(jacobian(&rover, &x).as_flattened());
         self.x = rover.next(&x).into();
         self.p = f * self.p * f.transpose() + self.q;
         let s = self.h * self.p * self.h.transpose() + self.r;
@@ -90,14 +75,11 @@ impl Default for Smelly {
 
 impl Filter<RoverSample, 6> for Smelly {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         let x = (*self.filter.state()).into();
         let _ = self
             .filter
-            .set_transition(Matrix6::from_row_slice(rows(&rover, &x).as_flattened()));
+            .set_transition(Matrix6::from_row_slice(jacobian(&rover, &x).as_flattened()));
         let _ = self.filter.predict();
         let _ = self.filter.set_state(rover.next(&x).into());
         let _ = self.filter.update(
@@ -112,83 +94,18 @@ impl Filter<RoverSample, 6> for Smelly {
     }
 }
 
-/// kfilter, with the rover as a system of its own.
+/// kfilter.
 pub struct Kfilter {
     filter: kfilter::Kalman<f64, 6, 2, KfilterRover>,
     measurement: kfilter::measurement::LinearMeasurement<f64, 6, 3>,
 }
 
-/// The rover as kfilter wants it.
-pub struct KfilterRover {
-    rover: Rover,
-    x: older::Vector6<f64>,
-    q: older::Matrix6<f64>,
-    f: older::Matrix6<f64>,
-    f_transposed: older::Matrix6<f64>,
-}
-
-impl System<f64, 6, 2> for KfilterRover {
-    fn covariance(&self) -> &older::Matrix6<f64> {
-        &self.q
-    }
-    fn state(&self) -> &older::Vector6<f64> {
-        &self.x
-    }
-    fn state_mut(&mut self) -> &mut older::Vector6<f64> {
-        &mut self.x
-    }
-}
-
-impl LinearisableSystem<f64, 6, 2> for KfilterRover {
-    fn transition(&self) -> &older::Matrix6<f64> {
-        &self.f
-    }
-    fn transition_transpose(&self) -> &older::Matrix6<f64> {
-        &self.f_transposed
-    }
-}
-
-impl InputSystem<f64, 6, 2> for KfilterRover {
-    fn step(&mut self, u: older::Vector2<f64>) -> &older::Vector6<f64> {
-        let rover = Rover {
-            torque: u.into(),
-            ..self.rover
-        };
-        let x = self.x.into();
-        // Column by column, so the flat rows are the transposed matrix.
-        self.f_transposed = older::Matrix6::from_column_slice(rows(&rover, &x).as_flattened());
-        self.f = self.f_transposed.transpose();
-        self.x = rover.next(&x).into();
-        &self.x
-    }
-
-    fn predict(&self, x: &older::Vector6<f64>, u: &older::Vector2<f64>) -> older::Vector6<f64> {
-        Rover {
-            torque: (*u).into(),
-            ..self.rover
-        }
-        .next(&(*x).into())
-        .into()
-    }
-}
-
 impl Default for Kfilter {
     fn default() -> Self {
-        let system = KfilterRover {
-            rover: ROVER.rover,
-            x: ROVER.state.into(),
-            q: older::Matrix6::from_diagonal(&variances(&ROVER.process_std).into()),
-            f: older::Matrix6::identity(),
-            f_transposed: older::Matrix6::identity(),
-        };
-        let covariance = older::Matrix6::from_diagonal(&variances(&ROVER.initial_std).into());
+        let (system, covariance) = KfilterRover::start();
         Self {
             filter: kfilter::Kalman::new_custom(system, covariance),
-            measurement: kfilter::measurement::LinearMeasurement::new(
-                older::Matrix3x6::identity(),
-                older::Matrix3::from_diagonal(&variances(&ROVER.measurement_std).into()),
-                older::Vector3::zeros(),
-            ),
+            measurement: kfilter_measurement(),
         }
     }
 }
@@ -235,14 +152,11 @@ impl Default for Numeris {
 
 impl Filter<RoverSample, 6> for Numeris {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         let array = |x: &numeris::Vector<f64, 6>| std::array::from_fn(|i| x[i]);
         self.filter.predict(
             |x| numeris::Vector::from_array(rover.next(&array(x))),
-            |x| numeris::Matrix::new(rows(&rover, &array(x))),
+            |x| numeris::Matrix::new(jacobian(&rover, &array(x))),
             Some(&self.q),
         );
         let h = self.h;

@@ -1,5 +1,6 @@
 //! The square-root unscented filter of the textbooks, in nalgebra: QR, rank-one updates and downdates of Cholesky factors.
 
+use super::rover::sigma_points;
 use crate::problem::{Filter, ROVER, Rover, RoverSample};
 use nalgebra::{Cholesky, Const, DimMin, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
@@ -29,16 +30,6 @@ impl Default for Textbook {
 }
 
 impl Textbook {
-    fn points(&self) -> [Vector6<f64>; 13] {
-        let scaled = self.s * 6f64.sqrt();
-        let mut points = [self.x; 13];
-        for i in 0..6 {
-            points[1 + i] += scaled.column(i);
-            points[7 + i] -= scaled.column(i);
-        }
-        points
-    }
-
     /// Mean and lower root of images of the points; `ROWS` is 12 + `L`.
     fn spread<const L: usize, const ROWS: usize>(
         &self,
@@ -71,13 +62,10 @@ impl Textbook {
 
 impl Filter<RoverSample, 6> for Textbook {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
-        let images = self.points().map(|x| Vector6::from(rover.next(&x.into())));
+        let rover = self.rover.under(sample.torque);
+        let images = sigma_points(self.x, self.s).map(|x| Vector6::from(rover.next(&x.into())));
         (self.x, self.s) = self.spread::<6, 18>(&images, &self.process_root);
-        let points = self.points();
+        let points = sigma_points(self.x, self.s);
         let measured = points.map(|x| Vector3::new(x[0], x[1], x[2]));
         let (mean, root) = self.spread::<3, 15>(&measured, &self.measurement_root);
         let mut cross = SMatrix::<f64, 6, 3>::zeros();

@@ -1,18 +1,15 @@
 //! Plain unscented filters: a covariance, factored anew in each step. alpha = 1, beta = 1, kappa = 0.
 
+use super::rover::{
+    KfilterRover, covariances, diagonal, kfilter_measurement, sigma_points, variances,
+};
 use crate::problem::{Filter, ROVER, Rover, RoverSample};
-use kfilter::system::{InputSystem, System};
 use kfilter::{KalmanFilter as _, KalmanPredictInput, KalmanUpdate};
 use minikalman::prelude::*;
 use minikalman::unscented::builder::{
     KalmanFilterBuilder, KalmanFilterObservationType, KalmanFilterType,
 };
 use nalgebra::{Cholesky, Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
-use nalgebra_of_kfilter as older;
-
-fn variances<const N: usize>(std: &[f64; N]) -> [f64; N] {
-    std.map(|std| std * std)
-}
 
 /// The textbook form in nalgebra.
 pub struct Textbook {
@@ -35,25 +32,20 @@ impl Textbook {
     /// With or without drawing the sigma points anew after the process noise. Without, the noise is missing in the innovation
     /// covariance; minikalman works that way.
     pub fn new(redraw: bool) -> Self {
+        let (p, q, r) = covariances();
         Self {
             rover: ROVER.rover,
             x: ROVER.state.into(),
-            p: Matrix6::from_diagonal(&variances(&ROVER.initial_std).into()),
-            q: Matrix6::from_diagonal(&variances(&ROVER.process_std).into()),
-            r: Matrix3::from_diagonal(&variances(&ROVER.measurement_std).into()),
+            p,
+            q,
+            r,
             weight: 1.0 / 12.0,
             redraw,
         }
     }
 
     fn points(&self) -> Option<[Vector6<f64>; 13]> {
-        let scaled = Cholesky::new(self.p)?.l() * 6f64.sqrt();
-        let mut points = [self.x; 13];
-        for i in 0..6 {
-            points[1 + i] += scaled.column(i);
-            points[7 + i] -= scaled.column(i);
-        }
-        Some(points)
+        Some(sigma_points(self.x, Cholesky::new(self.p)?.l()))
     }
 
     fn spread<const L: usize>(
@@ -70,10 +62,7 @@ impl Textbook {
     }
 
     fn update(&mut self, sample: &RoverSample) -> Option<()> {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         let mut points = self.points()?.map(|x| Vector6::from(rover.next(&x.into())));
         (self.x, self.p) = self.spread(&points, &self.q);
         if self.redraw {
@@ -130,10 +119,7 @@ impl Default for Smelly {
 
 impl Filter<RoverSample, 6> for Smelly {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         let _ = self.filter.predict(|x| rover.next(&(*x).into()).into());
         let _ = self
             .filter
@@ -145,50 +131,15 @@ impl Filter<RoverSample, 6> for Smelly {
     }
 }
 
-/// kfilter, with the rover as a system of its own.
+/// kfilter.
 pub struct Kfilter {
     filter: kfilter::UnscentedKalman<f64, 6, 2, 13, KfilterRover>,
     measurement: kfilter::measurement::LinearMeasurement<f64, 6, 3>,
 }
 
-/// The rover as kfilter wants it.
-pub struct KfilterRover {
-    rover: Rover,
-    x: older::Vector6<f64>,
-    q: older::Matrix6<f64>,
-}
-
-impl System<f64, 6, 2> for KfilterRover {
-    fn covariance(&self) -> &older::Matrix6<f64> {
-        &self.q
-    }
-    fn state(&self) -> &older::Vector6<f64> {
-        &self.x
-    }
-    fn state_mut(&mut self) -> &mut older::Vector6<f64> {
-        &mut self.x
-    }
-}
-
-impl InputSystem<f64, 6, 2> for KfilterRover {
-    fn predict(&self, x: &older::Vector6<f64>, u: &older::Vector2<f64>) -> older::Vector6<f64> {
-        Rover {
-            torque: (*u).into(),
-            ..self.rover
-        }
-        .next(&(*x).into())
-        .into()
-    }
-}
-
 impl Default for Kfilter {
     fn default() -> Self {
-        let system = KfilterRover {
-            rover: ROVER.rover,
-            x: ROVER.state.into(),
-            q: older::Matrix6::from_diagonal(&variances(&ROVER.process_std).into()),
-        };
-        let covariance = older::Matrix6::from_diagonal(&variances(&ROVER.initial_std).into());
+        let (system, covariance) = KfilterRover::start();
         let parameters = kfilter::UKFParameters {
             alpha: 1.0,
             beta: 1.0,
@@ -198,11 +149,7 @@ impl Default for Kfilter {
             filter: kfilter::UnscentedKalman::new_custom_with_params(
                 system, covariance, parameters,
             ),
-            measurement: kfilter::measurement::LinearMeasurement::new(
-                older::Matrix3x6::identity(),
-                older::Matrix3::from_diagonal(&variances(&ROVER.measurement_std).into()),
-                older::Vector3::zeros(),
-            ),
+            measurement: kfilter_measurement(),
         }
     }
 }
@@ -260,10 +207,7 @@ impl Default for Minikalman {
 
 impl Filter<RoverSample, 6> for Minikalman {
     fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
+        let rover = self.rover.under(sample.torque);
         self.filter.predict_nonlinear(|x| {
             let now: [f64; 6] = std::array::from_fn(|i| x[i]);
             for (i, value) in rover.next(&now).into_iter().enumerate() {
@@ -299,15 +243,6 @@ pub struct Numeris<F> {
 pub type NumerisUkf = Numeris<numeris::estimate::Ukf<f64, 6, 3>>;
 /// Square-root by name.
 pub type NumerisSrUkf = Numeris<numeris::estimate::SrUkf<f64, 6, 3>>;
-
-/// A diagonal matrix for numeris.
-pub(crate) fn diagonal<const N: usize>(values: [f64; N]) -> numeris::Matrix<f64, N, N> {
-    let mut matrix = numeris::Matrix::zeros();
-    for (i, value) in values.into_iter().enumerate() {
-        matrix[(i, i)] = value;
-    }
-    matrix
-}
 
 impl<F> Numeris<F> {
     fn with(filter: F) -> Self {
@@ -351,10 +286,7 @@ macro_rules! numeris_steps {
     ($filter:ty) => {
         impl Filter<RoverSample, 6> for $filter {
             fn step(&mut self, sample: &RoverSample) {
-                let rover = Rover {
-                    torque: sample.torque,
-                    ..self.rover
-                };
+                let rover = self.rover.under(sample.torque);
                 let process = |x: &numeris::Vector<f64, 6>| {
                     numeris::Vector::from_array(rover.next(&std::array::from_fn(|i| x[i])))
                 };

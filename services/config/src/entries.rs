@@ -135,11 +135,8 @@ pub(crate) fn known_keys<M: Keyed>(document: &Document<String>, text: &str, file
         .count()
 }
 
-pub(crate) fn all_keys<M: Keyed>() -> Vec<String> {
+pub(crate) fn all_keys<M: Keyed>() -> Vec<&'static str> {
     let machine = M::default();
-    let tables = machine.tables();
-    let keys = tables
-        .iter()
-        .flat_map(|t| t.keys().iter().map(|k| format!("{}.{}", t.name(), k.name)));
-    keys.collect()
+    let keys = machine.tables().into_iter().flat_map(|t| t.keys());
+    keys.map(|key| key.path).collect()
 }

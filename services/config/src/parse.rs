@@ -292,14 +292,13 @@ fn suggestion<M: Keyed>(path: &str) -> String {
     let name = path.rsplit('.').next().unwrap_or(path);
     let keys = all_keys::<M>();
     let elsewhere = keys.iter().find(|k| k.rsplit('.').next() == Some(name));
-    let similar = nearest(path, keys.iter().map(String::as_str)).or_else(|| {
+    let similar = nearest(path, keys.iter().copied()).or_else(|| {
         let last = keys.iter().filter_map(|k| k.rsplit('.').next());
         let close = nearest(name, last)?;
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
-        Some(full.as_str())
+        Some(*full)
     });
-    let belongs =
-        |other: &Machine| *other != M::MACHINE && known::all_keys(*other).iter().any(|k| k == path);
+    let belongs = |other: &Machine| *other != M::MACHINE && known::all_keys(*other).contains(&path);
     let other = Machine::ALL.into_iter().find(belongs);
     match (elsewhere, other, similar) {
         (Some(full), ..) => format!("the key is {full}: put it under [{}]", table_of(full)),

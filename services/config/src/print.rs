@@ -112,19 +112,12 @@ fn within(Range { low, high }: Range) -> f64 {
 /// The default of a key, as an example of how to write it; a number within its range where it has none.
 pub(crate) fn example<M: Keyed>(path: &str) -> String {
     let machine = M::default();
-    for table in machine.tables() {
-        for (index, key) in table.keys().iter().enumerate() {
-            if path
-                .strip_prefix(table.name())
-                .and_then(|p| p.strip_prefix('.'))
-                == Some(key.name)
-            {
-                return match (table.get(index), key.range) {
-                    (Some(Value::None), Some(range)) => short(within(range)),
-                    (value, _) => value.map_or_else(String::new, |v| toml(&v)),
-                };
-            }
-        }
+    let Some((table, index)) = machine.place(path) else {
+        return String::new();
+    };
+    let table = machine.tables()[table];
+    match (table.get(index), table.keys()[index].range) {
+        (Some(Value::None), Some(range)) => short(within(range)),
+        (value, _) => value.map_or_else(String::new, |v| toml(&v)),
     }
-    String::new()
 }

@@ -1,5 +1,6 @@
 //! The arguments that commands share, and what they are read into.
 
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -34,6 +35,20 @@ pub struct DescriptionArgs {
     /// Set one key of the machine file, such as sensors.swing_velocity_std=0.008
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+impl DescriptionArgs {
+    /// Written again, for another process of heft.
+    pub fn again(&self) -> Vec<OsString> {
+        let config = self.config.iter().map(|file| {
+            let mut option = OsString::from("--config=");
+            option.push(file);
+            option
+        });
+        let class = self.class.map(|mass| format!("--class={mass}kg").into());
+        let set = self.set.iter().map(|set| format!("--set={set}").into());
+        config.chain(class).chain(set).collect()
+    }
 }
 
 /// A mass such as 21t, 21.5 t or 21500kg \[kg\].

@@ -7,7 +7,6 @@ mod args;
 mod attached;
 mod bounds;
 mod build;
-mod cli;
 mod commands;
 mod compare;
 mod doubts;
@@ -50,8 +49,7 @@ mod way;
 use std::process::ExitCode;
 
 use clap::Parser;
-use cli::Cli;
-use commands::Command;
+use commands::{Cli, Command};
 use failure::Failure;
 
 fn main() -> ExitCode {

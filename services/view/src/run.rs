@@ -93,7 +93,7 @@ pub struct Run {
     pub damage: Vec<String>,
 }
 
-/// An estimator whose estimates were thinned: of each stretch the first is kept, and those where a
+/// An estimator whose estimates were thinned: of each stretch the first is kept, and those where the first
 /// headline quantity is highest and lowest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thinned {
@@ -297,24 +297,27 @@ fn machine<E: Estimate>(
     Ok(run)
 }
 
-/// Of each stretch the first estimate, and the highest and lowest of each headline quantity.
+/// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest.
 fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E> {
     let value = |e: &E| {
         let mut headline = E::PARAMETERS.iter().filter(|p| p.headline());
         headline.next().map_or(f64::NAN, |p| p.value(e))
     };
+    let in_order = |ends: [Option<(u64, E)>; 2]| {
+        let mut both: Vec<(u64, E)> = ends.into_iter().flatten().collect();
+        both.sort_by_key(|(n, _)| *n);
+        both.dedup_by_key(|(n, _)| *n);
+        both.into_iter().map(|(_, e)| e)
+    };
     let mut kept: Vec<E> = Vec::new();
     let mut low: Option<(u64, E)> = None;
     let mut high: Option<(u64, E)> = None;
     for (n, estimate) in (0_u64..).zip(estimates) {
+        let now = value(&estimate);
         if n.is_multiple_of(stretch) {
-            let mut both: Vec<(u64, E)> = [low.take(), high.take()].into_iter().flatten().collect();
-            both.sort_by_key(|(n, _)| *n);
-            both.dedup_by_key(|(n, _)| *n);
-            kept.extend(both.into_iter().map(|(_, e)| e));
+            kept.extend(in_order([low.take(), high.take()]));
             kept.push(estimate);
-        } else {
-            let now = value(&estimate);
+        } else if now.is_finite() {
             if low.as_ref().is_none_or(|(_, e)| now < value(e)) {
                 low = Some((n, estimate));
             }
@@ -323,6 +326,7 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
             }
         }
     }
+    kept.extend(in_order([low, high]));
     kept
 }
 
@@ -381,11 +385,12 @@ mod tests {
         let estimate = |n: u64| ExcavatorEstimate {
             stamp: stamp(n),
             inertia: match n {
-                137 => 9e3,
+                137 | 970 => 9e3,
                 152 => 1e3,
                 _ => 5e3,
             },
-            estimated: bits::INERTIA,
+            // The third stretch begins without an estimate.
+            estimated: if n == 201 { 0 } else { bits::INERTIA },
             ..Default::default()
         };
         let kept = thin((0..1000).map(estimate), 100);
@@ -393,7 +398,9 @@ mod tests {
         let kept: Vec<u64> = kept.iter().map(|e| e.stamp.sequence).collect();
         assert!(kept.windows(2).all(|w| w[0] < w[1]), "in order");
         assert!(
-            [0, 100, 137, 152, 900].iter().all(|n| kept.contains(n)),
+            [0, 100, 137, 152, 202, 900, 970]
+                .iter()
+                .all(|n| kept.contains(n)),
             "{kept:?}"
         );
     }

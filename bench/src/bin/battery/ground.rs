@@ -238,21 +238,17 @@ impl Run {
         }
         let file = self.out.join("run.mcap");
         let numbers = |e: String| format!("{e}: {text}");
+        let answers = ["rls", "ukf"].map(|process| {
+            let channel = format!("excavator/inertia_{process}");
+            sequences::<ExcavatorEstimate>(&file, &channel).map(|numbers| (process, numbers))
+        });
         Ok(Remains {
             status,
             samples: sequences::<ExcavatorSensors>(&file, "excavator/sensors").map_err(numbers)?,
-            answers: vec![
-                (
-                    "rls",
-                    sequences::<ExcavatorEstimate>(&file, "excavator/inertia_rls")
-                        .map_err(numbers)?,
-                ),
-                (
-                    "ukf",
-                    sequences::<ExcavatorEstimate>(&file, "excavator/inertia_ukf")
-                        .map_err(numbers)?,
-                ),
-            ],
+            answers: answers
+                .into_iter()
+                .collect::<Result<_, _>>()
+                .map_err(numbers)?,
             text,
         })
     }

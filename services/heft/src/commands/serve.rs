@@ -104,15 +104,7 @@ pub fn shard_arguments(
     ];
     let mut all: Vec<OsString> = fixed.map(Into::into).into();
     all.push(every.to_string().into());
-    if let Some(mass) = description.class {
-        all.extend(["--class".into(), format!("{mass}kg").into()]);
-    }
-    for set in &description.set {
-        all.extend(["--set".into(), set.into()]);
-    }
-    if let Some(config) = &description.config {
-        all.extend(["--config".into(), config.into()]);
-    }
+    all.extend(description.again());
     all
 }
 

@@ -146,25 +146,15 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
 
 /// Options that decide what comes out, beside what is stated of the recordings.
 pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
-    let mut all = Vec::new();
-    let mut option = |name: &str, value: &str| all.push(format!("{name}={value}"));
-    if let Some(map) = &args.map {
-        option("--map", &map.display().to_string());
-    }
-    if let Some(config) = &args.description.config {
-        option("--config", &config.display().to_string());
-    }
-    if let Some(mass) = args.description.class {
-        option("--class", &format!("{mass}kg"));
-    }
-    for set in &args.description.set {
-        option("--set", set);
-    }
-    if !args.free.is_empty() {
-        option("--free", &args.free.join(","));
-    }
-    all.extend(args.accept.then(|| "--accept".to_owned()));
-    all
+    let map = args
+        .map
+        .iter()
+        .map(|map| format!("--map={}", map.display()));
+    let described = args.description.again().into_iter();
+    let described = described.map(|option| option.to_string_lossy().into_owned());
+    let free = (!args.free.is_empty()).then(|| format!("--free={}", args.free.join(",")));
+    let accept = args.accept.then(|| "--accept".to_owned());
+    map.chain(described).chain(free).chain(accept).collect()
 }
 
 /// A line of the result that says what was asked for.
@@ -191,7 +181,7 @@ mod tests {
     fn the_size_of_the_machine_is_among_the_options_of_each() {
         use clap::Parser;
         let words = "heft calibrate excavator a --each --class 21.5t --set sensors.rate=50";
-        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let cli = crate::commands::Cli::parse_from(words.split(' '));
         let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
             panic!("calibrate");
         };

@@ -123,7 +123,7 @@ mod tests {
     fn a_recording_is_meant_by_its_name_its_folder_or_both() {
         use clap::Parser;
         let words = "heft calibrate excavator runs/empty/run.mcap runs/full/run.mcap b.csv -o x";
-        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let cli = crate::commands::Cli::parse_from(words.split(' '));
         let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
             panic!("calibrate");
         };

@@ -98,28 +98,15 @@ fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) ->
     if let Some(machine) = args.machine {
         all.extend(["--machine".into(), machine.name().into()]);
     }
-    if let Some(mass) = args.with.description.class {
-        all.extend(["--class".into(), format!("{mass}kg").into()]);
-    }
     let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
     option("--output", table);
     option("--json", summary);
     if let Some(map) = args.with.map.as_deref().filter(|_| !is_recording(input)) {
         option("--map", map);
     }
-    if let Some(config) = &args.with.description.config {
-        option("--config", config);
-    }
-    for (name, value) in args
-        .with
-        .description
-        .set
-        .iter()
-        .map(|s| ("--set", s))
-        .chain(args.with.method.iter().map(|m| ("--method", m)))
-    {
-        all.extend([name.into(), value.into()]);
-    }
+    all.extend(args.with.description.again());
+    let method = args.with.method.iter();
+    all.extend(method.map(|method| format!("--method={method}").into()));
     for (name, given) in [
         ("--smooth", args.smooth),
         ("--require-trust", args.require_trust),
