@@ -11,7 +11,7 @@ mod marks;
 mod read;
 
 pub(crate) use cells::Cells;
-pub(crate) use columns::{Columns, absent, is_frames, listed};
+pub(crate) use columns::{Columns, listed, misread};
 pub(crate) use dialect::Dialect;
 pub use estimate::{Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};

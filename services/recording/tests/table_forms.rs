@@ -125,6 +125,17 @@ fn what_is_no_table_is_named_as_what_it_is() {
         (b"t\0\x01\x02;\0\xff\n1;2\n".to_vec(), "no text", ".csv"),
         (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
         (b"BZh91AY".to_vec(), "packed by bzip2", "bunzip2"),
+        (
+            b"time;Signal;Value\n0;swing_velocity;0.1\n".to_vec(),
+            "a row for each value",
+            "pivot",
+        ),
+        // Time and swing speed in GB18030.
+        (
+            b"\xca\xb1\xbc\xe4,\xbb\xd8\xd7\xaa\xcb\xd9\xb6\xc8\n0,1\n".to_vec(),
+            "another encoding",
+            "iconv -f GB18030",
+        ),
         (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
         (
             format!("# {}\n{plain}", "x".repeat(400_000)).into_bytes(),

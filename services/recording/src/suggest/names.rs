@@ -42,6 +42,13 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=clock"],
             &["=date"],
             &["=datum"],
+            &["=fecha"],
+            &["=hora"],
+            &["=heure"],
+            &["elapsed"],
+            &["=datenum"],
+            // LabVIEW's.
+            &["=x_value"],
         ],
     ),
     (
@@ -248,7 +255,11 @@ fn has(name: &str, word: &str) -> bool {
 
 /// A name without the units behind it: `torque [Nm]`, `torque_Nm` and `omega_rad_s` without the last, the last and the last two.
 fn stem(name: &str) -> &str {
-    let mut name = name.split(['[', '(']).next().unwrap_or(name).trim();
+    let mut name = name
+        .split(unit::BRACKETS.map(|(open, _)| open))
+        .next()
+        .unwrap_or(name)
+        .trim();
     while let Some((rest, _)) = name
         .rsplit_once('_')
         .filter(|(rest, unit)| !rest.is_empty() && unit::guess(unit).is_some())
@@ -292,6 +303,8 @@ mod tests {
         for (signal, name) in [
             ("t", "ts_ms"),
             ("t", "t [s]"),
+            ("t", "Elapsed (s)"),
+            ("t", "X_Value"),
             ("swing_torque", "torque_Nm"),
             ("swing_velocity", "omega_rad_s"),
             ("swing_velocity", "Slew rate (rpm)"),

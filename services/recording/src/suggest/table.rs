@@ -1,6 +1,7 @@
 //! A first map of a table.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
@@ -80,9 +81,9 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         out += &line(&signal, &name, guess.unit, si, &reason);
         found.push(signal);
     }
-    if found.len() < 2 && csv::is_frames(&header) {
-        let file = path.display().to_string();
-        return Err(csv::absent(&["t"], S::MACHINE.name(), &header, &file));
+    let misread = csv::misread(&header, &path.display().to_string());
+    if let Some(error) = misread.filter(|_| found.len() < 2) {
+        return Err(error);
     }
     let mut missing = missing::<S>(&found);
     if !found.iter().any(|signal| signal == "t") {
@@ -174,6 +175,18 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
         let reason = "unit by the column's name".into();
         return Guess { unit, reason };
     }
+    let mut guess = by_values(signal, si, values);
+    if let Some(text) = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty()) {
+        let text = shown(text);
+        guess.reason = format!(
+            "{text} is no unit that heft knows: check it; {}",
+            guess.reason
+        );
+    }
+    guess
+}
+
+fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
     let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
     if finite.is_empty() {
         let reason = match signal {
@@ -252,6 +265,7 @@ fn time(times: &[f64]) -> Guess {
         };
     };
     let name = match *step {
+        _ if times.iter().all(|t| TICKS.contains(t)) => "100ns",
         s if s > 1e6 => "ns",
         s if s > 1e3 => "us",
         s if s >= 1.0 => "ms",
@@ -265,9 +279,13 @@ fn time(times: &[f64]) -> Guess {
     }
 }
 
-/// Whether these are days since 1900, as a sheet counts them: of 1982 to 2119.
+/// Ticks of 100 ns since the year 1 or 1601, as Windows counts them: more than microseconds, fewer than nanoseconds since 1970.
+const TICKS: Range<f64> = 1e17..1e18;
+
+/// Whether these are days of 1982 to 2119: since 1900, as a sheet counts them, or since the year 0, as MATLAB does.
 fn is_serial_date(times: &[f64]) -> bool {
-    times.iter().all(|day| (30_000.0..80_000.0).contains(day))
+    let within = |from: f64| move |day: &f64| (30_000.0..80_000.0).contains(&(day - from));
+    times.iter().all(within(0.0)) || times.iter().all(within(693_960.0))
 }
 
 fn mass(values: &[f64]) -> Guess {
@@ -277,5 +295,39 @@ fn mass(values: &[f64]) -> Guess {
     Guess {
         unit,
         reason: format!("up to {largest}: {word}?"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_and_the_size_of_times_tell_their_unit() {
+        let of = |first: f64, step: f64| {
+            let times: Vec<f64> = (0..9).map(|k| first + step * f64::from(k)).collect();
+            time(&times).unit.map_or("s", |unit| unit.name)
+        };
+        for (first, step, unit) in [
+            (0.0, 0.01, "s"),
+            (1.8e9, 0.01, "s"),
+            (1.8e12, 10.0, "ms"),
+            (1.8e15, 1e4, "us"),
+            (1.8e18, 1e7, "ns"),
+            (6.39e17, 1e5, "100ns"),
+            (1.34e17, 1e5, "100ns"),
+            (46_206.5, 1.2e-7, "day"),
+            (740_168.5, 1.2e-7, "day"),
+        ] {
+            assert_eq!(of(first, step), unit, "{first} {step}");
+        }
+    }
+
+    #[test]
+    fn a_unit_that_is_not_known_is_said() {
+        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0]).reason;
+        assert!(reason("torque [stone ft]").starts_with("stone ft is no unit that heft knows"));
+        assert!(!reason("torque [kNm]").contains("no unit"));
+        assert!(!reason("torque []").contains("no unit"));
     }
 }
