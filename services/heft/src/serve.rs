@@ -290,6 +290,7 @@ impl<'a, S: Sensors> Router<'a, S> {
         for line in self.column.above() {
             decoder.take(line, 0)?;
         }
+        decoder.check_header()?;
         Ok(decoder)
     }
 

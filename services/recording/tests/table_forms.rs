@@ -72,6 +72,7 @@ fn lines(text: &str) -> Result<Vec<f64>, Error> {
         decoder.take(line.as_bytes(), 0)?;
         found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
     }
+    decoder.check_header()?;
     assert!(decoder.take_remarks().is_empty(), "no line is left out");
     decoder.finish();
     found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
@@ -105,6 +106,23 @@ fn lines_that_come_one_by_one_are_read_as_a_file_of_them_is() {
     let mut decoder = LineDecoder::<ExcavatorSensors>::new(None).expect("a decoder");
     let error = decoder.take(&packed(&plain), 0).expect_err("packed");
     assert!(error.remedy.contains("zcat"), "{error}");
+}
+
+#[test]
+fn words_and_groups_above_the_names_are_no_header_as_they_come() {
+    let table = format!("{HEADER}\n{}\n", rows().join("\n"));
+    let expected = lines(&table).expect("rows");
+    let units = table.replacen('\n', "\ns,rad/s,N m\n", 1);
+    for above in ["Logger;12\nSite;North\n\n", "Made on day 3\n", "x,Swing,\n"] {
+        for table in [&table, &units] {
+            let found = lines(&format!("{above}{table}")).expect("rows");
+            assert_eq!(found, expected, "{above}");
+        }
+    }
+    for wrong in ["t,speed\n0,1\n".to_owned(), "t,speed\n".repeat(200)] {
+        let error = lines(&wrong).expect_err("no signal");
+        assert!(error.what.contains("no column swing_velocity"), "{error}");
+    }
 }
 
 #[test]

@@ -542,7 +542,12 @@ pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
         ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
-            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one); the file has {}",
+            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
+            if names == ["t"] {
+                ", and t = { column = \"row\", scale = 0.01 } makes seconds of numbers of rows"
+            } else {
+                ""
+            },
             listed(header)
         ),
     };

@@ -45,6 +45,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=fecha"],
             &["=hora"],
             &["=heure"],
+            &["=tempo"],
             &["elapsed"],
             &["=datenum"],
             // LabVIEW's.
@@ -176,7 +177,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("pitch", &[&["pitch"]]),
-    ("roll", &[&["roll"]]),
+    ("roll", &[&["roll"], &["=wank"]]),
     ("articulation", &[&["articul"], &["steer", "angle"]]),
     ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
     ("brake", &[&["brake"]]),
@@ -305,6 +306,8 @@ mod tests {
             ("t", "t [s]"),
             ("t", "Elapsed (s)"),
             ("t", "X_Value"),
+            ("t", "Tempo [s]"),
+            ("roll", "Wank [°]"),
             ("swing_torque", "torque_Nm"),
             ("swing_velocity", "omega_rad_s"),
             ("swing_velocity", "Slew rate (rpm)"),
@@ -316,6 +319,8 @@ mod tests {
         for (signal, name) in [
             ("swing_torque", "engine_torque_Nm"),
             ("t", "ts_brake"),
+            ("t", "temporary_x"),
+            ("roll", "Drehzahlschwankung"),
             ("speed", "engine_speed_rpm"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");

@@ -79,6 +79,9 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             links[link] = Some(column);
         }
         out += &line(&signal, &name, guess.unit, si, &reason);
+        if signal == "t" {
+            out += &other_times(at, radians, &names, &columns);
+        }
         found.push(signal);
     }
     let misread = csv::misread(&header, &path.display().to_string());
@@ -122,6 +125,32 @@ fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, b
             false,
         ),
     }
+}
+
+/// Columns of another time than that of column `at`, whose unit is so many seconds, as comments: some loggers write a time beside
+/// the signals of each rate, and the rows of these are other moments.
+fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) -> String {
+    let (mut out, mut seen) = (String::new(), vec![at]);
+    while let Some(other) = fitting("t", names, &seen) {
+        seen.push(other);
+        let pairs = columns[at].iter().zip(&columns[other]);
+        let pairs: Vec<_> = pairs.filter(|(t, o)| (*t + *o).is_finite()).collect();
+        let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
+            continue;
+        };
+        let unit = unit("t", "s", names[other], &columns[other]).unit;
+        let spent = (last.1 - first.1) * unit.map_or(1.0, |unit| unit.factor);
+        let ratio = spent / ((last.0 - first.0) * seconds);
+        let increases = pairs.windows(2).all(|two| two[1].1 > two[0].1);
+        if increases && ratio.is_finite() && (ratio - 1.0).abs() > 0.01 {
+            let name = shown(names[other]);
+            let _ = writeln!(
+                out,
+                "# {name} is {ratio:.2} times as fast as this: do its columns have rows of their own? Then write all signals at one rate"
+            );
+        }
+    }
+    out
 }
 
 /// The columns that are none of the signals, as a comment.
@@ -321,6 +350,36 @@ mod tests {
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
+    }
+
+    #[test]
+    fn a_time_of_other_rows_is_named_and_another_clock_is_not() {
+        let times = |step: f64| {
+            (0..50)
+                .map(|k| 7.0 + step * f64::from(k))
+                .collect::<Vec<_>>()
+        };
+        let names = [
+            "time",
+            "time_50ms",
+            "unix time [ms]",
+            "cycle time",
+            "timestamp",
+        ];
+        let still = vec![3.0; 50];
+        let columns = [
+            times(0.01),
+            times(0.05),
+            times(10.0),
+            still,
+            vec![f64::NAN; 50],
+        ];
+        let said = other_times(0, 1.0, &names, &columns);
+        assert!(
+            said.starts_with("# time_50ms is 5.00 times as fast"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
     }
 
     #[test]
