@@ -17,6 +17,9 @@ use crate::unit::{self, Unit};
 /// No machine drives on a steeper ground \[rad\]: 35 degrees.
 pub const STEEPEST: f64 = 0.61;
 
+/// No excavator swings faster \[rpm\]: data sheets say 5 to 14. In degrees a second it swings at 30 and more.
+const FASTEST_SWING: f64 = 15.0;
+
 /// Rows that are looked at.
 const LOOK: usize = 20_000;
 
@@ -246,6 +249,7 @@ fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
     let (limit, other) = match (signal, si) {
         ("slope" | "pitch" | "roll", _) => (STEEPEST, "deg"),
         (_, "rad") => (core::f64::consts::TAU, "deg"),
+        ("swing_velocity", _) if beyond(FASTEST_SWING) * 50 <= all => (3.0, "rpm"),
         ("swing_velocity" | "yaw_rate", _) => (3.0, "deg/s"),
         ("speed", _) => (15.0, "km/h"),
         ("front_wheel_speed" | "rear_wheel_speed", _) => (40.0, "rpm"),
@@ -380,6 +384,22 @@ mod tests {
             "{said}"
         );
         assert_eq!(said.lines().count(), 1, "{said}");
+    }
+
+    #[test]
+    fn a_swing_of_a_few_units_is_one_in_turns_a_minute() {
+        let of = |largest: f64| {
+            let swing: Vec<f64> = (0..100)
+                .map(|k| largest * (0.1 * f64::from(k)).sin())
+                .collect();
+            by_values("swing_velocity", "rad/s", &swing)
+                .unit
+                .map(|unit| unit.name)
+        };
+        assert_eq!(
+            [1.1, 10.8, 32.0].map(of),
+            [None, Some("rpm"), Some("deg/s")]
+        );
     }
 
     #[test]
