@@ -48,6 +48,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=tempo"],
             &["elapsed"],
             &["=datenum"],
+            &["=ticks"],
             // LabVIEW's.
             &["=x_value"],
         ],
@@ -306,6 +307,7 @@ mod tests {
             ("t", "t [s]"),
             ("t", "Elapsed (s)"),
             ("t", "X_Value"),
+            ("t", "Ticks"),
             ("t", "Tempo [s]"),
             ("roll", "Wank [°]"),
             ("swing_torque", "torque_Nm"),
