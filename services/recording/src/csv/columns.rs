@@ -442,12 +442,12 @@ fn require<S: Sensors>(
 pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
     let lower: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
     let is_one_of = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
-    let (what, remedy) = if is_one_of(&FRAMES[0]) && is_one_of(&FRAMES[1]) {
+    let (what, remedy) = if is_one_of(FRAMES[0]) && is_one_of(FRAMES[1]) {
         (
             "this is a table of CAN frames",
             "save it as a log of candump (SavvyCAN and python-can's can_logconvert do), and give that with its DBC file in a signal map",
         )
-    } else if is_one_of(&LONG[0]) && is_one_of(&LONG[1]) {
+    } else if is_one_of(LONG[0]) && is_one_of(LONG[1]) {
         (
             "this table has a row for each value, and heft reads one with a column for each signal",
             "turn it: in pandas table.pivot(index=TIME, columns=NAME, values=VALUE).to_csv(\"wide.csv\")",
