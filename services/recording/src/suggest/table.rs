@@ -133,9 +133,9 @@ fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, b
 /// Columns of another time than that of column `at`, whose unit is so many seconds, as comments: some loggers write a time beside
 /// the signals of each rate, and the rows of these are other moments.
 fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) -> String {
-    let (mut out, mut seen) = (String::new(), vec![at]);
-    while let Some(other) = fitting("t", names, &seen) {
-        seen.push(other);
+    let mut out = String::new();
+    let is_time = |other: &usize| *other != at && fitting("t", &[names[*other]], &[]).is_some();
+    for other in (0..names.len()).filter(is_time) {
         let pairs = columns[at].iter().zip(&columns[other]);
         let pairs: Vec<_> = pairs.filter(|(t, o)| (*t + *o).is_finite()).collect();
         let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
