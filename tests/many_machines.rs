@@ -334,6 +334,16 @@ fn what_cannot_be_served_is_said() {
         assert!(said.contains(words), "{text:?}: {said}");
         assert!(said.contains("where: IN"), "{text:?}: {said}");
     }
+    for (rows, words) in [
+        ("a,0,0,0\na,0.01,x,0\na,0.02,x,0\n", "2 lines were left out"),
+        ("a,3,0,0\na,2,0,0\na,1,0,0\n", "2 of 3 rows were refused"),
+    ] {
+        let text = format!("machine,t,swing_velocity,swing_torque\n{rows}");
+        std::fs::write(&input, text).expect("a file");
+        let output = run(&["serve", "excavator", path]);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        assert!(both(&output).contains(words), "{}", both(&output));
+    }
     let rows = "machine,t,swing_velocity,swing_torque\na,0,0,0\n,0.01,0,0\nb,0,0,0\na,0.02,x,0\na,0.03,0,0\nb,0,0,0\n";
     std::fs::write(&input, rows).expect("a file");
     let output = run(&["serve", "excavator", path]);

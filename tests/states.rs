@@ -85,3 +85,28 @@ fn a_state_is_read_again_unless_it_is_damaged_or_the_user_changed_the_descriptio
     let said = run_with(folder, "older-changed", "older.json", "1", &changed);
     assert!(said.contains("an older heft wrote it"), "{said}");
 }
+
+#[test]
+fn a_state_in_the_place_of_the_recording_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = common::path_in(folder.path(), "run");
+    let state = common::path_in(folder.path(), "run/run.mcap");
+    let output = run(&[
+        "run",
+        "excavator",
+        "--duration",
+        "1",
+        "--pace",
+        "max",
+        "--out",
+        &out,
+        "--state",
+        &state,
+    ]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("have the same name"),
+        "{}",
+        both(&output)
+    );
+}

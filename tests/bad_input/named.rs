@@ -766,3 +766,29 @@ fn pipes_in_a_folder_of_recordings_are_passed_over() {
         );
     }
 }
+
+#[test]
+fn a_map_elsewhere_finds_the_dbc_file() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dbc = "BO_ 256 Swing: 8 ECU\n SG_ SwingSpeed : 0|16@1- (0.001,0) [0|0] \"rad/s\" ECU\n";
+    let frames = (0..200).map(|k| format!("({k}.00) can0 100#{k:02X}00\n"));
+    fs::create_dir(dir.path().join("maps")).expect("a folder");
+    fs::write(dir.path().join("m.dbc"), dbc).expect("writable");
+    fs::write(dir.path().join("day.log"), frames.collect::<String>()).expect("writable");
+    let said_of = |args: &[&str]| {
+        let output = heft().args(args).current_dir(&dir).output();
+        both(&output.expect("heft"))
+    };
+    said_of(&["map", "day.log", "--dbc", "m.dbc", "-o", "maps/day.toml"]);
+    let said = said_of(&[
+        "estimate",
+        "day.log",
+        "--machine",
+        "excavator",
+        "--map",
+        "maps/day.toml",
+        "-o",
+        "out.csv",
+    ]);
+    assert!(said.contains("estimates in out.csv"), "{said}");
+}

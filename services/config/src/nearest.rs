@@ -1,7 +1,7 @@
 use strsim::osa_distance;
 
 /// The name among `names` that `word` was probably meant to be: the one at the smallest edit
-/// distance, if that is at most a third of the word's length (at least one edit).
+/// distance, if that is at most a third of the word's length (at least one edit). `t` is not meant by `x`: a letter must stay.
 #[must_use]
 pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
@@ -13,7 +13,9 @@ pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Opti
                 name,
             )
         })
-        .filter(|(distance, _)| *distance <= limit)
+        .filter(|(distance, name)| {
+            *distance <= limit && *distance < word.chars().count().max(name.chars().count())
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, name)| name)
 }
@@ -29,5 +31,7 @@ mod tests {
         assert_eq!(nearest("bmoo_angle", names), Some("boom_angle"));
         assert_eq!(nearest("Boom_Angle", names), Some("boom_angle"));
         assert_eq!(nearest("temperature", names), None);
+        assert_eq!(nearest("t", ["x", "5", ""]), None);
+        assert_eq!(nearest("t", ["x", "ts"]), Some("ts"));
     }
 }

@@ -221,7 +221,7 @@ fn refused_often(refused: usize, rows: usize) -> Option<String> {
 }
 
 /// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
-fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
+pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
     if 2 * refused <= rows {
         return Ok(());
     }

@@ -23,6 +23,7 @@ use self::records::Records;
 use self::remote::RemoteShard;
 pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
+use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
 
 /// The column that names the machine of a row.
@@ -128,7 +129,14 @@ pub fn route<S: Sensors>(
             ),
         ));
     }
-    Ok(())
+    if left_out > samples {
+        return Err(Failure::input(
+            format!("{left_out} {parts} were left out, beside {samples} samples"),
+            name,
+            "see what was said of the first of them",
+        ));
+    }
+    most_rows_were_taken(served.refused as usize, samples as usize)
 }
 
 /// Which of so many shards a machine belongs to.
@@ -282,6 +290,7 @@ impl<'a, S: Sensors> Router<'a, S> {
         for line in self.column.above() {
             decoder.take(line, 0)?;
         }
+        decoder.check_header()?;
         Ok(decoder)
     }
 

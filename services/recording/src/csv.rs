@@ -11,13 +11,13 @@ mod marks;
 mod read;
 
 pub(crate) use cells::Cells;
-pub(crate) use columns::{Columns, absent, is_frames, listed};
+pub(crate) use columns::{Columns, listed, misread};
 pub(crate) use dialect::Dialect;
 pub use estimate::{Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};
 pub use export::{export, is_export};
-pub(crate) use front::{Line, Lines, comment, is_by_blanks};
-pub(crate) use header::{check_units, header};
+pub(crate) use front::{Front, Line, Lines, MOST_ABOVE, comment, is_by_blanks};
+pub(crate) use header::{check_units, fill, header};
 pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 

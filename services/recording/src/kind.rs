@@ -30,7 +30,7 @@ const PACKED: &str = "gz";
 pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 37] = [
+const FOREIGN: [(&[u8], &str, &str); 38] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -65,14 +65,11 @@ const FOREIGN: [(&[u8], &str, &str); 37] = [
     (b"base hex", "a CAN log of Vector (ASC)", CAN),
     (b"base dec", "a CAN log of Vector (ASC)", CAN),
     (b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN),
+    (b"Chn Identifier", "a CAN log of Kvaser (CanKing)", ASC),
     (b"\xd4\xc3\xb2\xa1", CAPTURE, RECORD),
     (b"\x4d\x3c\xb2\xa1", CAPTURE, RECORD),
     (b"\n\r\r\n", CAPTURE, RECORD),
-    (
-        b"***BUSMASTER",
-        "a CAN log of BUSMASTER",
-        "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)",
-    ),
+    (b"***BUSMASTER", "a CAN log of BUSMASTER", ASC),
     (
         b"VERSION \"",
         "a DBC file",
@@ -120,6 +117,8 @@ const PAGE: &str = "a page, perhaps of a login";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
+const ASC: &str =
+    "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)";
 const CAN: &str =
     "convert it to a log of candump: `can_logconvert FILE OUT.log` (pip install python-can)";
 
@@ -325,6 +324,11 @@ mod tests {
             ),
             (b"date Sam Sep 30\n", "Vector", "can_logconvert"),
             (b"VERSION \"\"\n\nNS_ :\n", "DBC", "--dbc"),
+            (
+                b"Chn Identifier Flg   DLC  D0\n",
+                "Kvaser",
+                "can_logconvert",
+            ),
             (b"\n<html>", "a page", "download"),
             (b"{\"t\": 0}", "JSON", "CSV"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::Error;
 use crate::can::{self, Decoder, LeftOut, Line, parse};
-use crate::csv::{self, Cells, Columns, Dialect};
+use crate::csv::{self, Cells, Columns, Dialect, Front};
 use crate::kind;
 use crate::map::Map;
 use crate::packed::GZIP;
@@ -24,6 +24,8 @@ pub struct LineDecoder<S: Sensors> {
     kind: Kind<S>,
     /// What the lines of a table are.
     lines: csv::Lines,
+    /// What stood where the header was looked for, and what it lacks as one.
+    above: Option<(Vec<u8>, Error)>,
     count: u64,
     /// Rows of a table, and lines that say nothing.
     rows: u64,
@@ -60,6 +62,7 @@ impl<S: Sensors> LineDecoder<S> {
             map,
             kind,
             lines: csv::Lines::default(),
+            above: None,
             count: 0,
             rows: 0,
             refused: 0,
@@ -85,7 +88,7 @@ impl<S: Sensors> LineDecoder<S> {
     /// Takes a line that came at `now_ns`. A line that says nothing is left out and reported.
     ///
     /// # Errors
-    /// The header of a table lacks a column.
+    /// The header of a table lacks a column, and none of the next lines is one that does not; see [`Self::check_header`].
     pub fn take(&mut self, line: &[u8], now_ns: i64) -> Result<(), Error> {
         self.count += 1;
         let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
@@ -122,11 +125,19 @@ impl<S: Sensors> LineDecoder<S> {
 
     /// Takes a line of a table.
     fn take_line(&mut self, line: &[u8]) -> Result<(), Error> {
+        if let Some((above, error)) = self.above.take() {
+            return self.look_below(above, error, line);
+        }
         match self.lines.take(line) {
             csv::Line::Nothing | csv::Line::Comment => {}
-            csv::Line::Header(dialect) => self.begin(line, dialect)?,
+            csv::Line::Header(dialect) => {
+                check_text(line, &self.input)?;
+                if let Err(error) = self.begin(line, dialect, &[]) {
+                    self.above = Some((whole(line), error));
+                }
+            }
             csv::Line::FirstRow { header, dialect } => {
-                self.begin(&header, dialect)?;
+                self.begin(&header, dialect, &[])?;
                 self.take_row(line);
             }
             csv::Line::Units(units) => {
@@ -140,9 +151,45 @@ impl<S: Sensors> LineDecoder<S> {
         Ok(())
     }
 
-    /// Begins a table with this header.
-    fn begin(&mut self, line: &[u8], dialect: Dialect) -> Result<(), Error> {
-        let (cells, header) = head(line, dialect, &self.input)?;
+    /// The header lacks a column: as in a file it may stand below, where words of a logger or groups of names are above it.
+    fn look_below(&mut self, mut above: Vec<u8>, error: Error, line: &[u8]) -> Result<(), Error> {
+        above.extend(whole(line));
+        let front = Front::of(&above).filter(|front| front.start > 0);
+        if let Some(Front {
+            start,
+            dialect,
+            above: groups,
+            ..
+        }) = front
+        {
+            let mut lines = above[start..].split_inclusive(|b| *b == b'\n');
+            let header = lines.next().unwrap_or_default();
+            if self.begin(header, dialect, &groups).is_ok() {
+                self.lines = csv::Lines::default();
+                self.lines.take(header);
+                return lines.try_for_each(|line| self.take_line(line));
+            }
+        }
+        if above.split(|b| *b == b'\n').count() > csv::MOST_ABOVE {
+            return Err(error);
+        }
+        self.above = Some((above, error));
+        Ok(())
+    }
+
+    /// Whether the header, if one came, has all columns that are needed.
+    ///
+    /// # Errors
+    /// It lacks one.
+    pub fn check_header(&self) -> Result<(), Error> {
+        let lack = self.above.as_ref().map(|(_, error)| error.clone());
+        lack.map_or(Ok(()), Err)
+    }
+
+    /// Begins a table with this header; where it has no name, that of the groups above counts.
+    fn begin(&mut self, line: &[u8], dialect: Dialect, groups: &[String]) -> Result<(), Error> {
+        let (cells, mut header) = head(line, dialect, &self.input)?;
+        csv::fill(&mut header, groups);
         let columns = Columns::choose(header, dialect, self.map.as_ref(), &self.input)?;
         self.kind = Kind::Table(Box::new(columns), Box::new(cells));
         Ok(())
@@ -234,6 +281,7 @@ impl<S: Sensors> LineDecoder<S> {
     /// # Errors
     /// It is not.
     pub fn judge(&self) -> Result<(), Error> {
+        self.check_header()?;
         if let Kind::Frames(decoder) = &self.kind {
             self.left_out.judge(&self.input)?;
             let checked = match self.last {
@@ -279,8 +327,14 @@ impl<S: Sensors> LineDecoder<S> {
     }
 }
 
-/// The cells of a header, and the names in it.
-fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String>), Error> {
+/// A line with its end.
+fn whole(line: &[u8]) -> Vec<u8> {
+    let line = line.strip_suffix(b"\n").unwrap_or(line);
+    [line, b"\n"].concat()
+}
+
+/// Whether a line may be one of a table.
+fn check_text(line: &[u8], input: &str) -> Result<(), Error> {
     if line.starts_with(&GZIP) {
         return Err(Error::new(
             "the input is packed by gzip",
@@ -294,6 +348,12 @@ fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String
     if kind::is_no_text(line) && !line.contains(&0) {
         return Err(kind::no_text(input));
     }
+    Ok(())
+}
+
+/// The cells of a header, and the names in it.
+fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String>), Error> {
+    check_text(line, input)?;
     let mut cells = Cells::new(dialect);
     let header = csv::header(cells.split(line), dialect, input, || input.to_owned())?;
     Ok((cells, header))

@@ -1,5 +1,7 @@
 //! Times as people and programs write them.
 
+use crate::unit;
+
 /// Nanoseconds of a time: seconds with a decimal part (`1397165409.500000`, `000.012`), or a date
 /// with a time (`2014-04-10 21:30:09.5`, `2014-04-10T21:30:09,5+02:00`, `...Z`). A date without a
 /// zone is taken as UTC: only differences count. `None` for anything else.
@@ -34,33 +36,49 @@ fn digits(text: &str) -> Option<i64> {
     plain.then(|| text.parse().ok())?
 }
 
-/// The times in a table, one after the other, that are no numbers: dates with a time, or the time of day alone, with its
-/// seconds, which goes on behind midnight.
+/// The times in a table, one after the other, that are no numbers: dates with a time, the time of day alone, with its seconds,
+/// which goes on behind midnight, minutes and seconds as Excel shows them, which go on behind the hour, or durations.
 #[derive(Debug, Default)]
 pub(crate) struct Dates {
     first: Option<i64>,
     order: Option<Order>,
-    /// Time of day, and the midnights before it.
+    /// Time of day, and the midnights before it; or within an hour, and the hours before it.
     last: i64,
-    midnights: i64,
+    periods: i64,
 }
 
 impl Dates {
     /// Seconds since the first of them.
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
-        let ns = dated(text, &mut self.order).or_else(|| self.clock(text))?;
+        let ns = dated(text, &mut self.order).or_else(|| self.clock(text));
+        let ns = ns.or_else(|| duration(text))?;
         let first = *self.first.get_or_insert(ns);
         Some(ns.saturating_sub(first) as f64 / 1e9)
     }
 
     fn clock(&mut self, text: &str) -> Option<i64> {
-        const DAY: i64 = 86_400_000_000_000;
-        let clock = (text.matches(':').count() >= 2).then(|| of_day(text))??;
+        const HOUR: i64 = 3_600_000_000_000;
+        let (period, clock) = match text.matches(':').count() {
+            0 => return None,
+            1 if text.contains(['.', ',']) => (HOUR, of_day(&format!("0:{text}"))?),
+            1 => return None,
+            _ => (24 * HOUR, of_day(text)?),
+        };
         // A clock that was set by less is no midnight.
-        self.midnights += i64::from(clock < self.last - DAY / 2);
+        self.periods += i64::from(clock < self.last - period / 2);
         self.last = clock;
-        Some(self.midnights * DAY + clock)
+        Some(self.periods * period + clock)
     }
+}
+
+/// `4.25 sec`, as MATLAB writes a duration, or `1 days 00:00:04.25`, as pandas does.
+fn duration(text: &str) -> Option<i64> {
+    let (count, rest) = text.split_once(' ')?;
+    let (unit, clock) = rest.split_once(' ').unwrap_or((rest, "0:00"));
+    let unit = unit::guess(unit).filter(|unit| unit.si == "s")?;
+    let count: f64 = count.replace(',', ".").parse().ok()?;
+    let clock = of_day(clock.trim_start_matches('+'))?;
+    Some(((count * unit.factor * 1e9).round() as i64).saturating_add(clock))
 }
 
 /// What a date has first where its year is last.
@@ -313,9 +331,38 @@ mod tests {
         ] {
             assert_eq!(dates.seconds(text), Some(seconds), "{text}");
         }
-        for text in ["12:30", "1:2:3:4", "01:02:03:04", "25:00:00", "1,5"] {
+        for text in [
+            "12:30",
+            "1:2:3:4",
+            "01:02:03:04",
+            "25:00:00",
+            "1,5",
+            "5 kg",
+            "x sec",
+            "1 days 2",
+        ] {
             assert_eq!(dates.seconds(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn minutes_and_durations_are_times() {
+        for times in [
+            ["59:59.5", "00:00.0", "00:01,25"],
+            ["0 sec", "0.5 sec", "1.75 sec"],
+            ["0 s", "0,5 s", "1,75 s"],
+            ["0 days 23:59:59.5", "1 days 00:00:00", "1 days 00:00:01.25"],
+            [
+                "-1 days +23:59:59.5",
+                "0 days 00:00:00",
+                "0 days 00:00:01.25",
+            ],
+        ] {
+            let mut dates = Dates::default();
+            let found = times.map(|text| dates.seconds(text));
+            assert_eq!(found, [Some(0.0), Some(0.5), Some(1.75)], "{times:?}");
+        }
+        assert_eq!(Dates::default().seconds("1e300 days"), Some(0.0));
     }
 
     #[test]

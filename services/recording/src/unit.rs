@@ -8,7 +8,7 @@ pub(crate) struct Unit {
     pub name: &'static str,
     pub si: &'static str,
     pub factor: f64,
-    /// Other ways to write it, in small letters without blanks, dots and carets.
+    /// Other ways to write it, as [`plain`] leaves them.
     aliases: &'static [&'static str],
 }
 
@@ -27,50 +27,81 @@ const fn unit(
 }
 
 pub(crate) const UNITS: &[Unit] = &[
-    unit("s", "s", 1.0, &["sec", "second", "seconds"]),
-    unit("ms", "s", 1e-3, &["msec", "millis", "milliseconds"]),
     unit(
-        "us",
         "s",
-        1e-6,
-        &["usec", "µs", "μs", "micros", "microseconds"],
+        "s",
+        1.0,
+        &[
+            "sec", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "秒",
+        ],
     ),
+    unit("ms", "s", 1e-3, &["msec", "millis", "milliseconds"]),
+    unit("us", "s", 1e-6, &["usec", "µs", "micros", "microseconds"]),
     unit("ns", "s", 1e-9, &["nsec", "nanos", "nanoseconds"]),
+    unit("100ns", "s", 1e-7, &["tick", "ticks"]),
     unit("min", "s", 60.0, &["minutes"]),
     unit("day", "s", 86400.0, &["days"]),
-    unit("rad", "rad", 1.0, &["radian", "radians"]),
+    unit("rad", "rad", 1.0, &["radian", "radians", "弧度"]),
     unit("mrad", "rad", 1e-3, &[]),
     unit(
         "deg",
         "rad",
         PI / 180.0,
-        &["degree", "degrees", "degs", "°", "º"],
+        &[
+            "degree", "degrees", "degs", "°", "grad", "degré", "degrés", "grados", "gradi", "度",
+        ],
     ),
     unit("turn", "rad", TAU, &["rev", "turns"]),
-    unit("rad/s", "rad/s", 1.0, &["rad/sec", "rads", "radps", "1/s"]),
+    unit(
+        "rad/s",
+        "rad/s",
+        1.0,
+        &["rad/sec", "rads", "radps", "1/s", "rads-1", "s-1", "rad/秒"],
+    ),
     unit(
         "deg/s",
         "rad/s",
         PI / 180.0,
-        &["deg/sec", "degree/s", "°/s", "°/sec", "º/s", "dps", "degps"],
+        &[
+            "deg/sec",
+            "degree/s",
+            "degrees/s",
+            "°/s",
+            "°/sec",
+            "dps",
+            "degps",
+            "grad/s",
+            "度/s",
+            "度/秒",
+        ],
     ),
     unit(
         "rpm",
         "rad/s",
         TAU / 60.0,
         &[
-            "1/min", "r/min", "rev/min", "u/min", "min-1", "/min", "revs/min",
+            "1/min",
+            "r/min",
+            "rev/min",
+            "u/min",
+            "min-1",
+            "/min",
+            "revs/min",
+            "tr/min",
+            "giri/min",
+            "转/分",
+            "回転/分",
         ],
     ),
     unit("turn/s", "rad/s", TAU, &["rev/s", "r/s", "rps"]),
-    unit("rad/s^2", "rad/s^2", 1.0, &["rad/s2", "rad/s²"]),
+    unit("rad/s^2", "rad/s^2", 1.0, &["rads-2"]),
     unit("m", "m", 1.0, &["meter", "metre"]),
     unit("mm", "m", 1e-3, &[]),
     unit("cm", "m", 1e-2, &[]),
     unit("km", "m", 1e3, &[]),
     unit("ft", "m", 0.3048, &["feet", "foot"]),
     unit("inch", "m", 0.0254, &["inches"]),
-    unit("m/s", "m/s", 1.0, &["m/sec", "mps"]),
+    unit("m/s", "m/s", 1.0, &["m/sec", "mps", "ms-1"]),
     unit("mm/s", "m/s", 1e-3, &["mm/sec"]),
     unit(
         "km/h",
@@ -79,37 +110,47 @@ pub(crate) const UNITS: &[Unit] = &[
         &["kph", "kmh", "km/hr", "kmph", "km/hour"],
     ),
     unit("mph", "m/s", 0.44704, &["mi/h"]),
-    unit("m/s^2", "m/s^2", 1.0, &["m/s2", "m/s²", "m/s/s", "m/sec2"]),
+    unit("ft/s", "m/s", 0.3048, &["ft/sec", "fps"]),
+    unit(
+        "knot",
+        "m/s",
+        1852.0 / 3600.0,
+        &["knots", "kn", "kt", "kts"],
+    ),
+    unit("m/s^2", "m/s^2", 1.0, &["m/s/s", "m/sec2", "ms-2"]),
     unit("g", "m/s^2", 9.80665, &["gs", "g0"]),
     unit("N", "N", 1.0, &["newton"]),
     unit("kN", "N", 1e3, &[]),
     unit("lbf", "N", 4.448_221_615_261, &[]),
-    unit("N m", "N m", 1.0, &["nm", "n*m", "n·m", "newtonmeter"]),
+    unit("N m", "N m", 1.0, &["n-m", "newtonmeter"]),
     unit("Nm", "N m", 1.0, &[]),
-    unit("kN m", "N m", 1e3, &["knm", "kn*m", "kn·m"]),
+    unit("kN m", "N m", 1e3, &["kn-m"]),
     unit("kNm", "N m", 1e3, &[]),
-    unit("MN m", "N m", 1e6, &["mn*m", "mn·m"]),
+    unit("MN m", "N m", 1e6, &[]),
     unit("MNm", "N m", 1e6, &[]),
+    unit("daN m", "N m", 10.0, &["dan-m"]),
+    unit("kgf m", "N m", 9.80665, &["kgf-m", "kgm", "kg-m"]),
     unit(
         "lbf ft",
         "N m",
         1.355_817_948_331,
         &[
-            "lbfft", "ftlbf", "ftlb", "lbft", "ft-lb", "lb-ft", "ft-lbf", "lbf-ft", "lbf*ft",
-            "lbf·ft",
+            "ftlbf", "ftlb", "lbft", "ft-lb", "lb-ft", "ft-lbf", "lbf-ft", "ftlbs", "ft-lbs",
+            "lbsft", "lbs-ft",
         ],
     ),
     unit("kg", "kg", 1.0, &["kilogram"]),
     unit("lb", "kg", 0.453_592_37, &["lbs", "pound", "pounds", "lbm"]),
     unit("t", "kg", 1e3, &["ton", "tons", "tonne", "tonnes"]),
-    unit("kg m^2", "kg m^2", 1.0, &["kgm2", "kg*m2", "kgm²", "kg*m²"]),
+    unit("kg m^2", "kg m^2", 1.0, &["kgm2"]),
     unit("N m s/rad", "N m s/rad", 1.0, &["nms/rad", "nms"]),
     unit("Pa", "Pa", 1.0, &["pascal"]),
     unit("kPa", "Pa", 1e3, &[]),
     unit("MPa", "Pa", 1e6, &[]),
-    unit("bar", "Pa", 1e5, &["bars"]),
+    unit("bar", "Pa", 1e5, &["bars", "barg", "bar(g)"]),
     unit("mbar", "Pa", 1e2, &["hpa"]),
-    unit("psi", "Pa", 6_894.757_293_168, &[]),
+    unit("psi", "Pa", 6_894.757_293_168, &["psig", "psi(g)"]),
+    unit("kgf/cm^2", "Pa", 98_066.5, &["kgf/cm2", "kg/cm2"]),
     unit("V", "V", 1.0, &["volt", "volts"]),
     unit("mV", "V", 1e-3, &[]),
     unit("A", "A", 1.0, &["ampere", "amp", "amps"]),
@@ -123,18 +164,35 @@ pub(crate) fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.name == name)
 }
 
-/// The unit that a DBC file or a column's header writes as `text`: by its name, by an alias, or by
-/// its name in other capitals (a `G` is no gram, an `NM` no nautical mile, on a machine).
+/// The unit that a DBC file or a column's header writes as `text`: by its name, by its name in
+/// other capitals (a `G` is no gram, an `NM` no nautical mile, on a machine), or by an alias.
 pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
-    let text = text.trim();
-    let plain = |text: &str| -> String {
-        let kept = text.chars().filter(|c| !matches!(c, ' ' | '.' | '^' | '_'));
-        kept.flat_map(char::to_lowercase).collect()
-    };
+    guesses(text).next()
+}
+
+/// All that it may be: `kn` is kN in other capitals, or knots.
+fn guesses(text: &str) -> impl Iterator<Item = &'static Unit> {
     let wanted = plain(text);
-    find(text)
-        .or_else(|| UNITS.iter().find(|u| u.aliases.contains(&wanted.as_str())))
-        .or_else(|| UNITS.iter().find(|u| plain(u.name) == wanted))
+    let named = |unit: &&Unit| plain(unit.name) == wanted;
+    let known = |unit: &&Unit| unit.aliases.contains(&wanted.as_str());
+    let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
+    all.extend(UNITS.iter().filter(named));
+    all.extend(UNITS.iter().filter(known));
+    all.into_iter()
+}
+
+/// A unit in small letters, without blanks, carets, and the dots between its parts.
+fn plain(text: &str) -> String {
+    let kept = text.chars().filter(|c| !" .^_*·・･⋅∙•×".contains(*c));
+    let one_of = |c| match c {
+        '⁻' => '-',
+        '¹' => '1',
+        '²' => '2',
+        'º' | '˚' => '°',
+        'μ' => 'µ',
+        c => c,
+    };
+    kept.map(one_of).flat_map(char::to_lowercase).collect()
 }
 
 /// The unit that a name tells of what is measured in `si`: in brackets, or by the words behind it (`boom_deg`, `gyro.z_deg_s`,
@@ -155,16 +213,27 @@ pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     of_name(name, si).is_none().then_some(unit.name)
 }
 
+/// Brackets around units.
+pub(crate) const BRACKETS: [(char, char); 5] = [
+    ('[', ']'),
+    ('(', ')'),
+    ('［', '］'),
+    ('（', '）'),
+    ('【', '】'),
+];
+
 /// What stands in the last brackets of a name.
-fn bracketed(name: &str) -> Option<&str> {
-    let (_, text) = name.rsplit_once(['[', '('])?;
-    Some(text.trim_end_matches([']', ')']))
+pub(crate) fn bracketed(name: &str) -> Option<&str> {
+    BRACKETS.iter().find_map(|(open, close)| {
+        let (_, text) = name.rsplit_once(*open)?;
+        text.split(*close).next()
+    })
 }
 
 /// The units that the end of a name may mean, the longest first.
 fn units_of(name: &str) -> Vec<&'static Unit> {
     if let Some(text) = bracketed(name) {
-        return guess(text).into_iter().collect();
+        return guesses(text).collect();
     }
     let words = words(name);
     // A name is more than its unit.
@@ -172,7 +241,7 @@ fn units_of(name: &str) -> Vec<&'static Unit> {
     let end = |length: usize| {
         let end = words[words.len() - length..].iter().copied();
         let end: Vec<&str> = end.filter(|w| !w.eq_ignore_ascii_case("per")).collect();
-        ["", "/"].map(|between| guess(&end.join(between)))
+        ["", "/"].map(|between| guesses(&end.join(between)).collect::<Vec<_>>())
     };
     lengths.flat_map(end).flatten().collect()
 }
@@ -229,6 +298,19 @@ mod tests {
             ("ft-lb", "lbf ft"),
             ("lbf·ft", "lbf ft"),
             ("lbs", "lb"),
+            ("ft-lbs", "lbf ft"),
+            ("N⋅m", "N m"),
+            ("kN・m", "kN m"),
+            ("kgf·m", "kgf m"),
+            ("KN", "kN"),
+            ("kts", "knot"),
+            ("tr/min", "rpm"),
+            ("min⁻¹", "rpm"),
+            ("m·s⁻²", "m/s^2"),
+            ("Grad/s", "deg/s"),
+            ("degrés", "deg"),
+            ("kgf/cm²", "kgf/cm^2"),
+            ("bar(g)", "bar"),
             ("kN.m", "kN m"),
             ("G", "g"),
             ("MPa", "MPa"),
@@ -259,6 +341,12 @@ mod tests {
             ("SwingTorqueKNm", "N m", "kN m"),
             ("wheel_rpm", "rad/s", "rpm"),
             ("mass_t", "kg", "t"),
+            ("GPS speed [kn]", "m/s", "knot"),
+            ("speed_kn", "m/s", "knot"),
+            ("pin force [kn]", "N", "kN"),
+            ("head press. [bar(g)]", "Pa", "bar"),
+            ("Speed [km/h] (GPS)", "m/s", "km/h"),
+            ("旋回角速度（度/s）", "rad/s", "deg/s"),
         ] {
             assert_eq!(of_name(name, si).map(|u| u.name), Some(unit), "{name}");
             assert_eq!(foreign(name, si), None, "{name}");

@@ -72,6 +72,7 @@ fn lines(text: &str) -> Result<Vec<f64>, Error> {
         decoder.take(line.as_bytes(), 0)?;
         found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
     }
+    decoder.check_header()?;
     assert!(decoder.take_remarks().is_empty(), "no line is left out");
     decoder.finish();
     found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
@@ -108,6 +109,23 @@ fn lines_that_come_one_by_one_are_read_as_a_file_of_them_is() {
 }
 
 #[test]
+fn words_and_groups_above_the_names_are_no_header_as_they_come() {
+    let table = format!("{HEADER}\n{}\n", rows().join("\n"));
+    let expected = lines(&table).expect("rows");
+    let units = table.replacen('\n', "\ns,rad/s,N m\n", 1);
+    for above in ["Logger;12\nSite;North\n\n", "Made on day 3\n", "x,Swing,\n"] {
+        for table in [&table, &units] {
+            let found = lines(&format!("{above}{table}")).expect("rows");
+            assert_eq!(found, expected, "{above}");
+        }
+    }
+    for wrong in ["t,speed\n0,1\n".to_owned(), "t,speed\n".repeat(200)] {
+        let error = lines(&wrong).expect_err("no signal");
+        assert!(error.what.contains("no column swing_velocity"), "{error}");
+    }
+}
+
+#[test]
 fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = format!("{HEADER}\ns,deg/s,N m\n0,1,2\n");
@@ -125,6 +143,17 @@ fn what_is_no_table_is_named_as_what_it_is() {
         (b"t\0\x01\x02;\0\xff\n1;2\n".to_vec(), "no text", ".csv"),
         (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
         (b"BZh91AY".to_vec(), "packed by bzip2", "bunzip2"),
+        (
+            b"time;Signal;Value\n0;swing_velocity;0.1\n".to_vec(),
+            "a row for each value",
+            "pivot",
+        ),
+        // Time and swing speed in GB18030.
+        (
+            b"\xca\xb1\xbc\xe4,\xbb\xd8\xd7\xaa\xcb\xd9\xb6\xc8\n0,1\n".to_vec(),
+            "another encoding",
+            "iconv -f GB18030",
+        ),
         (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
         (
             format!("# {}\n{plain}", "x".repeat(400_000)).into_bytes(),

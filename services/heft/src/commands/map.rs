@@ -1,6 +1,6 @@
 //! `heft map`: a first signal map from a file.
 
-use std::path::PathBuf;
+use std::path::{self, Path, PathBuf};
 
 use clap::Args;
 use messages::Machine;
@@ -38,7 +38,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             "name the table of sensors that it was made from",
         ));
     }
-    let suggestion = recording::suggest(&args.file, &args.dbc, args.machine)?;
+    let suggestion = recording::suggest(&args.file, &dbc(args)?, args.machine)?;
     let text = &suggestion.text;
     match &args.output {
         None => print!("{text}"),
@@ -60,4 +60,15 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
         );
     }
     Ok(())
+}
+
+/// The DBC files, whose paths in a map begin at its folder.
+fn dbc(args: &MapArgs) -> Result<Vec<PathBuf>, Failure> {
+    let folder = args.output.as_deref().and_then(Path::parent);
+    if folder.is_none_or(|folder| folder.as_os_str().is_empty()) {
+        return Ok(args.dbc.clone());
+    }
+    let absolute =
+        |file: &PathBuf| path::absolute(file).map_err(|e| Failure::file("find", file, &e));
+    args.dbc.iter().map(absolute).collect()
 }

@@ -23,6 +23,7 @@ use crate::group;
 use crate::machines;
 use crate::parts::Reserved;
 use crate::plan::Plan;
+use crate::results;
 use crate::signals::Signals;
 use crate::sources;
 use crate::spin;
@@ -129,6 +130,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         spin::keep_off(&plan.spinners);
     }
     let memory = args.state.as_deref();
+    results::check(vec![&plan.recording], &[(memory, &|_| true)])?;
     let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;
     let machine = plan.machine;
     let loads = SharedLoads::new(LoadCounter::new(

@@ -438,13 +438,34 @@ fn require<S: Sensors>(
     Ok(())
 }
 
-/// Whether a header names an identifier and the data of a frame.
-pub(crate) fn is_frames(header: &[String]) -> bool {
-    let is_one_of = |names: &[&str]| {
-        let mut header = header.iter().map(|name| name.to_lowercase());
-        header.any(|name| names.contains(&name.as_str()))
+/// What a table is that cannot be read with this header, where it tells.
+pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
+    let lower: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
+    let is_one_of = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
+    let (what, remedy) = if is_one_of(FRAMES[0]) && is_one_of(FRAMES[1]) {
+        (
+            "this is a table of CAN frames",
+            "save it as a log of candump (SavvyCAN and python-can's can_logconvert do), and give that with its DBC file in a signal map",
+        )
+    } else if is_one_of(LONG[0]) && is_one_of(LONG[1]) {
+        (
+            "this table has a row for each value, and heft reads one with a column for each signal",
+            "turn it: in pandas table.pivot(index=TIME, columns=NAME, values=VALUE).to_csv(\"wide.csv\")",
+        )
+    } else if header.iter().any(|name| dialect::is_garbled(name)) {
+        (
+            "the names of the columns are in another encoding than UTF-8",
+            "convert it: iconv -f GB18030 -t UTF-8 FILE > NEW (Chinese), or -f CP932 (Japanese), -f CP949 (Korean), -f CP1251 (Russian)",
+        )
+    } else {
+        return None;
     };
-    is_one_of(&[
+    Some(Error::new(what, format!("{file}:1"), remedy))
+}
+
+/// What others call the identifier of a frame, and its data.
+const FRAMES: [&[&str]; 2] = [
+    &[
         "id",
         "can id",
         "canid",
@@ -453,7 +474,8 @@ pub(crate) fn is_frames(header: &[String]) -> bool {
         "identifier",
         "arbitration_id",
         "arb id",
-    ]) && is_one_of(&[
+    ],
+    &[
         "data",
         "data (hex)",
         "dlc",
@@ -465,8 +487,32 @@ pub(crate) fn is_frames(header: &[String]) -> bool {
         "data0",
         "b1",
         "byte0",
-    ])
-}
+    ],
+];
+
+/// What others call the name of a signal in a row of its own, and its value.
+const LONG: [&[&str]; 2] = [
+    &[
+        "signal",
+        "signalname",
+        "signal_name",
+        "signal name",
+        "name",
+        "variable",
+        "channel",
+        "sensor",
+        "parameter",
+        "tag",
+        "tagname",
+        "metric",
+        "_field",
+        "kanal",
+        "topic",
+    ],
+    &[
+        "value", "_value", "val", "wert", "valeur", "valor", "reading",
+    ],
+];
 
 /// So much of a cell is shown [characters], and so many names of a header.
 const SHOWN: usize = 40;
@@ -484,6 +530,9 @@ pub(crate) fn listed(header: &[String]) -> String {
 
 /// None of these columns is there.
 pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
+    if let Some(error) = misread(header, file) {
+        return error;
+    }
     let named = header.iter().filter(|name| !name.is_empty());
     let similar = config::nearest(names[0], named.map(String::as_str));
     let remedy = match similar {
@@ -493,17 +542,15 @@ pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
         ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
-            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one); the file has {}",
+            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
+            if names == ["t"] {
+                ", and t = { column = \"row\", scale = 0.01 } makes seconds of numbers of rows"
+            } else {
+                ""
+            },
             listed(header)
         ),
     };
-    if is_frames(header) {
-        return Error::new(
-            "this is a table of CAN frames",
-            format!("{file}:1"),
-            "save it as a log of candump (SavvyCAN and python-can's can_logconvert do), and give that with its DBC file in a signal map",
-        );
-    }
     let what = format!("there is no column {} ({of})", names.join(" or "));
     Error::new(what, format!("{file}:1"), remedy)
 }

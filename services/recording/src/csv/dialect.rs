@@ -123,6 +123,13 @@ pub(crate) fn text(bytes: &[u8]) -> String {
     std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
 }
 
+/// Whether a name that was taken as Latin-1 is of another encoding: no language of Europe writes three such letters in turn.
+pub(crate) fn is_garbled(name: &str) -> bool {
+    let foreign = |c: &char| ('\u{80}'..='\u{ff}').contains(c);
+    let letters: Vec<char> = name.chars().collect();
+    letters.windows(3).any(|three| three.iter().all(foreign))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -94,7 +94,7 @@ pub(crate) fn is_by_blanks(head: &[u8]) -> bool {
 }
 
 /// The front of a table.
-pub(super) struct Front {
+pub(crate) struct Front {
     /// Bytes before the header.
     pub start: usize,
     pub dialect: Dialect,
@@ -106,7 +106,7 @@ pub(super) struct Front {
 
 impl Front {
     /// That of a text which begins like this; nothing where there is nothing in it.
-    pub(super) fn of(head: &[u8]) -> Option<Self> {
+    pub(crate) fn of(head: &[u8]) -> Option<Self> {
         let mark: &[u8] = b"\xef\xbb\xbf";
         // Joined files have several.
         let marks = head
@@ -178,7 +178,7 @@ fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
 }
 
 /// Lines above a header that are looked for it.
-const MOST_ABOVE: usize = 100;
+pub(crate) const MOST_ABOVE: usize = 100;
 
 /// How many bytes below `first` the header stands, where `first` is none: words on the logger have fewer cells than the names,
 /// which have a row of as many numbers below them.

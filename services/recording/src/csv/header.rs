@@ -7,6 +7,7 @@ use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::Map;
 use crate::signal::Sensors;
+use crate::suggest::names::fitting;
 use crate::unit;
 
 /// The names in the header of a table, which numbers are not.
@@ -36,6 +37,15 @@ pub(crate) fn header(
         ));
     }
     Ok(header)
+}
+
+/// Takes the names of the row above where the header has none.
+pub(crate) fn fill(header: &mut [String], above: &[String]) {
+    for (at, above) in above.iter().enumerate() {
+        if header[at].is_empty() && !header.contains(above) {
+            header[at].clone_from(above);
+        }
+    }
 }
 
 /// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
@@ -75,10 +85,16 @@ fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
     let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {
         if !name.is_empty() && !seen.insert(name) {
+            let remedy = match fitting("t", &[name], &[]) {
+                Some(_) => {
+                    "if each has the times of its own columns, write all signals at one rate; else rename one of them"
+                }
+                None => "rename one of them",
+            };
             return Err(Error::new(
                 format!("two columns are called {name}"),
                 format!("{file}:1, column {}", i + 1),
-                "rename one of them",
+                remedy,
             ));
         }
     }

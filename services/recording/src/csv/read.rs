@@ -6,7 +6,7 @@ use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent, listed};
 use super::dialect::Dialect;
 use super::front::Front;
-use super::header::{check_units, header};
+use super::header::{check_units, fill, header};
 use crate::Error;
 use crate::kind;
 use crate::map::Map;
@@ -158,11 +158,7 @@ impl Table {
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
         let mut header = header(records.record(), self.dialect, &self.file, place)?;
-        for (at, above) in self.above.iter().enumerate() {
-            if header[at].is_empty() && !header.contains(above) {
-                header[at].clone_from(above);
-            }
-        }
+        fill(&mut header, &self.above);
         if self.units.is_some() {
             self.advance(&mut records)?;
         }

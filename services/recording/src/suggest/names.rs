@@ -42,6 +42,15 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=clock"],
             &["=date"],
             &["=datum"],
+            &["=fecha"],
+            &["=hora"],
+            &["=heure"],
+            &["=tempo"],
+            &["elapsed"],
+            &["=datenum"],
+            &["=ticks"],
+            // LabVIEW's.
+            &["=x_value"],
         ],
     ),
     (
@@ -169,7 +178,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("pitch", &[&["pitch"]]),
-    ("roll", &[&["roll"]]),
+    ("roll", &[&["roll"], &["=wank"]]),
     ("articulation", &[&["articul"], &["steer", "angle"]]),
     ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
     ("brake", &[&["brake"]]),
@@ -248,7 +257,11 @@ fn has(name: &str, word: &str) -> bool {
 
 /// A name without the units behind it: `torque [Nm]`, `torque_Nm` and `omega_rad_s` without the last, the last and the last two.
 fn stem(name: &str) -> &str {
-    let mut name = name.split(['[', '(']).next().unwrap_or(name).trim();
+    let mut name = name
+        .split(unit::BRACKETS.map(|(open, _)| open))
+        .next()
+        .unwrap_or(name)
+        .trim();
     while let Some((rest, _)) = name
         .rsplit_once('_')
         .filter(|(rest, unit)| !rest.is_empty() && unit::guess(unit).is_some())
@@ -292,6 +305,11 @@ mod tests {
         for (signal, name) in [
             ("t", "ts_ms"),
             ("t", "t [s]"),
+            ("t", "Elapsed (s)"),
+            ("t", "X_Value"),
+            ("t", "Ticks"),
+            ("t", "Tempo [s]"),
+            ("roll", "Wank [°]"),
             ("swing_torque", "torque_Nm"),
             ("swing_velocity", "omega_rad_s"),
             ("swing_velocity", "Slew rate (rpm)"),
@@ -303,6 +321,8 @@ mod tests {
         for (signal, name) in [
             ("swing_torque", "engine_torque_Nm"),
             ("t", "ts_brake"),
+            ("t", "temporary_x"),
+            ("roll", "Drehzahlschwankung"),
             ("speed", "engine_speed_rpm"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");

@@ -1,6 +1,7 @@
 //! A first map of a table.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
@@ -15,6 +16,9 @@ use crate::unit::{self, Unit};
 
 /// No machine drives on a steeper ground \[rad\]: 35 degrees.
 pub const STEEPEST: f64 = 0.61;
+
+/// No excavator swings faster \[rpm\]: data sheets say 5 to 14. In degrees a second it swings at 30 and more.
+const FASTEST_SWING: f64 = 15.0;
 
 /// Rows that are looked at.
 const LOOK: usize = 20_000;
@@ -78,11 +82,14 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             links[link] = Some(column);
         }
         out += &line(&signal, &name, guess.unit, si, &reason);
+        if signal == "t" {
+            out += &other_times(at, radians, &names, &columns);
+        }
         found.push(signal);
     }
-    if found.len() < 2 && csv::is_frames(&header) {
-        let file = path.display().to_string();
-        return Err(csv::absent(&["t"], S::MACHINE.name(), &header, &file));
+    let misread = csv::misread(&header, &path.display().to_string());
+    if let Some(error) = misread.filter(|_| found.len() < 2) {
+        return Err(error);
     }
     let mut missing = missing::<S>(&found);
     if !found.iter().any(|signal| signal == "t") {
@@ -121,6 +128,32 @@ fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, b
             false,
         ),
     }
+}
+
+/// Columns of another time than that of column `at`, whose unit is so many seconds, as comments: some loggers write a time beside
+/// the signals of each rate, and the rows of these are other moments.
+fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) -> String {
+    let mut out = String::new();
+    let is_time = |other: &usize| *other != at && fitting("t", &[names[*other]], &[]).is_some();
+    for other in (0..names.len()).filter(is_time) {
+        let pairs = columns[at].iter().zip(&columns[other]);
+        let pairs: Vec<_> = pairs.filter(|(t, o)| (*t + *o).is_finite()).collect();
+        let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
+            continue;
+        };
+        let unit = unit("t", "s", names[other], &columns[other]).unit;
+        let spent = (last.1 - first.1) * unit.map_or(1.0, |unit| unit.factor);
+        let ratio = spent / ((last.0 - first.0) * seconds);
+        let increases = pairs.windows(2).all(|two| two[1].1 > two[0].1);
+        if increases && ratio.is_finite() && (ratio - 1.0).abs() > 0.01 {
+            let name = shown(names[other]);
+            let _ = writeln!(
+                out,
+                "# {name} is {ratio:.2} times as fast as this: do its columns have rows of their own? Then write all signals at one rate"
+            );
+        }
+    }
+    out
 }
 
 /// The columns that are none of the signals, as a comment.
@@ -174,6 +207,18 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
         let reason = "unit by the column's name".into();
         return Guess { unit, reason };
     }
+    let mut guess = by_values(signal, si, values);
+    if let Some(text) = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty()) {
+        let text = shown(text);
+        guess.reason = format!(
+            "{text} is no unit that heft knows: check it; {}",
+            guess.reason
+        );
+    }
+    guess
+}
+
+fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
     let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
     if finite.is_empty() {
         let reason = match signal {
@@ -204,6 +249,7 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
     let (limit, other) = match (signal, si) {
         ("slope" | "pitch" | "roll", _) => (STEEPEST, "deg"),
         (_, "rad") => (core::f64::consts::TAU, "deg"),
+        ("swing_velocity", _) if beyond(FASTEST_SWING) * 50 <= all => (3.0, "rpm"),
         ("swing_velocity" | "yaw_rate", _) => (3.0, "deg/s"),
         ("speed", _) => (15.0, "km/h"),
         ("front_wheel_speed" | "rear_wheel_speed", _) => (40.0, "rpm"),
@@ -252,6 +298,7 @@ fn time(times: &[f64]) -> Guess {
         };
     };
     let name = match *step {
+        _ if times.iter().all(|t| TICKS.contains(t)) => "100ns",
         s if s > 1e6 => "ns",
         s if s > 1e3 => "us",
         s if s >= 1.0 => "ms",
@@ -265,9 +312,13 @@ fn time(times: &[f64]) -> Guess {
     }
 }
 
-/// Whether these are days since 1900, as a sheet counts them: of 1982 to 2119.
+/// Ticks of 100 ns since the year 1 or 1601, as Windows counts them: more than microseconds, fewer than nanoseconds since 1970.
+const TICKS: Range<f64> = 1e17..1e18;
+
+/// Whether these are days of 1982 to 2119: since 1900, as a sheet counts them, or since the year 0, as MATLAB does.
 fn is_serial_date(times: &[f64]) -> bool {
-    times.iter().all(|day| (30_000.0..80_000.0).contains(day))
+    let within = |from: f64| move |day: &f64| (30_000.0..80_000.0).contains(&(day - from));
+    times.iter().all(within(0.0)) || times.iter().all(within(693_960.0))
 }
 
 fn mass(values: &[f64]) -> Guess {
@@ -277,5 +328,85 @@ fn mass(values: &[f64]) -> Guess {
     Guess {
         unit,
         reason: format!("up to {largest}: {word}?"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_and_the_size_of_times_tell_their_unit() {
+        let of = |first: f64, step: f64| {
+            let times: Vec<f64> = (0..9).map(|k| first + step * f64::from(k)).collect();
+            time(&times).unit.map_or("s", |unit| unit.name)
+        };
+        for (first, step, unit) in [
+            (0.0, 0.01, "s"),
+            (1.8e9, 0.01, "s"),
+            (1.8e12, 10.0, "ms"),
+            (1.8e15, 1e4, "us"),
+            (1.8e18, 1e7, "ns"),
+            (6.39e17, 1e5, "100ns"),
+            (1.34e17, 1e5, "100ns"),
+            (46_206.5, 1.2e-7, "day"),
+            (740_168.5, 1.2e-7, "day"),
+        ] {
+            assert_eq!(of(first, step), unit, "{first} {step}");
+        }
+    }
+
+    #[test]
+    fn a_time_of_other_rows_is_named_and_another_clock_is_not() {
+        let times = |step: f64| {
+            (0..50)
+                .map(|k| 7.0 + step * f64::from(k))
+                .collect::<Vec<_>>()
+        };
+        let names = [
+            "time",
+            "time_50ms",
+            "unix time [ms]",
+            "cycle time",
+            "timestamp",
+        ];
+        let still = vec![3.0; 50];
+        let columns = [
+            times(0.01),
+            times(0.05),
+            times(10.0),
+            still,
+            vec![f64::NAN; 50],
+        ];
+        let said = other_times(0, 1.0, &names, &columns);
+        assert!(
+            said.starts_with("# time_50ms is 5.00 times as fast"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+
+    #[test]
+    fn a_swing_of_a_few_units_is_one_in_turns_a_minute() {
+        let of = |largest: f64| {
+            let swing: Vec<f64> = (0..100)
+                .map(|k| largest * (0.1 * f64::from(k)).sin())
+                .collect();
+            by_values("swing_velocity", "rad/s", &swing)
+                .unit
+                .map(|unit| unit.name)
+        };
+        assert_eq!(
+            [1.1, 10.8, 32.0].map(of),
+            [None, Some("rpm"), Some("deg/s")]
+        );
+    }
+
+    #[test]
+    fn a_unit_that_is_not_known_is_said() {
+        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0]).reason;
+        assert!(reason("torque [stone ft]").starts_with("stone ft is no unit that heft knows"));
+        assert!(!reason("torque [kNm]").contains("no unit"));
+        assert!(!reason("torque []").contains("no unit"));
     }
 }

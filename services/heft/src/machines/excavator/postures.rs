@@ -1,4 +1,7 @@
-//! Which of the angles are exchanged, or have the other sign: what brings the machine into postures that it has.
+//! Which of the angles are exchanged, have the other sign, or are measured from elsewhere: what brings the machine into postures
+//! that it has.
+
+use core::f64::consts::FRAC_PI_2;
 
 /// Angles of boom, arm and bucket that machines reach \[rad\]. Recorded: -.3 to 1.2, -2.4 to -.8, -1.6 to .3.
 const REACHED: [[f64; 2]; 3] = [[-0.9, 1.4], [-2.9, -0.3], [-2.9, 1.3]];
@@ -12,7 +15,7 @@ const RIGHT: f64 = 0.01;
 type Hypothesis = (&'static str, &'static str, fn([f64; 3]) -> [f64; 3]);
 
 const EXCHANGE: &str = "exchange the two in the signal map";
-const HYPOTHESES: [Hypothesis; 5] = [
+const HYPOTHESES: [Hypothesis; 7] = [
     ("", "", |q| q),
     (
         "boom_angle and arm_angle seem to be exchanged",
@@ -33,6 +36,17 @@ const HYPOTHESES: [Hypothesis; 5] = [
         "all three joint angles seem to have the other sign",
         "in the signal map `sign = -1` for each; up is positive (docs/signs-excavator.svg)",
         |q| q.map(|angle| -angle),
+    ),
+    // Where the arm is measured so too, this alone explains the postures as well.
+    (
+        "bucket_angle seems to be measured from the horizontal",
+        "subtract the angle of the link before in the signal map, and that of the boom from the arm if it is measured so too (docs/map.md)",
+        |q| [q[0], q[1], q[2] - q[1] - q[0]],
+    ),
+    (
+        "boom_angle seems to be measured from the vertical",
+        "in the signal map `offset = -1.5708` for it; up from the horizontal is positive",
+        |q| [q[0] - FRAC_PI_2, q[1], q[2]],
     ),
 ];
 
@@ -86,8 +100,17 @@ mod tests {
             postures.fault().unwrap_or_default()
         };
         assert_eq!(said(|q| q), "");
-        for (what, remedy, change) in &HYPOTHESES[1..] {
-            let said = said(*change);
+        let from_horizontal = |q: [f64; 3]| [q[0], q[1], q[0] + q[1] + q[2]];
+        let all_from_horizontal = |q: [f64; 3]| [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
+        let from_vertical = |q: [f64; 3]| [q[0] + FRAC_PI_2, q[1], q[2]];
+        let undone = HYPOTHESES[1..5].iter().map(|it| (it, it.2));
+        let others: [(_, fn([f64; 3]) -> [f64; 3]); 3] = [
+            (&HYPOTHESES[5], from_horizontal),
+            (&HYPOTHESES[5], all_from_horizontal),
+            (&HYPOTHESES[6], from_vertical),
+        ];
+        for ((what, remedy, _), change) in undone.chain(others) {
+            let said = said(change);
             assert!(
                 said.starts_with(what) && said.ends_with(remedy),
                 "{what}: {said}"
