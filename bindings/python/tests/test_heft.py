@@ -99,6 +99,36 @@ def test_data_in_other_units_are_spoken_of():
         heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
 
 
+def test_what_no_sensor_measures_is_spoken_of():
+    frame = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    frame["swing_torque"] *= 1e6
+    with pytest.warns(heft.HeftWarning, match="swing_torque is larger than any measurement in"):
+        heft.estimate(frame, "excavator")
+    frame["swing_velocity"] = float("nan")
+    with pytest.warns(heft.HeftWarning, match="nothing was measured"):
+        heft.estimate(frame[["t", "swing_velocity"]], "excavator")
+
+
+def test_a_machine_file_that_cannot_be_read_is_named(tmp_path):
+    data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    files = {"absent.toml": None, "utf16.toml": "[sensors]".encode("utf-16"), "folder": None}
+    (tmp_path / "folder").mkdir()
+    for name, content in files.items():
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        with pytest.raises(heft.HeftError, match=f"{name} cannot be read"):
+            heft.estimate(data, "excavator", config=tmp_path / name)
+
+
+def test_a_table_without_times_and_keys_that_are_none_are_named():
+    data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    with pytest.raises(heft.HeftError, match="no column t, .* one of zeit, swing_velocity"):
+        heft.estimate(data.rename(columns={"t": "zeit"}), "excavator")
+    for value in (None, {"rate": 100}):
+        with pytest.raises(heft.HeftError, match="sensors cannot be .* keys with dots"):
+            heft.estimate(data, "excavator", config={"sensors": value})
+
+
 def test_missing_values_are_missing_samples():
     data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     data["swing_torque"] = data["swing_torque"].astype("Float64")

@@ -22,7 +22,6 @@ mod live;
 mod machines;
 mod many;
 mod marked;
-mod measurable;
 mod notify;
 mod outputs;
 mod page;
