@@ -99,6 +99,15 @@ def test_data_in_other_units_are_spoken_of():
         heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
 
 
+def test_an_inclinometer_of_a_curled_bucket_may_pass_half_a_turn():
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    turns = 2 * np.pi * (data.index % 200 < 100)
+    expected = heft.estimate(data, "excavator")
+    found = heft.estimate(data.assign(bucket_angle=data["bucket_angle"] + turns), "excavator")
+    assert expected["trusted"].any() and (found["trusted"] == expected["trusted"]).all()
+    assert np.allclose(found["inertia"], expected["inertia"], rtol=1e-9)
+
+
 def test_what_no_sensor_measures_is_spoken_of():
     frame = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     frame["swing_torque"] *= 1e6
@@ -253,6 +262,12 @@ def test_two_recordings_calibrate_a_machine_and_one_of_standstill_does_not(tmp_p
     with pytest.raises(heft.HeftError, match="stands still"):
         heft.calibrate("excavator", [GOLDEN / "excavator_input_base_case2.csv"], out)
     assert not out.exists()
+    # Under other names, by a map.
+    foreign, map = tmp_path / "foreign.csv", tmp_path / "map.toml"
+    pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv").rename(columns={"swing_velocity": "gyro"}).to_csv(foreign)
+    map.write_text('[columns]\nswing_velocity = "gyro"\n')
+    with pytest.raises(heft.HeftError, match="stands still"):
+        heft.calibrate("excavator", [foreign], out, map=map)
 
 
 def test_loads_are_counted_with_their_intervals_and_a_target(tmp_path):

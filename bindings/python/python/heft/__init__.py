@@ -189,13 +189,15 @@ def calibrate(
     payload: Optional[Mapping[PathLike, str]] = None,
     mass: Optional[Mapping[PathLike, str]] = None,
     config: Config = None,
+    map: Optional[PathLike] = None,
     free: Optional[Iterable[str]] = None,
     report: Optional[PathLike] = None,
 ) -> Calibration:
     """The machine's own parameters from recordings, written as a description to ``output``.
 
     ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns the parameters
-    that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed.
+    that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed. ``map`` is the signal map of
+    recordings with other names.
 
     Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
     what is missing.
@@ -206,6 +208,8 @@ def calibrate(
     for option, known in (("--payload", payload), ("--mass", mass)):
         for file, weight in (known or {}).items():
             arguments += [option, f"{_path(file)}={weight}"]
+    if map is not None:
+        arguments += ["--map", os.fspath(map)]
     if free is not None:
         arguments += ["--free", ",".join(free)]
     if report is not None:
