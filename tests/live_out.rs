@@ -50,6 +50,40 @@ fn tailed(name: &str, arguments: &[&str], seconds: u64) -> (Vec<u8>, tempfile::T
     (reader.join().expect("what it printed"), folder)
 }
 
+/// A program that draws what it reads must not draw a sensor that is not there.
+#[test]
+fn what_is_not_measured_is_null_in_json_and_absent_in_the_line_protocol() {
+    let sensors = ["excavator/sensors", "--format"];
+    let (json, folder) = tailed("null", &[&sensors[..], &["json"]].concat(), 1);
+    let (influx, _) = tailed("absent", &[&sensors[..], &["influx"]].concat(), 1);
+    let last = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        text.lines().last().expect("a sample").to_owned()
+    };
+    let sample: serde_json::Value = serde_json::from_str(&last(&json)).expect("JSON");
+    assert!(sample["swing_velocity"].is_f64() && sample["swing_angle"].is_null());
+    let line = last(&influx);
+    assert!(
+        line.contains(",swing_velocity=") && !line.contains("swing_angle"),
+        "{line}"
+    );
+    // The table of the same run.
+    let path = |path: &Path| path.to_str().expect("a path").to_owned();
+    let out = folder.path().join("out");
+    run_ok(&["export", &path(folder.path()), "-o", &path(&out)]);
+    let table = std::fs::read_to_string(out.join("excavator_inertia_ukf.csv")).expect("a table");
+    let (header, row) = (table.lines().next(), table.lines().last());
+    let cells = header
+        .expect("a header")
+        .split(',')
+        .zip(row.expect("a row").split(','));
+    let cells: BTreeMap<&str, &str> = cells.collect();
+    assert!(
+        !cells["inertia"].is_empty() && cells["friction"].is_empty(),
+        "{cells:?}"
+    );
+}
+
 #[test]
 fn the_frames_that_tail_prints_are_those_of_the_estimates() {
     let arguments = ["--format", "candump", "--rate", "20"];

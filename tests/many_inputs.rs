@@ -171,3 +171,33 @@ fn the_size_of_the_machine_counts_in_a_folder_as_for_one_file() {
     let again = run_ok(&both);
     assert_eq!(again.matches("up to date").count(), 2, "{again}");
 }
+
+/// A recording of others needs its map wherever it is given; nobody said how large its machine is.
+#[test]
+fn a_bag_is_read_through_its_map_with_and_without_an_output() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let (bag, map) = (at("bag.mcap"), at("map.toml"));
+    let others = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let others = others.join("services/recording/tests/others/ros2.zstd.mcap");
+    std::fs::copy(others, &bag).expect("a copy");
+    let topics = r#"[topics]
+master = "swing_velocity"
+[topics.signals]
+swing_velocity = { topic = "/joint_states", field = "velocity", name = "swing_joint" }
+swing_torque = { topic = "/swing/pressure", field = "fluid_pressure", unit = "Pa", scale = 0.01 }
+"#;
+    std::fs::write(&map, topics).expect("a map");
+    let with_map = |command: &[&str], output: &[&str]| {
+        let input = [text(&bag), "--map", text(&map)];
+        both(&run(&[command, &input, output].concat()))
+    };
+    let excavator = ["estimate", "--machine", "excavator"];
+    let alone = at("alone.csv");
+    let said = with_map(&excavator, &["-o", text(&alone)]);
+    assert!(said.contains("taken for the reference machine"), "{said}");
+    with_map(&excavator, &[]);
+    assert_eq!(read(&alone), read(&at("bag.estimates.csv")));
+    let said = with_map(&["calibrate", "excavator"], &["-o", text(&at("own.toml"))]);
+    assert!(!said.contains("no samples"), "{said}");
+}

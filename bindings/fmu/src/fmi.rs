@@ -177,6 +177,14 @@ unsafe extern "C" fn fmi3DoStep(
     }
 }
 
+/// Why a variable did not take a value.
+fn not_set(reference: u32, value: &str) -> String {
+    format!(
+        "the variable with the value reference {reference} does not take {value}: parameters, `has...` and `method` are fixed \
+         once the initialization has ended, and outputs cannot be set"
+    )
+}
+
 /// Getter and setter of one type of variables.
 macro_rules! access {
     ($type:ty, $get:ident, $set:ident, $read:ident, $write:ident) => {
@@ -221,7 +229,11 @@ macro_rules! access {
                 with(instance, |instance| {
                     (0..count).all(|i| {
                         let (reference, value) = (references.add(i).read(), values.add(i).read());
-                        instance.model.$write(reference, value)
+                        let is_set = instance.model.$write(reference, value);
+                        if !is_set {
+                            instance.tell(ERROR, &not_set(reference, &format!("{value:?}")));
+                        }
+                        is_set
                     })
                 })
             }

@@ -1,9 +1,11 @@
 //! One estimator that is fed sample by sample.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use config::Description;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 use recording::frame::Cell;
 
@@ -23,7 +25,6 @@ pub struct Estimator {
 struct State {
     feed: Box<dyn AnyFeed>,
     way: Stages,
-    values: Vec<f64>,
 }
 
 /// How a state begins: what wrote it.
@@ -59,11 +60,7 @@ impl Estimator {
                 .iter()
                 .map(|name| PyString::intern(py, name).unbind())
                 .collect(),
-            state: Mutex::new(State {
-                feed,
-                way,
-                values: vec![f64::NAN; names.len()],
-            }),
+            state: Mutex::new(State { feed, way }),
             description,
             method,
         })
@@ -76,47 +73,43 @@ impl Estimator {
         t: f64,
         values: &Bound<'py, PyDict>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let State {
-            feed,
-            way,
-            values: row,
-        } = &mut *state;
+        // Python code runs where numbers are taken and made: never while the state is held, where it could step again.
+        let mut row = Vec::with_capacity(self.signals.len());
+        row.push(t);
         let mut taken = 0;
-        row[0] = t;
-        for (place, name) in row.iter_mut().zip(&self.signals).skip(1) {
-            *place = match values.get_item(name)? {
+        for name in &self.signals[1..] {
+            let value = values.get_item(name)?;
+            taken += usize::from(value.is_some());
+            row.push(match value.filter(|value| !value.is_none()) {
                 None => f64::NAN,
-                Some(value) => {
-                    taken += 1;
-                    if value.is_none() {
-                        f64::NAN
-                    } else {
-                        value.extract()?
-                    }
-                }
-            };
+                Some(value) => value
+                    .extract()
+                    .map_err(|error| PyTypeError::new_err(format!("{name}: {error}")))?,
+            });
         }
         if taken != values.len() {
             return Err(self.unknown(py, values));
         }
-        let estimate = answer(way, feed.sample(row));
-        let estimate =
-            estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
-        let mut cells: Vec<Bound<'py, PyAny>> = Vec::with_capacity(32);
-        feed.cells(&estimate, &mut |cell| {
-            cells.push(match cell {
-                Cell::Number(x) => pyo3::types::PyFloat::new(py, x).into_any(),
-                Cell::Flag(x) => pyo3::types::PyBool::new(py, x).to_owned().into_any(),
-                Cell::Word(x) => PyString::intern(py, x).into_any(),
-            });
+        let mut cells = Vec::with_capacity(32);
+        {
+            let mut state = self.held(py);
+            let State { feed, way } = &mut *state;
+            let estimate = answer(way, feed.sample(&row));
+            let estimate =
+                estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
+            feed.cells(&estimate, &mut |cell| cells.push(cell));
+        }
+        let cells = cells.into_iter().map(|cell| match cell {
+            Cell::Number(x) => pyo3::types::PyFloat::new(py, x).into_any(),
+            Cell::Flag(x) => pyo3::types::PyBool::new(py, x).to_owned().into_any(),
+            Cell::Word(x) => PyString::intern(py, x).into_any(),
         });
-        PyTuple::new(py, cells)
+        PyTuple::new(py, cells.collect::<Vec<_>>())
     }
 
     /// The complete state, with what it is a state of.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = self.held(py);
         let mut bytes = HEAD.as_bytes().to_vec();
         let names: Vec<String> = self.signals.iter().map(|s| s.to_string()).collect();
         let machine = self.description.machine().name();
@@ -163,7 +156,7 @@ impl Estimator {
         )?;
         let (count, mut rest) = rest.split_first_chunk::<8>().ok_or_else(foreign)?;
         {
-            let mut state = new.state.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut state = new.held(py);
             state.feed.go_on_from(u64::from_le_bytes(*count));
             for step in &mut state.way {
                 let bytes = take(&mut rest).ok_or_else(foreign)?;
@@ -197,6 +190,12 @@ impl Estimator {
 }
 
 impl Estimator {
+    /// The state for this thread alone; another one that waits for it lets Python go on.
+    fn held(&self, py: Python<'_>) -> MutexGuard<'_, State> {
+        let state = self.state.lock_py_attached(py);
+        state.unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The error that names a value which is none of the signals.
     fn unknown(&self, _py: Python<'_>, values: &Bound<'_, PyDict>) -> PyErr {
         let known: Vec<String> = self.signals[1..].iter().map(|s| s.to_string()).collect();

@@ -4,11 +4,14 @@ use config::Description;
 use estimation::excavator::{self, Geometry};
 use estimation::loader;
 use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
-use recording::Gaps;
+use recording::measurable::{self, Measured};
+use recording::{Gaps, Sensors};
 
 /// Looks at the rows on their way.
 pub struct Hints {
     plausible: Plausible,
+    large: Large,
+    is_measured: bool,
     times: Vec<f64>,
     gaps: Gaps,
     rate: f64,
@@ -18,6 +21,36 @@ pub struct Hints {
 enum Plausible {
     Excavator(Box<excavator::Plausible>),
     Loader(loader::Plausible),
+}
+
+/// Numbers that are larger than any measurement: they count as missing.
+struct Large {
+    measured: Vec<Measured>,
+    /// Name of each, and in how many rows it was too large.
+    counts: Vec<(&'static str, usize)>,
+}
+
+impl Large {
+    fn of<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Self {
+        let measured = measurable::measured::<S>(largest);
+        let counts = measured.iter().map(|(i, ..)| (S::FIELDS[*i].name, 0));
+        Self {
+            counts: counts.collect(),
+            measured,
+        }
+    }
+
+    fn add<S: Sensors>(&mut self, sample: &S) {
+        let beyond = measurable::beyond(sample, &self.measured);
+        for ((_, bit, _), (_, count)) in self.measured.iter().zip(&mut self.counts) {
+            *count += usize::from(beyond & bit != 0);
+        }
+    }
+
+    fn words(&self) -> impl Iterator<Item = String> {
+        let seen = self.counts.iter().filter(|(_, count)| *count > 0);
+        seen.map(|(name, count)| measurable::words(name, *count))
+    }
 }
 
 /// Times that are looked at: enough to know their step.
@@ -34,8 +67,18 @@ impl Hints {
                 d.machine.wheel_radius,
             )),
         };
+        let large = match description {
+            Description::Excavator(d) => {
+                Large::of::<ExcavatorSensors>(|signal| excavator::largest(signal, d))
+            }
+            Description::Loader(d) => {
+                Large::of::<LoaderSensors>(|signal| loader::largest(signal, d))
+            }
+        };
         Self {
             plausible,
+            large,
+            is_measured: false,
             times: Vec::new(),
             gaps: Gaps::default(),
             rate: description.rate(),
@@ -51,11 +94,15 @@ impl Hints {
         match &mut self.plausible {
             Plausible::Excavator(plausible) => {
                 if let Some(sample) = ExcavatorSensors::inside(sample) {
+                    self.large.add(sample);
+                    self.is_measured |= sample.valid != 0;
                     plausible.push(&steps::excavator::sample(sample));
                 }
             }
             Plausible::Loader(plausible) => {
                 if let Some(sample) = LoaderSensors::inside(sample) {
+                    self.large.add(sample);
+                    self.is_measured |= sample.valid != 0;
                     plausible.push(&steps::loader::sample(sample));
                 }
             }
@@ -75,6 +122,10 @@ impl Hints {
             )
         });
         let gaps = self.gaps.fault().or_else(|| self.gaps.words());
-        unit.into_iter().chain(gaps).chain(mismatch).collect()
+        let nothing = (!self.is_measured).then(|| {
+            "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
+        });
+        let hints = unit.into_iter().chain(gaps).chain(mismatch);
+        hints.chain(nothing).chain(self.large.words()).collect()
     }
 }

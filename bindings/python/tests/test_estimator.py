@@ -84,8 +84,26 @@ def test_what_cannot_be_fed_is_reported():
         estimator().step(0.0, boom_angle=0.1)
     with pytest.raises(heft.HeftError, match="one text"):
         heft.Estimator("excavator", signals="swing_velocity")
-    with pytest.raises(TypeError):
+    with pytest.raises(TypeError, match="swing_velocity"):
         estimator().step(0.0, swing_velocity="fast")
+
+
+def test_numbers_that_run_python_code_do_not_stop_two_threads():
+    code = """
+import threading, time, heft
+class Slow:
+    def __float__(self):
+        time.sleep(0.001)
+        return 0.1
+one = heft.Estimator("excavator", signals=["swing_velocity"])
+def run():
+    for i in range(50):
+        one.step(0.01 * i, swing_velocity=Slow())
+threads = [threading.Thread(target=run) for _ in range(2)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 
 def test_copies_go_their_own_way_and_damaged_states_are_refused():
@@ -113,6 +131,9 @@ def test_tables_of_all_kinds_give_the_same():
     expected = heft.estimate(data, "excavator")
     lazy = heft.estimate(polars.from_pandas(data).lazy(), "excavator")
     assert isinstance(lazy, polars.DataFrame)
+    misspelt = polars.from_pandas(data).lazy().rename({"swing_torque": "swing_torq"})
+    with pytest.warns(heft.HeftWarning, match="did you mean swing_torque"):
+        heft.estimate(misspelt, "excavator")
     records = data[["t", "swing_velocity", "swing_torque"]].to_records(index=False)
     short = heft.estimate(data[["t", "swing_velocity", "swing_torque"]], "excavator")
     assert heft.estimate(records, "excavator").equals(short)

@@ -99,6 +99,45 @@ def test_data_in_other_units_are_spoken_of():
         heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
 
 
+def test_an_inclinometer_of_a_curled_bucket_may_pass_half_a_turn():
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    turns = 2 * np.pi * (data.index % 200 < 100)
+    expected = heft.estimate(data, "excavator")
+    found = heft.estimate(data.assign(bucket_angle=data["bucket_angle"] + turns), "excavator")
+    assert expected["trusted"].any() and (found["trusted"] == expected["trusted"]).all()
+    assert np.allclose(found["inertia"], expected["inertia"], rtol=1e-9)
+
+
+def test_what_no_sensor_measures_is_spoken_of():
+    frame = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    frame["swing_torque"] *= 1e6
+    with pytest.warns(heft.HeftWarning, match="swing_torque is larger than any measurement in"):
+        heft.estimate(frame, "excavator")
+    frame["swing_velocity"] = float("nan")
+    with pytest.warns(heft.HeftWarning, match="nothing was measured"):
+        heft.estimate(frame[["t", "swing_velocity"]], "excavator")
+
+
+def test_a_machine_file_that_cannot_be_read_is_named(tmp_path):
+    data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    files = {"absent.toml": None, "utf16.toml": "[sensors]".encode("utf-16"), "folder": None}
+    (tmp_path / "folder").mkdir()
+    for name, content in files.items():
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        with pytest.raises(heft.HeftError, match=f"{name} cannot be read"):
+            heft.estimate(data, "excavator", config=tmp_path / name)
+
+
+def test_a_table_without_times_and_keys_that_are_none_are_named():
+    data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    with pytest.raises(heft.HeftError, match="no column t, .* one of zeit, swing_velocity"):
+        heft.estimate(data.rename(columns={"t": "zeit"}), "excavator")
+    for value in (None, {"rate": 100}):
+        with pytest.raises(heft.HeftError, match="sensors cannot be .* keys with dots"):
+            heft.estimate(data, "excavator", config={"sensors": value})
+
+
 def test_missing_values_are_missing_samples():
     data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     data["swing_torque"] = data["swing_torque"].astype("Float64")
@@ -223,6 +262,12 @@ def test_two_recordings_calibrate_a_machine_and_one_of_standstill_does_not(tmp_p
     with pytest.raises(heft.HeftError, match="stands still"):
         heft.calibrate("excavator", [GOLDEN / "excavator_input_base_case2.csv"], out)
     assert not out.exists()
+    # Under other names, by a map.
+    foreign, map = tmp_path / "foreign.csv", tmp_path / "map.toml"
+    pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv").rename(columns={"swing_velocity": "gyro"}).to_csv(foreign)
+    map.write_text('[columns]\nswing_velocity = "gyro"\n')
+    with pytest.raises(heft.HeftError, match="stands still"):
+        heft.calibrate("excavator", [foreign], out, map=map)
 
 
 def test_loads_are_counted_with_their_intervals_and_a_target(tmp_path):

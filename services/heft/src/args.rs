@@ -173,8 +173,7 @@ pub fn described(
     let mut known = machine;
     if is_recording {
         let reader = Reader::open(input)?;
-        let metadata = reader.metadata();
-        let its = metadata.get("machine").and_then(|m| Machine::from_name(m));
+        let its = reader.machine();
         if let (Some(its), Some(asked)) = (its, machine)
             && its != asked
         {
@@ -183,13 +182,8 @@ pub fn described(
                 "{name}: it is of the {its}, and is read so; --machine {asked} is for tables"
             );
         }
-        // Where the metadata are damaged, the channels tell it.
-        let channels = reader.channels();
-        let of = |machine: &Machine| channels.iter().any(|c| c.starts_with(machine.name()));
-        known = its
-            .or(machine)
-            .or_else(|| Machine::ALL.into_iter().find(of));
-        if let Some(text) = metadata.get("description")
+        known = its.or(machine);
+        if let Some(text) = reader.metadata().get("description")
             && args.class.is_none()
             && args.config.is_none()
         {
@@ -199,6 +193,12 @@ pub fn described(
         }
     }
     description(known, args)
+}
+
+/// Whether an input is a recording of heft: it brings its machine and needs no signal map.
+pub fn is_of_heft(input: &Path) -> bool {
+    let is_recording = Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
+    is_recording && Reader::open(input).is_ok_and(|reader| reader.machine().is_some())
 }
 
 /// Notes the keys that have another name today.

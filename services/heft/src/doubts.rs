@@ -5,12 +5,12 @@ use std::ops::RangeInclusive;
 
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
+use recording::measurable::{self, Measured};
 use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::marked::Ends;
-use crate::measurable::{self, Measured};
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -135,10 +135,7 @@ impl<L: Look> Doubts<L> {
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {
-                let name = signal.name;
-                eprintln!(
-                    "{name} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
-                );
+                eprintln!("{}", measurable::words(signal.name, count));
             }
         }
         for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {

@@ -21,7 +21,6 @@ mod live;
 mod machines;
 mod many;
 mod marked;
-mod measurable;
 mod notify;
 mod outputs;
 mod page;

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use config::Description;
-use recording::Kind;
 
-use crate::args::DescriptionArgs;
+use crate::args::{DescriptionArgs, is_of_heft};
 use crate::machines;
 use crate::plan::Plan;
 use crate::sources::is_simulated;
@@ -32,14 +31,13 @@ pub fn tell_other_size(plan: &Plan, description: &Description) {
 
 /// Notes that nobody says how large the machine of an input is.
 pub fn tell_assumed_size(description: &Description, args: &DescriptionArgs, input: &Path) {
-    let is_recording = Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
     let (machine, is_told) = (
         description.machine(),
         args.config.is_some() || args.class.is_some(),
     );
     let (key, kg) = machines::entry(machine).simulated_mass;
     let is_reference = description.number(key).is_none_or(|stated| stated == kg);
-    if is_reference && !is_told && !is_recording {
+    if is_reference && !is_told && !is_of_heft(input) {
         eprintln!(
             "note: the {machine} is taken for the reference machine of {} t; say how large yours is (--class 21t), or give its machine file \
              (--config)",

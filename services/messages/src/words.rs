@@ -14,6 +14,48 @@ pub enum Said {
     Flag(bool),
     /// A code by its name; "" where there is nothing to say.
     Word(&'static str),
+    /// A number that is not there: not measured, or not estimated.
+    Missing,
+}
+
+/// Which numbers of a message are there: one that is not is 0, and its bit is not set.
+#[derive(Debug, Clone, Copy)]
+pub struct Presence {
+    /// The field of these bits.
+    pub field: &'static str,
+    entries: &'static [Entry],
+    /// Earlier versions recorded estimates without their bits: one that is not 0 is there.
+    is_estimate: bool,
+}
+
+impl Presence {
+    /// Of a message; `None` where all numbers are always there.
+    #[must_use]
+    pub fn of<M: Message>() -> Option<Self> {
+        let of = |field, is_estimate| match Words::of_field(M::WORDS, field) {
+            Some(Words::Bits(entries)) => Some(Self {
+                field,
+                entries,
+                is_estimate,
+            }),
+            _ => None,
+        };
+        of("valid", false).or_else(|| of("estimated", true))
+    }
+
+    /// The bit of a number or of its standard deviation; 0 for one that is always there.
+    #[must_use]
+    pub fn bit(&self, field: &str) -> u32 {
+        let name = field.strip_suffix("_std").unwrap_or(field);
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        entry.map_or(0, |entry| entry.number)
+    }
+
+    /// Whether a number with this bit is not there, where these bits are set.
+    #[must_use]
+    pub fn is_missing(&self, value: Value, bit: u32, set: u32) -> bool {
+        bit & !set != 0 && (!self.is_estimate || value == Value::F64(0.0))
+    }
 }
 
 /// The flags of a message by the names that every output gives them: each with its mask and meaning. One that has
@@ -42,10 +84,15 @@ pub const SIMULATED_ENTRY: Entry = Entry {
 
 /// All fields of a message, codes by their names, and then its flags.
 pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>, Said)> {
-    let fields = M::FIELDS.iter().enumerate().filter_map(|(i, field)| {
+    let presence = Presence::of::<M>();
+    let set = presence.map_or(0, |p| message.bits_of(p.field));
+    let is_missing =
+        move |name, value| presence.is_some_and(|p| p.is_missing(value, p.bit(name), set));
+    let fields = M::FIELDS.iter().enumerate().filter_map(move |(i, field)| {
         let value = message.get(i)?;
         let said = match (Words::of_field(M::WORDS, field.name), value) {
             (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
+            _ if is_missing(field.name, value) => Said::Missing,
             _ => Said::Number(value),
         };
         Some((Cow::Borrowed(field.name), said))
@@ -167,6 +214,26 @@ mod tests {
         };
         assert_eq!(of(&unknown, "reason"), Some(Said::Word(UNKNOWN)));
         assert_eq!(of(&ExcavatorSensors::default(), "simulated"), None);
+    }
+
+    #[test]
+    fn a_number_without_its_bit_is_missing_and_a_measured_zero_is_not() {
+        let message = ExcavatorSensors {
+            valid: 1,
+            ..ExcavatorSensors::default()
+        };
+        let zero = Some(Said::Number(Value::F64(0.0)));
+        assert_eq!(of(&message, "swing_velocity"), zero);
+        assert_eq!(of(&message, "pitch"), Some(Said::Missing));
+        let message = ExcavatorEstimate {
+            inertia: 7e3,
+            ..ExcavatorEstimate::default()
+        };
+        assert_eq!(of(&message, "friction_std"), Some(Said::Missing));
+        assert_eq!(of(&message, "velocity"), zero);
+        // Earlier recordings had no bit for it.
+        let inertia = Some(Said::Number(Value::F64(7e3)));
+        assert_eq!(of(&message, "inertia"), inertia);
     }
 
     #[test]

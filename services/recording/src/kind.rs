@@ -95,11 +95,7 @@ const FOREIGN: [(&[u8], &str, &str); 38] = [
     (b"<!DOCTYPE", PAGE, DOWNLOAD),
     (b"<html", PAGE, DOWNLOAD),
     (b"<?xml", "XML", EXPORT),
-    (
-        b"\x28\xb5\x2f\xfd",
-        "packed by zstd",
-        "unpack it: zstd -d FILE",
-    ),
+    (ZSTD, "packed by zstd", "unpack it: zstd -d FILE"),
     (
         b"\x04\x22\x4d\x18",
         "packed by lz4",
@@ -110,6 +106,8 @@ const FOREIGN: [(&[u8], &str, &str); 38] = [
     (b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE"),
     (b"Rar!", "packed by RAR", "unpack it: unrar x FILE"),
 ];
+/// How what zstd packed begins.
+pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 const DATE: &[u8] = b"date ";
 const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
 const RECORD: &str = "record the bus with candump -L, and give that log";

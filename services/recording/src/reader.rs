@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use mcap::records::op;
-use messages::{Message, NumberType, Value};
+use messages::{Machine, Message, NumberType, Value, channels};
 
 use crate::file::Bytes;
 use crate::parts::{self, JOINED, PART};
@@ -194,6 +194,20 @@ impl Reader {
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
+    }
+
+    /// The machine whose run heft recorded; none for a recording of others.
+    #[must_use]
+    pub fn machine(&self) -> Option<Machine> {
+        let stated = self.metadata.get("machine");
+        // Where the metadata are damaged, the channels tell it.
+        let recorded = |machine: &Machine| {
+            let names = self.channels();
+            channels::of_machine(*machine).any(|channel| names.contains(&channel.name))
+        };
+        stated
+            .and_then(|name| Machine::from_name(name))
+            .or_else(|| Machine::ALL.into_iter().find(recorded))
     }
 
     /// Its files, in the order of time.

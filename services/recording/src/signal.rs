@@ -113,22 +113,6 @@ pub fn measured<S: Sensors>() -> impl Iterator<Item = (usize, u32)> {
     numbers.filter_map(|s| Some((S::index(s.name)?, s.bit)))
 }
 
-/// Bit of the signal called `name` in the samples of a channel; 0 if there is none.
-pub(crate) fn sensor_bit(channel: &str, name: &str) -> u32 {
-    let machine = channel
-        .split_once('/')
-        .and_then(|(machine, _)| Machine::from_name(machine));
-    let signals = machine.map_or_else(Vec::new, signals_of);
-    let mut found = signals
-        .iter()
-        .filter(|s| s.name == name)
-        .filter_map(|s| match s.slot {
-            Slot::Sensor(_, bit) => Some(bit),
-            Slot::Time | Slot::Flag(_) | Slot::Truth(..) => None,
-        });
-    found.next().unwrap_or(0)
-}
-
 /// A row of samples with the truth behind it.
 pub type Row<S> = (S, <S as Sensors>::Truth);
 

@@ -145,6 +145,8 @@ def estimate(
     data = _table(data, known)
     names = _names(data)
     _hint_at_names(names, known)
+    if "t" not in names:
+        raise HeftError(f"there is no column t, the time in seconds; rename one of {', '.join(names) or 'none'}")
     columns = [(name, _numbers(name, data[name])) for name in names if name in known]
     result = _heft.estimate(machine, columns, text, settings, method)
     return _estimates(result, _library(data), getattr(data, "index", None))
@@ -154,7 +156,7 @@ def read(recording: PathLike) -> Channels:
     """The channels of a recording, each as a frame (pandas, or a dictionary of arrays without it).
 
     Units stand in ``frame.attrs["units"]``, meanings in ``frame.attrs["meanings"]``. A signal that a
-    sensor did not give is NaN.
+    sensor did not give, and a quantity that is not estimated, is NaN.
 
     Of a recording that is damaged or was cut off, what is whole is given, with a DamageWarning. The result
     has ``attrs["damage"]``, and so has each frame of pandas: what is lacking and where, one text each. In the same
@@ -187,13 +189,15 @@ def calibrate(
     payload: Optional[Mapping[PathLike, str]] = None,
     mass: Optional[Mapping[PathLike, str]] = None,
     config: Config = None,
+    map: Optional[PathLike] = None,
     free: Optional[Iterable[str]] = None,
     report: Optional[PathLike] = None,
 ) -> Calibration:
     """The machine's own parameters from recordings, written as a description to ``output``.
 
     ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns the parameters
-    that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed.
+    that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed. ``map`` is the signal map of
+    recordings with other names.
 
     Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
     what is missing.
@@ -204,6 +208,8 @@ def calibrate(
     for option, known in (("--payload", payload), ("--mass", mass)):
         for file, weight in (known or {}).items():
             arguments += [option, f"{_path(file)}={weight}"]
+    if map is not None:
+        arguments += ["--map", os.fspath(map)]
     if free is not None:
         arguments += ["--free", ",".join(free)]
     if report is not None:
@@ -257,21 +263,26 @@ def loads(
 def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, Any]]:
     """The messages of a running pipeline as they come: ``for m in heft.subscribe("excavator/sensors")``.
 
-    Ends with the pipeline. Closing the iterator ends the subscription. Raises HeftError where no
+    A number that is not measured, or not estimated, is None. Ends with the pipeline. Closing the iterator ends the subscription. Raises HeftError where no
     pipeline runs, or it has no such channel.
     """
     arguments = [command(), "tail", "--format", "json"]
     if domain is not None:
         arguments += [f"--domain={domain}"]
     arguments += ["--", channel]  # a name is never an option
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None and process.stderr is not None
+    # A pipe that nobody reads would fill up and stop the command.
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as words, subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, stderr=words, text=True
+    ) as process:
+        assert process.stdout is not None
         try:
             for line in process.stdout:
                 yield json.loads(line)
-            told = process.stderr.read().strip()
         finally:
             process.terminate()
+        process.wait()
+        words.seek(0)
+        told = words.read().strip()
     if process.returncode not in (0, -15):
         raise HeftError(told or f"heft tail {channel} ended with status {process.returncode}")
 
@@ -304,20 +315,27 @@ def _description(config: Config) -> tuple[Optional[str], list[str]]:
     if config is None:
         return None, []
     if isinstance(config, Mapping):
-        return None, [f"{key}={_value(value)}" for key, value in config.items()]
+        return None, [f"{key}={_value(key, value)}" for key, value in config.items()]
     if not isinstance(config, (str, os.PathLike)):
         raise HeftError(f"{type(config).__name__} is no machine file; give the path of a TOML file, or a mapping of keys")
-    return Path(config).read_text(encoding="utf-8"), []
+    try:
+        return Path(config).read_text(encoding="utf-8"), []
+    except (OSError, UnicodeError) as error:
+        raise HeftError(f"the machine file {os.fspath(config)} cannot be read: {error}; give a TOML file in UTF-8") from None
 
 
-def _value(value: Any) -> str:
+def _value(key: str, value: Any) -> str:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, str):
         return value
     if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(_value(v) for v in value) + "]"
-    return repr(float(value))
+        return "[" + ", ".join(_value(key, v) for v in value) + "]"
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError):
+        what = f"{key} cannot be {value!r}; give a number, a word, true or false, or a list of numbers"
+        raise HeftError(f'{what}, and write keys with dots: {{"sensors.rate": 100}}') from None
 
 
 def _table(data: Any, known: list[str]) -> Any:
@@ -325,6 +343,7 @@ def _table(data: Any, known: list[str]) -> Any:
     library = _library(data)
     if library == "polars" and hasattr(data, "collect"):
         names = data.collect_schema().names()
+        _hint_at_names(names, known, stacklevel=4)
         return data.select([name for name in names if name in known]).collect()
     if isinstance(data, np.ndarray):
         if data.dtype.names is None:
@@ -337,10 +356,10 @@ def _table(data: Any, known: list[str]) -> Any:
         if "t" not in data.columns and (data.index.name == "t" or data.index.dtype.kind in "Mm"):
             return data.assign(t=data.index)
         return data
-    if isinstance(data, Mapping) or hasattr(data, "columns"):
+    if isinstance(data, Mapping) or (hasattr(data, "columns") and library != "pyarrow"):
         return data
     raise HeftError(
-        f"{type(data).__name__} is no table; give a frame of pandas or polars, a mapping of names to arrays, or a path"
+        f"{type(data).__name__} cannot be used; give a frame of pandas or polars, a mapping of names to arrays, or a path"
     )
 
 
@@ -348,13 +367,13 @@ def _names(data: Any) -> list[str]:
     return [str(name) for name in (data.keys() if isinstance(data, Mapping) else data.columns)]
 
 
-def _hint_at_names(names: list[str], known: list[str]) -> None:
+def _hint_at_names(names: list[str], known: list[str], stacklevel: int = 3) -> None:
     """Warns of a column that is left out and is probably a signal misspelt."""
     absent = [name for name in known if name not in names]
     for name in names:
         near = None if name in known else _heft.nearest(name, absent)
         if near is not None:
-            warnings.warn(f"the column {name} is not used; did you mean {near}?", HeftWarning, stacklevel=3)
+            warnings.warn(f"the column {name} is not used; did you mean {near}?", HeftWarning, stacklevel)
 
 
 def _library(data: Any) -> str:

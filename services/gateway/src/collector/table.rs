@@ -63,11 +63,12 @@ impl Table {
     }
 }
 
-/// A flag is 1 or 0, as in the tables of `heft estimate`.
+/// A flag is 1 or 0, and a missing number an empty cell, as in the tables of `heft estimate`.
 fn plain(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::String(text) => text.clone(),
         serde_json::Value::Bool(flag) => u8::from(*flag).to_string(),
+        serde_json::Value::Null => String::new(),
         other => other.to_string(),
     }
 }
@@ -83,6 +84,7 @@ impl Receiver for Cells {
             Said::Number(number) => self::number(number),
             Said::Flag(flag) => json!(flag),
             Said::Word(word) => json!(word),
+            Said::Missing => serde_json::Value::Null,
         };
         let all = said(message).skip(1);
         all.map(|(name, said)| (name, value(said))).collect()

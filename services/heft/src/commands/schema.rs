@@ -107,7 +107,7 @@ fn text(language: Language) -> String {
 }
 
 const C_HEAD: &str = "/* The messages of heft's channels: a sample in shared memory is one of these structures.\n   Written by `heft schema --lang c`. SI units; times in ns are of the host's monotonic clock. */\n#ifndef HEFT_MESSAGES_H\n#define HEFT_MESSAGES_H\n#include <stddef.h>\n#include <stdint.h>\n#ifdef __cplusplus\n#define HEFT_ASSERT static_assert\n#else\n#define HEFT_ASSERT _Static_assert\n#endif\n";
-const MARKDOWN_HEAD: &str = "# Messages: fields, bits and codes\n\nWritten by `heft schema --lang markdown`; a test holds it. Units are SI. `heft tail`, `heft.read` and `heft.subscribe` add each flag under its name as a\nboolean, and give `reason` and `method` by name. A flag with the name of a field has `_now` behind it.\nEvery message begins with the same fields; they stand at the first message alone.\n";
+const MARKDOWN_HEAD: &str = "# Messages: fields, bits and codes\n\nWritten by `heft schema --lang markdown`; a test holds it. Units are SI. `heft tail`, `heft.read` and `heft.subscribe` add each flag under its name as a\nboolean, and give `reason` and `method` by name. A flag with the name of a field has `_now` behind it.\nA number without its bit in `valid` or `estimated` is 0 in a message. There it is null, NaN or left out, and in `heft export` an empty cell.\nEvery message begins with the same fields; they stand at the first message alone.\n";
 const FRAMES_HEAD: &str = "## Frames on a CAN bus\n\n`heft run --output can:IF` sends each of these ten times a second; `--output-map` chooses others ([on the machine](run.md)). The identifier has 29 bits,\nas J1939 has them: priority 6, the group, the source address (0x80 unless another node has it). `heft schema --lang dbc` writes them as a DBC file.\nThe least significant byte is first. All ones are *not available*: the value is not trusted, or nobody knows it. A flag has two bits, 0 for no and 1 for\nyes. `reason` has the codes above.\n";
 const PYTHON_HEAD: &str = "\"\"\"The messages of heft's channels, written by `heft schema --lang python`. SI units.\"\"\"\nimport ctypes\nimport enum\n\nu32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double\n";
 
@@ -239,7 +239,7 @@ fn python(table: &Table) -> String {
     }
     let _ = writeln!(
         out,
-        "    ]\n\n    @staticmethod\n    def type_name():\n        return \"{name}\"\n\n"
+        "    ]\n\n    @staticmethod\n    def type_name() -> str:\n        return \"{name}\"\n\n"
     );
     let _ = writeln!(out, "assert ctypes.sizeof({name}) == {}", table.size);
     out

@@ -137,6 +137,7 @@ impl Sink for Writer {
                     Said::Number(value) => put(out, value),
                     Said::Flag(set) => out.push(if set { '1' } else { '0' }),
                     Said::Word(word) => out.push_str(word),
+                    Said::Missing => {}
                 });
                 out.push('\n');
             }
@@ -170,7 +171,8 @@ impl Sink for Writer {
                 let measurement = channel.name.replace('/', "_");
                 let _ = write!(out, "{measurement}{}", self.tags);
                 let _ = write!(out, ",channel={name},unit={} ", stamp.machine);
-                let fields = said(message).filter(|(name, _)| name != "machine");
+                let fields = said(message)
+                    .filter(|(name, said)| name != "machine" && *said != Said::Missing);
                 join(out, fields, |out, name, value| {
                     let _ = write!(out, "{name}=");
                     put_said(out, value);
@@ -205,7 +207,7 @@ fn join(
     }
 }
 
-/// As JSON and the line protocol have it; the words are names without quotes in them.
+/// As JSON has it, and the line protocol, which leaves out what is missing; the words are names without quotes in them.
 fn put_said(out: &mut String, value: Said) {
     match value {
         Said::Number(value) => put(out, value),
@@ -215,6 +217,7 @@ fn put_said(out: &mut String, value: Said) {
         Said::Word(word) => {
             let _ = write!(out, "\"{word}\"");
         }
+        Said::Missing => out.push_str("null"),
     }
 }
 

@@ -7,13 +7,13 @@ use messages::{Message, Value, Words};
 
 use super::estimate::put_number;
 use crate::output::{Output, first_line};
-use crate::signal::sensor_bit;
+use crate::presence::Recorded;
 use crate::{Error, Reader, RecordedField};
 
 /// Writes each channel of a recording as a CSV file of its own into a folder, which is created if
 /// need be: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields, codes
-/// by their names, and a column of 0 and 1 for each flag behind them; a sample that a sensor did not
-/// give is an empty cell.
+/// by their names, and a column of 0 and 1 for each flag behind them; a number that was not
+/// measured, or is not estimated, is an empty cell.
 ///
 /// # Errors
 /// The recording is damaged, or the folder cannot be written.
@@ -44,23 +44,23 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     let mut out = Output::create("write the channel", &path, &inputs, is_ours)?;
     out.put(header.as_bytes())?;
     out.put(b"\n")?;
-    let bits = bits(channel, &fields);
+    let numbers = Recorded::of(channel, &fields);
     let mut row = String::new();
     let mut outcome = Ok(());
     reader.for_each_value(channel, |_, values| {
         row.clear();
-        let valid = bits.valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
+        let lacks = numbers.lacks(values);
         for (i, value) in values.iter().enumerate() {
             row.push_str(if i == 0 { "" } else { "," });
             match (meaning.codes[i], value) {
                 (Some(words), Value::U32(code)) => row.push_str(words.name(*code)),
-                _ if bits.of[i] & valid == bits.of[i] => put(&mut row, *value),
-                _ => {}
+                _ if lacks(i) => {}
+                _ => put(&mut row, *value),
             }
         }
-        let set = meaning.at.map_or(0, |at| values[at].as_f64() as u32);
+        let flags = meaning.at.map_or(0, |at| values[at].as_f64() as u32);
         for (_, bit) in &meaning.flags {
-            row.push_str(if set & bit == 0 { ",0" } else { ",1" });
+            row.push_str(if flags & bit == 0 { ",0" } else { ",1" });
         }
         row.push('\n');
         if outcome.is_ok() {
@@ -70,26 +70,6 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     outcome?;
     out.finish()?;
     Ok(path)
-}
-
-/// Which fields a sample of sensors may lack: a missing signal is an empty cell, not a 0.
-struct Bits {
-    /// Position of `valid`, if these are sensors.
-    valid: Option<usize>,
-    /// For each field its bit, 0 if it is always there.
-    of: Vec<u32>,
-}
-
-fn bits(channel: &str, fields: &[RecordedField]) -> Bits {
-    let at = |name: &str| fields.iter().position(|f| f.name == name);
-    let valid = at("columns").and_then(|_| at("valid"));
-    let of = fields
-        .iter()
-        .map(|f| valid.map_or(0, |_| sensor_bit(channel, &f.name)));
-    Bits {
-        valid,
-        of: of.collect(),
-    }
 }
 
 /// What numbers of a channel mean that are codes or bits; nothing where this version does not know the channel.

@@ -4,8 +4,8 @@ use messages::channels::{self, Visitor};
 use messages::{Message, Value, Words};
 
 use super::Values;
+use crate::presence::Recorded;
 use crate::schema::RecordedField;
-use crate::signal;
 use crate::{Error, Reader};
 
 /// A recorded field over all messages of its channel.
@@ -15,7 +15,7 @@ pub struct RecordedColumn {
     pub field: RecordedField,
     /// What it means, as this version knows it; "" for a field of another.
     pub meaning: &'static str,
-    /// One value per message; NaN for a signal that a sample lacks.
+    /// One value per message; NaN for a number that was not measured, or is not estimated.
     pub values: Vec<Value>,
 }
 
@@ -25,19 +25,16 @@ pub struct RecordedColumn {
 /// The recording is damaged.
 pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Error> {
     let fields = reader.fields(channel);
-    let at = |name: &str| fields.iter().position(|f| f.name == name);
-    // Only messages of sensors have columns.
-    let valid = at("columns").and_then(|_| at("valid"));
-    let bits: Vec<u32> = fields
-        .iter()
-        .map(|f| valid.map_or(0, |_| signal::sensor_bit(channel, &f.name)))
-        .collect();
+    let numbers = Recorded::of(channel, &fields);
     let mut columns: Vec<Vec<Value>> = vec![Vec::new(); fields.len()];
     reader.for_each_value(channel, |_, values| {
-        let valid = valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
-        for ((column, value), bit) in columns.iter_mut().zip(values).zip(&bits) {
-            let there = bit & valid == *bit;
-            column.push(if there { *value } else { Value::F64(f64::NAN) });
+        let lacks = numbers.lacks(values);
+        for (i, (column, value)) in columns.iter_mut().zip(values).enumerate() {
+            column.push(if lacks(i) {
+                Value::F64(f64::NAN)
+            } else {
+                *value
+            });
         }
     })?;
     let meaning = |name: &str| {

@@ -82,7 +82,7 @@ impl<S: Sensors> Feed<S> {
         for (i, name) in names.iter().enumerate() {
             if known(name).is_none() {
                 let known = all.iter().map(|s| s.name.as_str());
-                let what = format!("a {} has no signal {name}", S::MACHINE);
+                let what = format!("the {} has no signal {name}", S::MACHINE);
                 let remedy = hint(name, known, "the signals are");
                 return Err(Error::new(what, "the signals", remedy));
             }

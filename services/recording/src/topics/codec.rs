@@ -1,8 +1,13 @@
 //! How the messages of a topic are read.
 
+use std::borrow::Cow;
+use std::io::Read;
+
 use super::node::Node;
 use super::proto::Descriptors;
 use super::ros::Definitions;
+use crate::file::LIMIT;
+use crate::kind::ZSTD;
 use crate::record::{Channel, Schema};
 
 /// How the messages of a topic are read.
@@ -57,11 +62,22 @@ impl Codec {
                 .or_else(|_| serde_json::from_slice(&finite(message)))
                 .ok()
                 .map(json),
-            Self::Cdr(types) => types.cdr(message),
+            Self::Cdr(types) => types.cdr(&unpacked(message)?),
             Self::Ros1(types) => types.ros1(message),
             Self::Protobuf(types) => types.decode(message),
         }
     }
+}
+
+/// A message that rosbag2 packed alone (`--compression-mode message`), unpacked; no CDR begins as zstd does.
+fn unpacked(message: &[u8]) -> Option<Cow<'_, [u8]>> {
+    if !message.starts_with(ZSTD) {
+        return Some(message.into());
+    }
+    let mut bytes = Vec::new();
+    let decoder = ruzstd::decoding::StreamingDecoder::new(message).ok()?;
+    decoder.take(LIMIT).read_to_end(&mut bytes).ok()?;
+    Some(bytes.into())
 }
 
 /// JSON without the words that are none, but that Python and JavaScript libraries write for missing numbers: they become null.
@@ -100,6 +116,18 @@ fn json(value: serde_json::Value) -> Node {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_message_that_was_packed_alone_is_unpacked() {
+        use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+        let types = Definitions::parse("a/msg/B", "float64 x\n").expect("complete");
+        let message = [&[0, 1, 0, 0], 2.5_f64.to_le_bytes().as_slice()].concat();
+        let packed = compress_to_vec(message.as_slice(), CompressionLevel::Fastest);
+        let codec = Codec::Cdr(types);
+        let plain = codec.decode(&message).expect("whole");
+        assert_eq!(codec.decode(&packed), Some(plain));
+        assert_eq!(codec.decode(&packed[..packed.len() - 4]), None);
+    }
 
     #[test]
     fn a_number_that_is_none_is_missing_and_the_others_stay() {

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use messages::Value;
+use recording::measurable::{self, Measured};
 use recording::{Reader, Sensors};
 
 use super::args::CalibrateArgs;
+use crate::args::is_of_heft;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
-use crate::measurable::{self, Measured};
 
 fn is_recording(file: &Path) -> bool {
     recording::Kind::by_name(file) == Some(recording::Kind::Recording)
@@ -17,7 +18,7 @@ fn is_recording(file: &Path) -> bool {
 
 /// A recording of heft takes no signal map.
 fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
-    map.filter(|_| !is_recording(file))
+    map.filter(|_| !is_of_heft(file))
 }
 
 /// Beyond this nothing is a time \[s\], since 1970 or since a start: 30 000 years.

@@ -9,7 +9,7 @@ use serde_json::Value;
 use view::number;
 
 use super::args::EstimateArgs;
-use crate::args::{described, description};
+use crate::args::{described, description, is_of_heft};
 use crate::failure::Failure;
 use crate::many::{self, Job, Outcome};
 use crate::results;
@@ -101,7 +101,7 @@ fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) ->
     let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
     option("--output", table);
     option("--json", summary);
-    if let Some(map) = args.with.map.as_deref().filter(|_| !is_recording(input)) {
+    if let Some(map) = args.with.map.as_deref().filter(|_| !is_of_heft(input)) {
         option("--map", map);
     }
     all.extend(args.with.description.again());

@@ -1,7 +1,7 @@
 //! Numbers that no sensor of a machine says.
 
+use crate::Sensors;
 use messages::Value;
-use recording::Sensors;
 
 /// Index and bit of a signal, and its largest value that is a measurement.
 pub type Measured = (usize, u32, f64);
@@ -9,9 +9,18 @@ pub type Measured = (usize, u32, f64);
 /// Beyond this, in SI units, nothing is a measurement: five times the largest pressure.
 const LIMIT: f64 = 1e9;
 
+/// What is said of a signal that was too large to be measured in so many rows.
+#[must_use]
+pub fn words(signal: &str, count: usize) -> String {
+    format!(
+        "{signal} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
+    )
+}
+
 /// The signals of a machine that are numbers; `largest` says where one's estimators take a larger value for missing.
+#[must_use]
 pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measured> {
-    let measured = recording::measured::<S>().map(|(index, bit)| {
+    let measured = crate::measured::<S>().map(|(index, bit)| {
         let limit = largest(S::FIELDS[index].name).map_or(LIMIT, |limit| limit.min(LIMIT));
         (index, bit, limit)
     });
@@ -19,6 +28,7 @@ pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measur
 }
 
 /// Bits of the numbers of a sample that are larger than any measurement.
+#[must_use]
 pub fn beyond<S: Sensors>(sample: &S, measured: &[Measured]) -> u32 {
     let valid = sample.bits_of("valid");
     let large = measured.iter().filter(|(index, _, limit)| {

@@ -1,0 +1,51 @@
+//! Which numbers of a recorded channel are there.
+
+use messages::channels::{self, Visitor};
+use messages::words::Presence;
+use messages::{Message, Value};
+
+use crate::RecordedField;
+
+/// Finds the numbers that were not measured, or are not estimated.
+pub(crate) struct Recorded {
+    presence: Option<Presence>,
+    /// Position of the field whose bits say what is there.
+    at: Option<usize>,
+    /// For each field its bit, 0 if it is always there.
+    bits: Vec<u32>,
+}
+
+impl Recorded {
+    /// Of a channel with these fields; all are there where this version does not know it.
+    pub(crate) fn of(channel: &str, fields: &[RecordedField]) -> Self {
+        let presence = channels::find(channel).and_then(|c| c.payload.visit(Known));
+        let at = presence.and_then(|p| fields.iter().position(|f| f.name == p.field));
+        let presence = presence.filter(|_| at.is_some());
+        let bits = fields
+            .iter()
+            .map(|f| presence.map_or(0, |p| p.bit(&f.name)));
+        Self {
+            presence,
+            at,
+            bits: bits.collect(),
+        }
+    }
+
+    /// Whether the number at a position of a message is not there.
+    pub(crate) fn lacks(&self, values: &[Value]) -> impl Fn(usize) -> bool {
+        let set = self.at.map_or(0, |at| values[at].as_f64() as u32);
+        move |i| {
+            let is_missing = |p: Presence| p.is_missing(values[i], self.bits[i], set);
+            self.presence.is_some_and(is_missing)
+        }
+    }
+}
+
+struct Known;
+
+impl Visitor for Known {
+    type Output = Option<Presence>;
+    fn visit<M: Message>(self) -> Self::Output {
+        Presence::of::<M>()
+    }
+}
