@@ -240,10 +240,10 @@ impl Filter {
         (value, variance): (f64, f64),
         trail: &mut Option<Trail>,
     ) {
-        let column = self.p[i];
-        if column[i] > INFORMED * variance {
+        if self.p[i][i] > INFORMED * variance {
             return;
         }
+        let column = self.p[i];
         let left = column[i] - variance;
         let gain = column.map(|c| c / left);
         let away = value - self.x[i];

@@ -57,8 +57,9 @@ impl SharedSlip {
 
     /// Derivative of the ratio by a lag between the wheel speeds of both axles [1/s].
     pub fn ratio_by_lag(&self, stiffness: f64, ratio: f64) -> f64 {
-        let [front, rear] = [ratio, 1.0 - ratio].map(|share| 1.0 / (share * share));
-        GRAVITY * stiffness * self.per_speed() / (0.5 * (front + rear))
+        // 1/lam^2 + 1/(1 - lam)^2 is (1 - 2 p)/p^2.
+        let p = ratio * (1.0 - ratio);
+        2.0 * GRAVITY * stiffness * self.per_speed() * p * p / (1.0 - 2.0 * p)
     }
 
     /// Standard deviation of the slip stiffness `k` with what its slips share; `prior`: what it was expected to be; `range`: what it may be;

@@ -298,8 +298,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What the time between both wheel speeds leaves of the ratio, as far as the slips have told it.
     fn by_wheel_lag(&self, settings: &Settings) -> f64 {
         let [stiffness, ratio] = [SLIP_STIFFNESS, CG_RATIO].map(|i| self.belief.state()[i]);
-        let left = self.belief.std(CG_RATIO) / settings.prior.cg_ratio_std;
-        let learnt = (1.0 - left * left).max(0.0);
+        let before = settings.prior.cg_ratio_std;
+        let learnt = (1.0 - self.belief.variance(CG_RATIO) / (before * before)).max(0.0);
         learnt * self.wheel_lag.lag().std * self.shared_slip.ratio_by_lag(stiffness, ratio)
     }
 

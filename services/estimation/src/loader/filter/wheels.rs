@@ -63,9 +63,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             // A leg that lies far off reopens height and ratio.
             self.changed = 0.0;
         }
-        let predicted = || B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
+        let predicted = B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
         if !self.turning_reported {
-            let variances = [predicted(), seen.noise[0] + seen.noise[1]];
+            let variances = [predicted, seen.noise[0] + seen.noise[1]];
             self.watch_curves(settings, &slip, seen.state[SPEED], variances, model.dt);
         }
         let difference = |of: &[f64; M]| of[FRONT_WHEEL] - of[REAR_WHEEL];
@@ -73,7 +73,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.coupling.see(&Turning {
             difference: difference(seen.measured),
             innovation: difference(seen.innovation),
-            predicted: predicted(),
+            predicted,
             process: front * front + rear * rear,
             noise: seen.noise[0] + seen.noise[1],
             dt: model.dt,
@@ -85,15 +85,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if self.effect.braking || self.effect.turn > NOTED_SLIP {
             return self.wheel_lag.interrupt();
         }
-        let (machine, inputs) = (&self.dynamics, &model.inputs);
-        let per_weight = 1.0 / (machine.wheel_radius * machine.mass * GRAVITY);
         let row = Row {
             speeds: [seen.state[SPEED], seen.before.speed],
-            difference: machine.wheel_radius
-                * (seen.measured[FRONT_WHEEL] - seen.measured[REAR_WHEEL]),
-            pulls: [inputs.front_torque, inputs.rear_torque].map(|torque| torque * per_weight),
+            difference: seen.measured[FRONT_WHEEL] - seen.measured[REAR_WHEEL],
+            torques: [model.inputs.front_torque, model.inputs.rear_torque],
         };
-        self.wheel_lag.see(&row, model.dt);
+        self.wheel_lag.see(&self.dynamics, &row, model.dt);
     }
 
     /// What a row shows of the difference of the rim speeds.

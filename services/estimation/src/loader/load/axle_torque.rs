@@ -65,21 +65,22 @@ impl AxleTorque {
         let kappa = self.force.state[0] - 1.0;
         let kappa_variance = USUAL_GAIN * USUAL_GAIN + self.force.covariance[0][0];
         let by_axle = away.ratio * (1.0 - away.ratio);
-        let (mut total, mut mean_square, mut variance) = (0.0, 0.0, 0.0);
-        for sign in [-1.0, 1.0] {
-            let by = [0.5, sign * by_axle];
-            let weights = [by[0] / kappa_variance, by[1] / (away.std * away.std)];
-            let told = weights[0] * by[0] + weights[1] * by[1];
-            let shown = weights[0] * kappa + weights[1] * (away.ratio - away.expected);
-            let left = 1.0 / (1.0 / (OFF * OFF) + told);
-            let odds = sqrt(left) / OFF * exp((0.5 * left * shown * shown).min(MAX_LOG_RATIO));
-            let mean = left * shown;
+        let weights = [0.5 / kappa_variance, by_axle / (away.std * away.std)];
+        let told = weights[0] * 0.5 + weights[1] * by_axle;
+        let left = 1.0 / (1.0 / (OFF * OFF) + told);
+        let by_gain = weights[0] * kappa;
+        let by_ratio = weights[1] * (away.ratio - away.expected);
+        let (mut total, mut squares) = (0.0, 0.0);
+        for shown in [by_gain - by_ratio, by_gain + by_ratio] {
+            let square = left * shown * shown;
+            let odds = exp((0.5 * square).min(MAX_LOG_RATIO));
             total += odds;
-            mean_square += odds * mean * mean;
-            variance += odds * left;
+            squares += odds * square;
         }
-        let probability = OFTEN * total / (1.0 - 2.0 * OFTEN + OFTEN * total);
-        let [off, std] = [mean_square, variance].map(|square| by_axle * sqrt(square / total));
+        let std = by_axle * sqrt(left);
+        let off = std * sqrt(squares / total);
+        let often = OFTEN * total * sqrt(left) / OFF;
+        let probability = often / (1.0 - 2.0 * OFTEN + often);
         (probability, spread(probability, off, std))
     }
 }

@@ -7,7 +7,7 @@
 //! ```
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
-//! | f_i | `pulls` | force of an axle over the weight of the machine | 1 |
+//! | f_i | - | force of an axle over the weight of the machine, T_i/(r m g) | 1 |
 //! | theta | `state` | unequal radii; slip per pull, 1/(K lam) and -1/(K (1 - lam)); radii under load; tau | 1, 1, 1, s/m, s |
 //! | P | `covariance` | of theta, which walks | |
 //! | chi | `scatter` | mean of the squared normalised residuals | 1 |
@@ -23,6 +23,7 @@
 use core::f64::consts::{SQRT_2, TAU};
 
 use crate::Quantity;
+use crate::loader::physics::wheel_dynamics::{GRAVITY, WheelDynamics};
 
 use crate::math::{exp, norm, sqrt};
 
@@ -54,10 +55,10 @@ const SLOWEST: f64 = 0.5;
 pub struct Row {
     /// Speed after and before the row [m/s].
     pub speeds: [f64; 2],
-    /// Rim speed of the front axle over that of the rear one [m/s].
+    /// Wheel speed of the front axle over that of the rear one [rad/s].
     pub difference: f64,
-    /// Force of each axle over the weight of the machine.
-    pub pulls: [f64; 2],
+    /// Of the axles [N m].
+    pub torques: [f64; 2],
 }
 
 /// Sums over the present block.
@@ -65,9 +66,10 @@ pub struct Row {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
     time: f64,
+    rows: f64,
     /// Speed at its start [m/s].
     start: f64,
-    /// Integrals of y, v, |v| f_f and |v| f_r.
+    /// Sums of w_f - w_r, of the speed, and of the torques.
     sums: [f64; 4],
 }
 
@@ -122,7 +124,7 @@ impl WheelLag {
     }
 
     /// Takes a row in which both wheels count, `dt` after the last.
-    pub fn see(&mut self, row: &Row, dt: f64) {
+    pub fn see(&mut self, machine: &WheelDynamics, row: &Row, dt: f64) {
         let [speed, before] = row.speeds;
         let block = &mut self.block;
         if block.time == 0.0 {
@@ -131,28 +133,36 @@ impl WheelLag {
                 ..Block::default()
             };
         }
-        let drawn = speed.abs() * dt;
-        let [front, rear] = row.pulls;
-        let adds = [row.difference * dt, speed * dt, front * drawn, rear * drawn];
+        let [front, rear] = row.torques;
+        let adds = [row.difference, speed, front, rear];
         for (sum, adds) in block.sums.iter_mut().zip(adds) {
             *sum += adds;
         }
+        block.rows += 1.0;
         block.time += dt;
         if block.time >= BLOCK {
-            self.absorb(speed);
+            self.absorb(machine, speed);
             self.block.time = 0.0;
         }
     }
 
     /// Takes the block that ends with this speed.
-    fn absorb(&mut self, end: f64) {
+    fn absorb(&mut self, machine: &WheelDynamics, end: f64) {
         let block = &self.block;
-        let [y, speed, front, rear] = block.sums.map(|sum| sum / block.time);
+        let [difference, speed, front, rear] = block.sums.map(|sum| sum / block.rows);
+        let y = machine.wheel_radius * difference;
+        let drawn = speed.abs() / (machine.wheel_radius * machine.mass * GRAVITY);
         if speed.abs() < SLOWEST {
             return;
         }
         let acceleration = (end - block.start) / block.time;
-        let x = [speed, front, rear, speed * acceleration, acceleration];
+        let x = [
+            speed,
+            drawn * front,
+            drawn * rear,
+            speed * acceleration,
+            acceleration,
+        ];
         for (i, walk) in WALK.into_iter().enumerate() {
             self.covariance[i][i] += walk * walk / 60.0 * block.time;
         }
@@ -195,6 +205,11 @@ impl WheelLag {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::loader::Settings;
+
+    fn machine() -> WheelDynamics {
+        WheelDynamics::of(&Settings::DEFAULT)
+    }
 
     fn before() -> WheelLag {
         let quantity = |value, std| Quantity { value, std };
@@ -204,6 +219,7 @@ mod tests {
     /// A minute of shuttling at up to 2.5 m/s with this lag [s], slip per pull .12 and .10, and radii .4 % apart.
     fn shuttle(lag: f64) -> WheelLag {
         let mut learnt = before();
+        let weight = machine().wheel_radius * machine().mass * GRAVITY;
         let at = |t: f64| 2.5 * (0.7 * t).sin() + 0.8 * (1.9 * t).sin();
         for k in 1..6000 {
             let t = 0.01 * f64::from(k);
@@ -215,10 +231,10 @@ mod tests {
                 0.004 * speed + speed.abs() * 0.02 * pull + lag * acceleration + wavers;
             let row = Row {
                 speeds: [speed, before],
-                difference,
-                pulls: [pull; 2],
+                difference: difference / machine().wheel_radius,
+                torques: [pull * weight; 2],
             };
-            learnt.see(&row, 0.01);
+            learnt.see(&machine(), &row, 0.01);
         }
         learnt
     }
@@ -246,10 +262,10 @@ mod tests {
         let told = lag.lag();
         let row = Row {
             speeds: [2.0, 2.0],
-            difference: 0.5,
-            pulls: [0.3; 2],
+            difference: 1.0,
+            torques: [5e3; 2],
         };
-        (0..100).for_each(|_| lag.see(&row, 0.01));
+        (0..100).for_each(|_| lag.see(&machine(), &row, 0.01));
         let spun = lag.lag();
         assert!((spun.value - told.value).abs() < 5e-4, "{told:?} {spun:?}");
     }
@@ -260,15 +276,15 @@ mod tests {
         let row = Row {
             speeds: [0.1, 0.1],
             difference: 0.0,
-            pulls: [0.1; 2],
+            torques: [1e3; 2],
         };
-        (0..100).for_each(|_| lag.see(&row, 0.01));
+        (0..100).for_each(|_| lag.see(&machine(), &row, 0.01));
         let far = Row {
             speeds: [2.0, 2.0],
             difference: f64::NAN,
             ..row
         };
-        (0..100).for_each(|_| lag.see(&far, 0.01));
+        (0..100).for_each(|_| lag.see(&machine(), &far, 0.01));
         assert_eq!(lag.state, before().state);
         assert_eq!(lag.lag(), before().lag());
     }
