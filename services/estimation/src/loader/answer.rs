@@ -20,7 +20,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     let x = filter.state();
     let own = Each::of(|i| x[i]);
     let std = Each {
-        ratio: filter.ratio_std(settings),
+        ratio: doubt.ratio_std,
         height: filter.std(CG_HEIGHT),
     };
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);

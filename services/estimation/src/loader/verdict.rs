@@ -20,6 +20,8 @@ const OBSERVABLE: Each<f64> = Each {
 /// What makes an estimate doubtful beside its own covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Doubt {
+    /// Standard deviation of the ratio: that of the filter, or more where one axle alone pulls.
+    pub ratio_std: f64,
     /// Birge ratio of the manoeuvres.
     pub birge: f64,
     /// What slips that waver may do to their mean, as a share of it.
@@ -41,6 +43,7 @@ pub(super) struct Doubt {
 impl Doubt {
     /// Nothing is doubtful.
     pub const NONE: Self = Self {
+        ratio_std: 0.0,
         birge: 1.0,
         wavering: 0.0,
         beyond: Each {

@@ -234,15 +234,21 @@ impl Filter {
 
     /// Takes back what was known of state `i` beforehand, value and variance: it tells nothing of the other states any more. The inverse
     /// of a measurement, with a negative variance. What has hardly been informed since is left.
+    #[inline]
     pub(super) fn take_back(
         &mut self,
         i: usize,
         (value, variance): (f64, f64),
         trail: &mut Option<Trail>,
     ) {
-        if self.p[i][i] > INFORMED * variance {
-            return;
+        if self.p[i][i] <= INFORMED * variance {
+            self.without(i, (value, variance), trail);
         }
+    }
+
+    /// The measurement with negative variance that takes back what was expected.
+    #[inline(never)]
+    fn without(&mut self, i: usize, (value, variance): (f64, f64), trail: &mut Option<Trail>) {
         let column = self.p[i];
         let left = column[i] - variance;
         let gain = column.map(|c| c / left);

@@ -35,7 +35,7 @@ impl Working {
         trail: &mut Option<Trail>,
     ) {
         let p = &settings.prior;
-        if content != Content::Unchanged || self.bucket.is_open() {
+        if self.expected && (content != Content::Unchanged || self.bucket.is_open()) {
             self.content_is_over((p.payload, p.payload_std), trail);
         }
         let (value, std) = match content {
@@ -59,12 +59,11 @@ impl Working {
     /// What is expected of any content, value and standard deviation, counts for this one alone: contents are alike (a machine that
     /// grades carries none for an hour), so a hundred of them would seem to tell what else weighs.
     fn content_is_over(&mut self, (value, std): (f64, f64), trail: &mut Option<Trail>) {
-        if core::mem::take(&mut self.expected) {
-            let prior = (value, std * std);
-            self.filter.take_back(M, prior, trail);
-            self.parallel.filter.take_back(M, prior, &mut None);
-            self.scale.filter.take_back(M, prior, &mut None);
-        }
+        self.expected = false;
+        let prior = (value, std * std);
+        self.filter.take_back(M, prior, trail);
+        self.parallel.filter.take_back(M, prior, &mut None);
+        self.scale.filter.take_back(M, prior, &mut None);
     }
 
     /// Other soil may stick from now on.

@@ -66,7 +66,7 @@ impl SharedSlip {
     /// `lag`: between the wheel speeds of both axles, half of which each may be late [s].
     pub fn std(&self, k: Quantity, prior: Quantity, range: f64, lag: f64) -> f64 {
         let learnt = (1.0 - k.std * k.std / (prior.std * prior.std)).max(0.0);
-        let apart = norm(&[APART, 0.5 * lag]);
+        let apart = sqrt(APART * APART + 0.25 * lag * lag);
         let timing = learnt * k.value * k.value * GRAVITY * apart * self.per_speed();
         let away = k.value - prior.value;
         let spread = norm(&[prior.std, k.std, timing]);

@@ -44,6 +44,8 @@ const CHANGE_SHOWN: f64 = 5.0;
 
 /// Signs of a model that does not hold.
 struct Signs {
+    /// The centre drive is locked, more probably than not.
+    locked: bool,
     late: bool,
     at_limit: bool,
     /// A wheel rolls on another radius than a tyre may.
@@ -67,6 +69,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let at_limit = Each::of(|i| self.is_at_limit(settings, i));
         if !settings.at_work() {
             return Doubt {
+                ratio_std: self.belief.std(CG_RATIO),
                 at_limit,
                 ..Doubt::NONE
             };
@@ -84,7 +87,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             expected: expected[1].0,
             std: ratio_std,
         });
+        let locked = self.coupling.locked();
         let signs = Signs {
+            locked: locked > 0.5,
             late: self.is_late(settings),
             radius: self.has_other_radius(settings),
             at_limit: at_limit.ratio
@@ -103,9 +108,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             | Reason::AtLimit
             | Reason::Stiffness => 1.0,
             _ if signs.contradicted => 1.0,
-            _ => self.coupling.locked(),
+            _ => locked,
         };
         Doubt {
+            ratio_std: self.ratio_std(settings, expected[1].1),
             birge: self.manoeuvres.ratio(),
             wavering: self.wheel_noise.wavering(&settings.estimator),
             beyond: self.mixed(settings, away, by_axle_torque, stiffness, doubted, expected),
@@ -202,7 +208,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
         let lighter = self.disturbance.mass.lighter();
-        if self.coupling.locked() > 0.5 {
+        if signs.locked {
             Reason::Locked
         } else if signs.radius {
             Reason::Radius

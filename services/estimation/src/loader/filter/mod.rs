@@ -206,20 +206,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Standard deviation of the ratio: that of the filter, or more where one axle alone pulls.
-    pub(in crate::loader) fn ratio_std(&self, settings: &Settings) -> f64 {
-        let own = self.std(CG_RATIO);
-        if !settings.at_work() {
-            return own;
-        }
+    fn ratio_std(&self, settings: &Settings, expected_std: f64) -> f64 {
         let prior = &settings.prior;
         let ratio = Quantity {
             value: self.state()[CG_RATIO],
-            std: self.expected_centre(settings)[1].1,
+            std: expected_std,
         };
         let by_slips = self
             .axles
             .ratio_std(ratio, prior.slip_stiffness_std / prior.slip_stiffness);
-        own.max(by_slips)
+        self.std(CG_RATIO).max(by_slips)
     }
 
     pub(in crate::loader) fn last_time(&self) -> Option<f64> {
