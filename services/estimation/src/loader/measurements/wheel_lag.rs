@@ -176,11 +176,11 @@ impl WheelLag {
         }
         let over = (squared / OUTLIER).max(1.0);
         let variance = variance * over;
-        for i in 0..5 {
+        for (i, covariance) in self.covariance.iter_mut().enumerate() {
             let share = gain[i] / variance;
             self.state[i] += share * residual;
-            for j in 0..5 {
-                self.covariance[i][j] -= share * gain[j];
+            for (covariance, gain) in covariance.iter_mut().zip(&gain) {
+                *covariance -= share * gain;
             }
         }
         self.scatter += BLOCK / MEMORY * (squared / over - self.scatter);
