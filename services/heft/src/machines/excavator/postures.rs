@@ -88,11 +88,13 @@ impl Postures {
 mod tests {
     use super::*;
 
+    type Change = fn([f64; 3]) -> [f64; 3];
+
     #[test]
     fn exchanged_angles_and_signs_are_named() {
         // Dig, swing, dump: boom, arm, bucket.
         let cycle = [[0.1, -2.2, -1.4], [0.9, -1.8, -1.5], [1.1, -1.5, 0.0]];
-        let said = |change: fn([f64; 3]) -> [f64; 3]| {
+        let said = |change: Change| {
             let mut postures = Postures::default();
             for _ in 0..1000 {
                 cycle.iter().for_each(|q| postures.see(change(*q)));
@@ -104,7 +106,7 @@ mod tests {
         let all_from_horizontal = |q: [f64; 3]| [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
         let from_vertical = |q: [f64; 3]| [q[0] + FRAC_PI_2, q[1], q[2]];
         let undone = HYPOTHESES[1..5].iter().map(|it| (it, it.2));
-        let others: [(_, fn([f64; 3]) -> [f64; 3]); 3] = [
+        let others: [(_, Change); 3] = [
             (&HYPOTHESES[5], from_horizontal),
             (&HYPOTHESES[5], all_from_horizontal),
             (&HYPOTHESES[6], from_vertical),
