@@ -160,7 +160,7 @@ macro_rules! excavator_methods {
     };
 }
 
-/// An angle of a joint within half a turn [rad]: sensors that count within a turn of their own, and differences of such sensors,
+/// An angle of a joint within half a turn \[rad\]: sensors that count within a turn of their own, and differences of such sensors,
 /// may be a whole turn off. What is beyond a turn is another unit, and stays.
 #[must_use]
 pub fn joint(angle: f64) -> f64 {
