@@ -13,12 +13,12 @@
 //! | chi | `scatter` | mean of the squared normalised residuals | 1 |
 //!
 //! Residuals are alike for 0.3 s, so tau is told with s^2 = P chi 0.3/0.2. Most machines send both speeds in one frame: tau = 0. Of the
-//! others any lag up to [`LONGEST`] is as likely as any other. The result is the mixture of both, p of them apart, by Bayes' rule:
+//! others each frame is anything up to 10 ms old, so the lag has a triangular density. The result is the mixture of both, p of them apart:
 //! ```text
-//! p/(1 - p) = P/(1 - P) 1/(2 LONGEST)/N(tau; 0, s^2),   P = 0.2
+//! p/(1 - p) = P/(1 - P) d(tau)/N(tau; 0, s^2),   d = max(1 - |tau|/LONGEST, 0.1)/LONGEST,   P = 0.1
 //! ```
-//! On eight sound loaders of others without lift pressures it costs .05 of trust. With the rear speed shifted by -3 to 10 ms the trusted
-//! rows were wrong for .27 to 1.0 of the time, and are for .02 at most.
+//! On eight sound loaders of others without lift pressures it costs .03 of trust. With the rear speed shifted by -3 to 10 ms the trusted
+//! rows were wrong for .27 to 1.0 of the time, and are for .03 at most.
 
 use core::f64::consts::{SQRT_2, TAU};
 
@@ -44,9 +44,11 @@ const RADII_BY_LOAD: f64 = 0.004;
 /// How far theta walks in a minute: a load changes slips by a fifth, clocks differ by 20 parts in a million.
 const WALK: [f64; 5] = [0.001, 0.02, 0.02, 0.001, 0.001];
 /// So many machines send the speeds of their axles in frames of two controllers.
-const APART: f64 = 0.2;
-/// Frames of two controllers are at most so far apart [s].
+const APART: f64 = 0.1;
+/// Frames of two controllers are at most so far apart [s]: each is anything up to 10 ms old.
 const LONGEST: f64 = 0.01;
+/// A lag at that limit, which is told to a millisecond, has this share of the density at 0.
+const LEAST_DENSITY: f64 = 0.1;
 /// Slower than this wheels say nothing [m/s].
 const SLOWEST: f64 = 0.5;
 
@@ -94,7 +96,7 @@ impl WheelLag {
             front * relative,
             rear * relative,
             RADII_BY_LOAD,
-            LONGEST / sqrt(3.0),
+            LONGEST / sqrt(6.0),
         ];
         let mut lag = Self {
             block: Block::default(),
@@ -191,9 +193,10 @@ impl WheelLag {
     fn weigh(&mut self) {
         let told = self.state[4];
         let own = self.covariance[4][4] * self.scatter.max(LEAST_SCATTER) * (ALIKE / BLOCK);
-        let variance = own.min(LONGEST * LONGEST / 3.0);
+        let variance = own.min(LONGEST * LONGEST / 6.0);
         let together = exp(-0.5 * told * told / variance) / sqrt(TAU * variance);
-        let apart = APART / (1.0 - APART) * 0.5 / LONGEST;
+        let density = (1.0 - told.abs() / LONGEST).max(LEAST_DENSITY) / LONGEST;
+        let apart = APART / (1.0 - APART) * density;
         let probability = apart / (apart + together);
         self.lag = Quantity {
             value: probability * told,
@@ -253,7 +256,7 @@ mod tests {
     #[test]
     fn before_any_row_frames_of_two_controllers_lie_anywhere() {
         let Quantity { value, std } = before().lag();
-        assert!(value == 0.0 && (0.002..0.003).contains(&std), "{std}");
+        assert!(value == 0.0 && (0.001..0.002).contains(&std), "{std}");
     }
 
     #[test]
