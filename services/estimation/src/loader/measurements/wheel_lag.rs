@@ -24,7 +24,6 @@ use core::f64::consts::{SQRT_2, TAU};
 
 use crate::Quantity;
 use crate::loader::physics::wheel_dynamics::{GRAVITY, WheelDynamics};
-
 use crate::math::{exp, norm, sqrt};
 
 /// How long a block lasts [s]: shorter than a pull, longer than the noise of a wheel.
