@@ -94,6 +94,13 @@ impl Contradiction {
         }
     }
 
+    /// A swing in which nothing pushed does not follow the model either: what seemed to push before was a sensor that broke.
+    pub(super) fn is_left_unexplained(&mut self) {
+        if self.pushed {
+            self.outright();
+        }
+    }
+
     /// A payload is known that a bucket may hold: what pushed has passed.
     pub(super) fn is_weighed(&mut self) {
         self.pushed = false;
@@ -157,6 +164,16 @@ mod tests {
         };
         assert!(!pushes(true));
         assert!(pushes(false));
+    }
+
+    #[test]
+    fn a_swing_that_nothing_explains_contradicts_after_a_push_alone() {
+        let mut contradiction = Contradiction::new();
+        contradiction.is_left_unexplained();
+        assert!(!contradiction.is_open());
+        contradiction.pushes();
+        contradiction.is_left_unexplained();
+        assert!(contradiction.is_open());
     }
 
     /// A payload that seemed to change, and weighs this with this variance afterwards [kg, kg^2].

@@ -318,9 +318,12 @@ impl Working {
         self.noise.rest();
         self.change.clear();
         self.changed = false;
-        self.pushed = false;
+        let pushed = core::mem::take(&mut self.pushed);
         if self.parallel.is_over() {
             self.contradiction.swung(self.agreement.factor());
+            if !pushed && self.noise.is_unexplained() {
+                self.contradiction.is_left_unexplained();
+            }
         }
         self.agreement.interrupt();
         self.weighed_nothing = false;
@@ -390,41 +393,50 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
-        // Once more, though the payload may be any: it is none.
-        let mut no_payload = false;
-        if self.change.push(z.clamp(-3.0, 3.0)) {
-            no_payload = self.changed;
-            if !self.changed {
-                let before = (self.filter.x[M], self.filter.p[M][M]);
-                self.contradiction.changed(before);
-            }
-            let anything = self.anything();
-            for filter in [&mut self.filter, &mut self.parallel.filter] {
-                filter.p[M][M] += anything;
-            }
-            self.agreement.contradict();
-            self.changed = true;
-        } else if self.changed && !self.pushed {
-            let weight = (self.filter.x[M], self.filter.p[M][M]);
-            self.changed = !self.contradiction.withdraws(weight, self.anything());
-        }
+        let no_payload = self.watch_payload(z);
         if self.bucket.is_open() {
             self.agreement.interrupt();
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
+        if !self.pushed {
+            self.watch_pushes(s, no_payload, trail);
+        }
+        self.tare(gate, &drive.now, trail);
+        innovation
+    }
+
+    /// Whether the payload changes without a word, by a normalised innovation; true where it does once more though it may be any: what
+    /// does so is none.
+    fn watch_payload(&mut self, z: f64) -> bool {
+        let weight = (self.filter.x[M], self.filter.p[M][M]);
+        let anything = self.anything();
+        if self.change.push(z.clamp(-3.0, 3.0)) {
+            for filter in [&mut self.filter, &mut self.parallel.filter] {
+                filter.p[M][M] += anything;
+            }
+            self.agreement.contradict();
+            let again = core::mem::replace(&mut self.changed, true);
+            if !again {
+                self.contradiction.changed(weight);
+            }
+            return again;
+        }
+        if self.changed && !self.pushed {
+            self.changed = !self.contradiction.withdraws(weight, anything);
+        }
+        false
+    }
+
+    /// Whether something pushes the upper body: what has changed is no payload, or none that a bucket may hold.
+    fn watch_pushes(&mut self, s: &Settings, no_payload: bool, trail: &mut Option<Trail>) {
         let payload = self.filter.payload(&self.sticks);
         let range = s.payload_range();
-        if !self.pushed {
-            no_payload |= self.contradiction.weighs(payload, range, self.changed);
-        }
-        if no_payload && !self.pushed {
+        if self.contradiction.weighs(payload, range, self.changed) || no_payload {
             self.contradiction.pushes();
             self.pushed = true;
             self.hold(s, Content::Unknown, trail);
         }
-        self.tare(gate, &drive.now, trail);
-        innovation
     }
 
     /// What acts during a step, with what nobody measures of it.

@@ -20,6 +20,8 @@ const RANGES: [[f64; 2]; 2] = [[0.25, 400.0], [0.25, 36.0]];
 /// Standard deviation of the velocity of an upper body about that of a rigid one [rad/s]: .003 to .007 where booms give way
 /// sideways at 3 Hz.
 const VIBRATION: f64 = 0.01;
+/// Factor of the torque's variance above which the motion does not follow the model: at 3 no recording of a sound machine loses trust.
+const UNEXPLAINED: f64 = 10.0;
 
 /// Factors of the variances of torque and velocity.
 #[derive(Debug, Clone)]
@@ -81,6 +83,11 @@ impl Noise {
     /// Factor of the torque's variance.
     pub(super) fn scale(&self) -> f64 {
         self.scales[0]
+    }
+
+    /// The motion does not follow the model.
+    pub(super) fn is_unexplained(&self) -> bool {
+        self.scale() > UNEXPLAINED
     }
 
     /// Variance of the velocity beside its sensor's noise [(rad/s)^2].

@@ -31,9 +31,6 @@ const HARDLY_LEARNT: f64 = 0.05;
 const LOWEST_BOOM_ANGLE: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
 const MIN_SHARE: f64 = 0.33;
-/// Factor of the torque's noise variance above which the motion does not follow the model: at 3 no recording of a sound machine loses
-/// trust.
-const UNEXPLAINED: f64 = 10.0;
 /// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
 const FAULT_DEVIATIONS: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
 /// No machine has less than this share of the described friction and damping.
@@ -110,7 +107,7 @@ impl Working {
                 || contradicted
                 || self.weigh.as_ref().is_some_and(Weigh::swings)
                 || self.change.level() > SUSPICIOUS
-                || self.noise.scale() > UNEXPLAINED,
+                || self.noise.is_unexplained(),
             opening: self.bucket.is_open(),
             reason: if down {
                 Reason::Sign
@@ -190,7 +187,7 @@ impl Working {
         if self.contradiction.is_open() || self.is_beyond() {
             return Reason::Contradiction;
         }
-        if self.noise.scale() > UNEXPLAINED {
+        if self.noise.is_unexplained() {
             return Reason::Unexplained;
         }
         if self.agreement.factor() > DISAGREEMENT {
