@@ -73,9 +73,8 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     for (name, about) in &machines::described("machines/loader.json") {
         for method in [Method::Full, Method::FullEkf] {
             let [ratio, height] = tallies(name, &about["sets"], method);
-            // Nobody says that both wheel speeds come together: where a machine turns, carries or is a little wrong in everything, that
-            // takes half a minute to tell. Half of the machines need more for the height, so none is asked for.
-            for (what, found, trusted) in [("ratio", ratio, 0.60), ("height", height, 0.0)] {
+            // Half of the machines need a minute or more until the height is known to a tenth, so none is asked for.
+            for (what, found, trusted) in [("ratio", ratio, 0.70), ("height", height, 0.0)] {
                 let said = format!("{name}, {method}, {what}: {}", machines::scores(&found));
                 println!("{said}");
                 let limits = Limits {

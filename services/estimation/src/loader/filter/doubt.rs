@@ -25,7 +25,7 @@ const OTHER_RADIUS: f64 = 0.04;
 /// Where nobody states the radius it may be off by so many standard deviations of its prior.
 const UNSTATED_RADIUS: f64 = 3.0;
 /// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
-pub(super) const NOTED_SLIP: f64 = 0.005;
+const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
 const NOTED_SLOPE: f64 = 0.02;
 /// Where a load sits, in bucket reaches ahead of the front axle.

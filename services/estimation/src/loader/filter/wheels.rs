@@ -5,7 +5,6 @@ use super::{Belief, CgFilter};
 use crate::loader::doubts::coupling::Turning;
 use crate::loader::doubts::curves::Difference;
 use crate::loader::doubts::manoeuvres::Slip;
-use crate::loader::filter::doubt::NOTED_SLIP;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 use crate::loader::measurements::wheel_lag::Row;
 use crate::loader::measurements::windup::LEAST_SHARE;
@@ -82,12 +81,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// What a row shows of the time between both wheel speeds; a machine that brakes or bends shows nothing.
     fn see_lag(&mut self, seen: &Seen<N, M>, model: &CgModel) {
-        if self.effect.braking || self.effect.turn > NOTED_SLIP {
+        if self.effect.braking {
             return self.wheel_lag.interrupt();
         }
         let row = Row {
             speeds: [seen.state[SPEED], seen.before.speed],
-            difference: seen.measured[FRONT_WHEEL] - seen.measured[REAR_WHEEL],
+            difference: seen.measured[FRONT_WHEEL] - seen.measured[REAR_WHEEL]
+                + self.effect.closing / self.dynamics.wheel_radius,
+            turn: self.effect.turn,
             torques: [model.inputs.front_torque, model.inputs.rear_torque],
         };
         self.wheel_lag.see(&self.dynamics, &row, model.dt);

@@ -25,6 +25,7 @@ use core::f64::consts::{SQRT_2, TAU};
 use crate::Quantity;
 use crate::loader::physics::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::{exp, norm, sqrt};
+use crate::mixture::spread;
 
 /// How long a block lasts [s]: shorter than a pull, longer than the noise of a wheel.
 const BLOCK: f64 = 0.2;
@@ -58,6 +59,8 @@ pub struct Row {
     pub speeds: [f64; 2],
     /// Wheel speed of the front axle over that of the rear one [rad/s].
     pub difference: f64,
+    /// Standard deviation of the slips by steering.
+    pub turn: f64,
     /// Of the axles [N m].
     pub torques: [f64; 2],
 }
@@ -68,6 +71,8 @@ pub struct Row {
 struct Block {
     time: f64,
     rows: f64,
+    /// Largest deviation of the slips by steering.
+    turn: f64,
     /// Speed at its start [m/s].
     start: f64,
     /// Sums of w_f - w_r, of the speed, and of the torques.
@@ -140,6 +145,7 @@ impl WheelLag {
             *sum += adds;
         }
         block.rows += 1.0;
+        block.turn = block.turn.max(row.turn);
         block.time += dt;
         if block.time >= BLOCK {
             self.absorb(machine, speed);
@@ -169,7 +175,8 @@ impl WheelLag {
         }
         let dot = |a: &[f64; 5]| a.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>();
         let gain = self.covariance.each_ref().map(dot);
-        let variance = NOISE * NOISE + dot(&gain);
+        let by_turn = block.turn * speed;
+        let variance = NOISE * NOISE + by_turn * by_turn + dot(&gain);
         let residual = y - dot(&self.state);
         let squared = residual * residual / variance;
         if !squared.is_finite() {
@@ -197,9 +204,12 @@ impl WheelLag {
         let density = (1.0 - told.abs() / LONGEST).max(LEAST_DENSITY) / LONGEST;
         let apart = APART / (1.0 - APART) * density;
         let probability = apart / (apart + together);
+        let value = probability * told;
+        let apart = spread(probability, told - value, sqrt(variance));
+        let together = spread(1.0 - probability, value, 0.0);
         self.lag = Quantity {
-            value: probability * told,
-            std: sqrt(probability * (variance + (1.0 - probability) * told * told)),
+            value,
+            std: apart.max(together),
         };
     }
 }
@@ -234,6 +244,7 @@ mod tests {
             let row = Row {
                 speeds: [speed, before],
                 difference: difference / machine().wheel_radius,
+                turn: 0.0,
                 torques: [pull * weight; 2],
             };
             learnt.see(&machine(), &row, 0.01);
@@ -265,6 +276,7 @@ mod tests {
         let row = Row {
             speeds: [2.0, 2.0],
             difference: 1.0,
+            turn: 0.0,
             torques: [5e3; 2],
         };
         (0..100).for_each(|_| lag.see(&machine(), &row, 0.01));
@@ -278,6 +290,7 @@ mod tests {
         let row = Row {
             speeds: [0.1, 0.1],
             difference: 0.0,
+            turn: 0.0,
             torques: [1e3; 2],
         };
         (0..100).for_each(|_| lag.see(&machine(), &row, 0.01));
