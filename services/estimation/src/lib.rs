@@ -70,6 +70,7 @@ pub mod images;
 pub mod kalman;
 pub mod keys;
 mod leap;
+mod linear;
 pub mod loader;
 pub mod loads;
 pub mod math;

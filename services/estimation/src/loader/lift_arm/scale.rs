@@ -15,6 +15,7 @@ use super::geometry::Posture;
 use super::numbers::FRICTION;
 use super::seals::Seals;
 use crate::Quantity;
+use crate::linear::Measurement;
 use crate::math::sqrt;
 
 /// How long heaving, lifting and settling contents do the same to the moment, and rows tell the same [s].
@@ -287,21 +288,9 @@ impl Scale {
     }
 
     fn correct(&mut self, by: [f64; 2], innovation: f64, variance: f64) {
-        let p = self.covariance;
-        let cross = [
-            p[0][0] * by[0] + p[0][1] * by[1],
-            p[1][0] * by[0] + p[1][1] * by[1],
-        ];
-        let total = by[0] * cross[0] + by[1] * cross[1] + variance;
-        let is_number = total.is_finite() && innovation.is_finite();
-        if total <= 0.0 || !is_number {
-            return;
-        }
-        for i in 0..2 {
-            self.state[i] += cross[i] / total * innovation;
-            for j in 0..2 {
-                self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
-            }
+        let told = Measurement::of(&self.covariance, &by, innovation, variance);
+        if told.variance > 0.0 && told.variance.is_finite() && innovation.is_finite() {
+            told.take(&mut self.state, &mut self.covariance);
         }
     }
 

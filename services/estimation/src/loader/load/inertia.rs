@@ -16,6 +16,7 @@
 //! Where the mass is reported with its load, that is likelier than a load of which nobody knows, and z is a state; where it is not,
 //! z is nothing and such a row speaks for a load: after each stop there may be one.
 
+use crate::linear::{Measurement, dot};
 use crate::math::sqrt;
 
 /// Smoothing of the signals [s].
@@ -82,22 +83,13 @@ impl Force {
     /// too large changes nothing.
     pub fn see(&mut self, [acceleration, pull, direction]: [f64; 3], dt: f64) -> [f64; 2] {
         let by = [pull, -direction, 1.0];
-        let p = self.covariance;
-        let with = |row: &[f64; STATES]| row[0] * by[0] + row[1] * by[1] + row[2] * by[2];
-        let cross = [with(&p[0]), with(&p[1]), with(&p[2])];
         let noise = NOISE * NOISE * (TOGETHER / dt).max(1.0);
-        let total = with(&cross) + noise;
-        let innovation = acceleration - with(&self.state);
-        if innovation.abs() > LARGEST {
-            return [innovation, total];
+        let innovation = acceleration - dot(&self.state, &by);
+        let told = Measurement::of(&self.covariance, &by, innovation, noise);
+        if innovation.abs() <= LARGEST {
+            told.take(&mut self.state, &mut self.covariance);
         }
-        for i in 0..STATES {
-            self.state[i] += cross[i] / total * innovation;
-            for j in 0..STATES {
-                self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
-            }
-        }
-        [innovation, total]
+        [innovation, told.variance]
     }
 }
 

@@ -12,17 +12,20 @@
 //! | P | `covariance` | of theta, which walks | |
 //! | chi | `scatter` | mean of the squared normalised residuals | 1 |
 //!
+//! A turn makes the slips unequal by some deviation, and e by as much times v.
 //! Residuals are alike for 0.3 s, so tau is told with s^2 = P chi 0.3/0.2. Most machines send both speeds in one frame: tau = 0. Of the
-//! others each frame is anything up to 10 ms old, so the lag has a triangular density. The result is the mixture of both, p of them apart:
+//! others each frame is anything up to 10 ms old, so the lag has a triangular density. The result is the mixture of both ([`crate::mixture`]),
+//! with the probability p that they come apart:
 //! ```text
 //! p/(1 - p) = P/(1 - P) d(tau)/N(tau; 0, s^2),   d = max(1 - |tau|/LONGEST, 0.1)/LONGEST,   P = 0.1
 //! ```
-//! On eight sound loaders of others without lift pressures it costs .03 of trust. With the rear speed shifted by -3 to 10 ms the trusted
-//! rows were wrong for .27 to 1.0 of the time, and are for .03 at most.
+//! On eight sound loaders of others without lift pressures it costs .005 of trust. With the rear speed shifted by -3 to 10 ms the
+//! trusted rows were wrong for .27 to 1.0 of the time, and are for .03 at most.
 
 use core::f64::consts::{SQRT_2, TAU};
 
 use crate::Quantity;
+use crate::linear::{Measurement, dot};
 use crate::loader::physics::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
@@ -173,24 +176,17 @@ impl WheelLag {
         for (i, walk) in WALK.into_iter().enumerate() {
             self.covariance[i][i] += walk * walk / 60.0 * block.time;
         }
-        let dot = |a: &[f64; 5]| a.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>();
-        let gain = self.covariance.each_ref().map(dot);
         let by_turn = block.turn * speed;
-        let variance = NOISE * NOISE + by_turn * by_turn + dot(&gain);
-        let residual = y - dot(&self.state);
-        let squared = residual * residual / variance;
+        let noise = NOISE * NOISE + by_turn * by_turn;
+        let residual = y - dot(&self.state, &x);
+        let mut told = Measurement::of(&self.covariance, &x, residual, noise);
+        let squared = residual * residual / told.variance;
         if !squared.is_finite() {
             return;
         }
         let over = (squared / OUTLIER).max(1.0);
-        let variance = variance * over;
-        for (i, covariance) in self.covariance.iter_mut().enumerate() {
-            let share = gain[i] / variance;
-            self.state[i] += share * residual;
-            for (covariance, gain) in covariance.iter_mut().zip(&gain) {
-                *covariance -= share * gain;
-            }
-        }
+        told.variance *= over;
+        told.take(&mut self.state, &mut self.covariance);
         self.scatter += BLOCK / MEMORY * (squared / over - self.scatter);
         self.weigh();
     }
