@@ -113,10 +113,6 @@ impl Machine for Excavator {
     }
 
     fn step(&mut self, sample: &Sample) -> Timed {
-        let posture = sample
-            .posture
-            .map(|angle| angle.map(sheet::excavator::joint));
-        let sample = &Sample { posture, ..*sample };
         let estimate = match &mut self.stage {
             Stage::Regression(filter, regression) => regression.step(&filter.step(sample)),
             Stage::StateSpace(estimator) => estimator.step(sample),

@@ -1,7 +1,5 @@
 //! The excavator: what its sensors give, what its estimates say beside their numbers.
 
-use core::f64::consts::{PI, TAU};
-
 /// Its signals: bit, name of the bit, name, where it goes in a `Sample` of `estimation`, unit, meaning with sign, presence.
 /// `first` and `later`: before and behind the bits in the message; a later one is added at the end, its bit is free.
 /// `switches` are a bit without a number. Calls the macro `$then` with them.
@@ -158,18 +156,6 @@ macro_rules! excavator_methods {
             6 Velocity "velocity" "Velocity and nominal damping only (A).";
         }
     };
-}
-
-/// An angle of a joint within half a turn \[rad\]: sensors that count within a turn of their own, and differences of such sensors,
-/// may be a whole turn off. What is beyond a turn is another unit, and stays.
-#[must_use]
-pub fn joint(angle: f64) -> f64 {
-    let is_other_turn = angle.abs() > PI && angle.abs() <= TAU;
-    if is_other_turn {
-        angle - TAU.copysign(angle)
-    } else {
-        angle
-    }
 }
 
 /// Of each group, a machine must have one.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use estimation::excavator::{Geometry, Inertia, Sample};
+use estimation::excavator::{Geometry, Inertia, Sample, joint};
 
 use super::torque::Torque;
 use crate::column::{moving_mean, percentile};
@@ -139,7 +139,7 @@ impl Series {
         velocity.iter_mut().for_each(|v| *v -= bias);
         // The noise of an angle would be one of the inertia, which the filter has not.
         let postures: [Vec<f64>; 3] = std::array::from_fn(|i| {
-            let angle = filled(&time, &samples, |s| s.posture[i]);
+            let angle = filled(&time, &samples, |s| s.posture[i].map(joint));
             moving_mean(&time, &angle, WINDOW)
         });
         let inertias = if has_posture {

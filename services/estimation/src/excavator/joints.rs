@@ -11,6 +11,17 @@ pub(in crate::excavator) fn possible(posture: [f64; 3]) -> [bool; 3] {
     core::array::from_fn(|i| turned(posture[i]) <= BEYOND[i])
 }
 
+/// An angle of a joint within half a turn \[rad\]: sensors that count within a turn of their own, and differences of such sensors,
+/// may be a whole turn off. What is beyond a turn is of another unit, and stays.
+#[must_use]
+pub fn joint(angle: f64) -> f64 {
+    if angle.abs() <= TAU {
+        turned(angle)
+    } else {
+        angle
+    }
+}
+
 /// The same angle within half a turn.
 pub(in crate::excavator) fn turned(angle: f64) -> f64 {
     if angle.abs() <= PI {
@@ -23,5 +34,19 @@ pub(in crate::excavator) fn turned(angle: f64) -> f64 {
         angle + TAU
     } else {
         angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_is_where_it_is_whichever_turn_a_sensor_counts() {
+        assert!((joint(-1.4 + TAU) + 1.4).abs() < 1e-12);
+        assert!((joint(1.4 - TAU) - 1.4).abs() < 1e-12);
+        assert_eq!(joint(-1.4), -1.4);
+        assert_eq!(joint(-80.0), -80.0, "degrees stay, to be named");
+        assert!(joint(f64::NAN).is_nan());
     }
 }

@@ -148,7 +148,7 @@ impl Plausible {
         let Some([velocity, torque, boom, arm, bucket]) = values else {
             return;
         };
-        let posture = [boom, arm, bucket];
+        let posture = [boom, arm, bucket].map(joints::joint);
         self.torque += torque;
         self.rows += 1.0;
         let Some((time, before, joints)) = self.last else {

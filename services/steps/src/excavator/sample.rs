@@ -8,21 +8,7 @@ use super::method;
 use crate::Error;
 use crate::rows::sample_of_message;
 
-mod of_message {
-    use super::{Sample, SensorsMessage, sample_of_message};
-
-    sheet::excavator_signals!(sample_of_message);
-}
-
-/// The sample in a message; a signal without its bit is missing, and a joint is within half a turn.
-#[must_use]
-pub fn sample(m: &SensorsMessage) -> Sample {
-    let mut sample = of_message::sample(m);
-    sample.posture = sample
-        .posture
-        .map(|angle| angle.map(sheet::excavator::joint));
-    sample
-}
+sheet::excavator_signals!(sample_of_message);
 
 /// The columns that the source of a message has.
 #[must_use]
@@ -57,27 +43,5 @@ pub fn check_columns(d: &Description, name: &str, first: &ExcavatorSensors) -> R
         m => SwingEstimator::new(&Settings::of(d), m, columns)
             .map(drop)
             .map_err(Error::settings),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use core::f64::consts::TAU;
-
-    /// A curled bucket points backwards: the difference of two inclinometers of a turn each jumps by a whole one.
-    #[test]
-    fn a_joint_is_where_it_is_whichever_turn_a_sensor_counts() {
-        let at = |bucket_angle| {
-            sample(&ExcavatorSensors {
-                bucket_angle,
-                valid: bits::BUCKET_ANGLE,
-                ..ExcavatorSensors::default()
-            })
-        };
-        let bucket = |angle| at(angle).posture[2].expect("measured");
-        assert!((bucket(-1.4 + TAU) + 1.4).abs() < 1e-12);
-        assert_eq!(bucket(-1.4), -1.4);
-        assert_eq!(bucket(-80.0), -80.0, "degrees stay, to be named");
     }
 }

@@ -167,7 +167,7 @@ impl Screen {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
-        let mut posture = sample.posture;
+        let mut posture = sample.posture.map(|angle| angle.map(joints::joint));
         let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
         let possible = joints::possible(posture.map(|angle| angle.unwrap_or(0.0)));
         let values = posture.iter_mut().zip(possible);

@@ -1,6 +1,6 @@
 //! Are data and description of one machine?
 
-use estimation::excavator::{Geometry, Mismatch, Plausible, largest};
+use estimation::excavator::{Geometry, Mismatch, Plausible, joint, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
@@ -54,7 +54,7 @@ impl Look for Fits {
         self.speed.see(&sample);
         self.angles.see(sample.posture);
         if let [Some(boom), Some(arm), Some(bucket)] = sample.posture {
-            self.postures.see([boom, arm, bucket]);
+            self.postures.see([boom, arm, bucket].map(joint));
         }
         let swings = sample.velocity.is_some_and(|v| v.abs() > SWINGS);
         let [boom, arm] = &mut self.cylinders;
