@@ -96,7 +96,7 @@ impl Core {
     }
 
     /// Inertia at a posture, which [`Self::step`] does not compute again.
-    pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> Inertia {
+    pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> &Inertia {
         self.driver.inertia(&settings.geometry, posture)
     }
 

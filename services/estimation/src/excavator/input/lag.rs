@@ -61,6 +61,8 @@ pub(in crate::excavator) struct Lag {
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     left: [f64; LAGS],
     next: usize,
+    /// So many of them are not of the present sums.
+    old: usize,
     /// The lag as stated, and its standard deviation [ticks].
     stated: [f64; 2],
 }
@@ -80,6 +82,7 @@ impl Lag {
             squares: [0.0; LAGS],
             left: [f64::INFINITY; LAGS],
             next: 0,
+            old: 0,
         }
     }
 
@@ -133,6 +136,7 @@ impl Lag {
         let torques: [f64; LAGS] = core::array::from_fn(|i| at(middle + i + HALF - EARLIEST).1);
         let kept = 1.0 - MEMORY;
         self.seen = self.seen * kept + 1.0;
+        self.old = LAGS;
         self.normal = self.normal * kept + x * x.transpose();
         for ((product, square), torque) in
             self.products.iter_mut().zip(&mut self.squares).zip(torques)
@@ -146,9 +150,17 @@ impl Lag {
     fn look(&mut self) {
         let i = self.next;
         self.next = (i + 1) % LAGS;
-        let solved = self.normal.cholesky();
-        self.left[i] = solved.map_or(f64::INFINITY, |factor| {
-            self.squares[i] - self.products[i].dot(&factor.solve(&self.products[i]))
+        if self.old == 0 {
+            return;
+        }
+        self.old -= 1;
+        // What L^-1 c explains: c' (L L')^-1 c is its square.
+        let explained = self.normal.cholesky().and_then(|factor| {
+            let lower = factor.l_dirty();
+            lower.solve_lower_triangular(&self.products[i])
+        });
+        self.left[i] = explained.map_or(f64::INFINITY, |explained| {
+            self.squares[i] - explained.norm_squared()
         });
     }
 

@@ -141,7 +141,7 @@ impl Filter {
             trail.row(W, &row);
         }
 
-        let column = self.along(row.into_iter().enumerate());
+        let column = self.along(row[..ACTING].iter().copied().enumerate());
         let variance = dot(&column, &row) + input.torque_variance * of_torque * of_torque;
         for (i, &covariance) in column.iter().enumerate() {
             self.p[W][i] = covariance;
@@ -294,6 +294,7 @@ impl Filter {
     }
 
     /// Value and variance of a combination of few states.
+    #[inline]
     pub(super) fn combination<const K: usize>(&self, row: &[(usize, f64); K]) -> (f64, f64) {
         let (mut value, mut variance) = (0.0, 0.0);
         for (k, &(i, a)) in row.iter().enumerate() {
@@ -353,13 +354,14 @@ impl Filter {
             let variance = self.p[i][i];
             sum += self.x[i] + variance;
             // One instruction; one that is no number shows in the sum.
-            least = if variance < least { variance } else { least };
+            least = if least < variance { least } else { variance };
         }
         least == 0.0 && sum.is_finite()
     }
 }
 
 /// How the inertia at a posture depends on the states.
+#[inline]
 pub(super) fn inertia_row(now: &Inertia) -> [(usize, f64); 4] {
     [
         (M, now.per_payload),
