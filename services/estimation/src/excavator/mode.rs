@@ -104,13 +104,12 @@ impl Core {
     pub(super) fn step(
         &mut self,
         settings: &Settings,
-        tick: &Tick,
+        mut tick: Tick,
         method: Method,
         trail: &mut Option<Trail>,
     ) -> Reading {
         let (needs_torque, needs_posture) = needs(method);
         let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
-        let mut tick = *tick;
         let mut event = false;
         if !needs_torque {
             let gated = self
@@ -118,6 +117,8 @@ impl Core {
                 .step(tick.velocity, tick.velocity_variance, tick.period);
             tick.velocity = gated.velocity;
             event = gated.event;
+            // It does not see a torque that was measured.
+            tick.torque_age = f64::INFINITY;
         }
         let velocity = (tick.velocity, tick.velocity_variance);
         let phase = self.standstill.step(velocity, torque, tick.period);
@@ -126,14 +127,7 @@ impl Core {
         self.standstill.count(phase, tick.period);
         let geometry = needs_posture.then_some(&settings.geometry);
         let torque_std = settings.sensors.swing_torque_std;
-        // A method without torque does not see one that was measured.
-        let torque_age = if needs_torque {
-            tick.torque_age
-        } else {
-            f64::INFINITY
-        };
-        let seen = Tick { torque_age, ..tick };
-        let drive = self.driver.step(&seen, geometry, torque_std);
+        let drive = self.driver.step(&tick, geometry, torque_std);
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }

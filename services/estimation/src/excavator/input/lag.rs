@@ -133,14 +133,14 @@ impl Lag {
         let (direction, (sin, cos)) = (velocity.signum(), sin_cos(at(middle).3));
         let lost = inertial.abs() * direction;
         let x = Regressors::new(inertial, velocity, direction, sin, cos, lost);
-        let torques: [f64; LAGS] = core::array::from_fn(|i| at(middle + i + HALF - EARLIEST).1);
+        let mut k = (middle + HALF - EARLIEST) % RING;
         let kept = 1.0 - MEMORY;
         self.seen = self.seen * kept + 1.0;
         self.old = LAGS;
         self.normal = self.normal * kept + x * x.transpose();
-        for ((product, square), torque) in
-            self.products.iter_mut().zip(&mut self.squares).zip(torques)
-        {
+        for (product, square) in self.products.iter_mut().zip(&mut self.squares) {
+            let torque = self.ring[k].1;
+            k = if k + 1 < RING { k + 1 } else { 0 };
             *product = *product * kept + x * torque;
             *square = *square * kept + torque * torque;
         }

@@ -294,7 +294,7 @@ impl Filter {
     }
 
     /// Value and variance of a combination of few states.
-    #[inline]
+    #[inline(always)]
     pub(super) fn combination<const K: usize>(&self, row: &[(usize, f64); K]) -> (f64, f64) {
         let (mut value, mut variance) = (0.0, 0.0);
         for (k, &(i, a)) in row.iter().enumerate() {

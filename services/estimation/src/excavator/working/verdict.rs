@@ -25,8 +25,10 @@ const BELIEF: f64 = 1.0;
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
 /// The share that a drive loses is described no better than to this.
 const LEAST_LOSS: f64 = 0.01;
-/// Constants of the machine that the motion tells.
-const MACHINE: [usize; 8] = [FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS];
+/// What the motion tells of a description.
+const CONSTANTS: [usize; 10] = [
+    FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS, SPAN, ZERO,
+];
 /// One constant says no more than this square.
 const SURPRISE: f64 = 16.0;
 /// One of which the motion has taken this share of the variance says half of what a known one does.
@@ -134,13 +136,9 @@ impl Working {
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
-        // The pressures' are not asked without a torque beside them: they take up what the seals do.
-        let pressures = if self.parallel.is_driven() {
-            &[SPAN, ZERO][..]
-        } else {
-            &[]
-        };
-        for &i in MACHINE.iter().chain(pressures) {
+        // The pressures', the last two, are not asked without a torque beside them: they take up what the seals do.
+        let not_asked = if self.parallel.is_driven() { 0 } else { 2 };
+        for &i in &CONSTANTS[..CONSTANTS.len() - not_asked] {
             let per_stated = self.per_stated[i];
             if per_stated <= 0.0 {
                 continue;
