@@ -132,7 +132,7 @@ impl Core {
             event |= onset.step(settings, &drive, phase);
         }
         let scale = self.turns_to_scale(settings, method, &drive);
-        let (mut state, basis) = self.advance(settings, &drive, (phase, reopen), event, trail);
+        let mut state = self.advance(settings, &drive, (phase, reopen), event, trail);
         let held = match &self.mode {
             Mode::Posture(mode) => mode.held(),
             Mode::Velocity(mode) => mode.held(),
@@ -142,7 +142,11 @@ impl Core {
         // that moves, cannot be distinguished from its inertia.
         let identified =
             needs_torque && needs_posture || scale || settings.is_partly_identifiable();
-        let basis = if identified { basis } else { Basis::Nothing };
+        let basis = if identified {
+            self.basis(settings)
+        } else {
+            Basis::Nothing
+        };
         if !identified {
             state.reason = Reason::Method;
             let posture = needs_posture.then_some(tick.posture);
@@ -181,7 +185,7 @@ impl Core {
         weighs && matches!(self.mode, Mode::PostureTorque(_))
     }
 
-    /// The mode takes a step: its state, and what speaks for it.
+    /// The mode takes a step.
     fn advance(
         &mut self,
         settings: &Settings,
@@ -189,27 +193,27 @@ impl Core {
         (phase, reopen): (Phase, bool),
         event: bool,
         trail: &mut Option<Trail>,
-    ) -> (State, Basis) {
+    ) -> State {
         match &mut self.mode {
-            Mode::PostureTorque(mode) => {
-                let state = mode.step(settings, drive, (phase, reopen), trail);
-                (state, Basis::PostureTorque)
+            Mode::PostureTorque(mode) => mode.step(settings, drive, (phase, reopen), trail),
+            Mode::Torque(mode) => mode.step(settings, drive, phase, reopen),
+            Mode::Posture(mode) => mode.step(settings, drive, (phase, reopen), event),
+            Mode::Velocity(mode) => mode.step(settings, Entry::new(drive, phase, reopen), event),
+        }
+    }
+
+    /// What speaks for its state.
+    fn basis(&self, settings: &Settings) -> Basis {
+        match &self.mode {
+            Mode::PostureTorque(_) => Basis::PostureTorque,
+            Mode::Torque(_) => Basis::Torque {
+                stood: self.standstill.seen(),
+            },
+            Mode::Posture(mode) => Basis::Steady(mode.unflagged_for()),
+            Mode::Velocity(mode) if settings.estimator.constant_inertia => {
+                Basis::Steady(mode.unflagged_for())
             }
-            Mode::Torque(mode) => {
-                let stood = self.standstill.seen();
-                let state = mode.step(settings, drive, phase, reopen);
-                (state, Basis::Torque { stood })
-            }
-            Mode::Posture(mode) => {
-                let state = mode.step(settings, drive, (phase, reopen), event);
-                (state, Basis::Steady(mode.unflagged_for()))
-            }
-            Mode::Velocity(mode) => {
-                let state = mode.step(settings, Entry::new(drive, phase, reopen), event);
-                let steady = Basis::Steady(mode.unflagged_for());
-                let constant = settings.estimator.constant_inertia;
-                (state, if constant { steady } else { Basis::Nothing })
-            }
+            Mode::Velocity(_) => Basis::Nothing,
         }
     }
 

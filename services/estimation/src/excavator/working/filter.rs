@@ -349,14 +349,15 @@ impl Filter {
     /// Whether every state and variance is a number, and no variance negative.
     pub(super) fn is_sound(&self) -> bool {
         // What is not finite beside the diagonal shows in the states with the next motion.
-        let (mut sum, mut least) = (0.0, 0.0);
+        let (mut sum, mut variances, mut least) = (0.0, 0.0, 0.0);
         for i in 0..N {
             let variance = self.p[i][i];
-            sum += self.x[i] + variance;
+            sum += self.x[i];
+            variances += variance;
             // One instruction; one that is no number shows in the sum.
             least = if least < variance { least } else { variance };
         }
-        least == 0.0 && sum.is_finite()
+        least == 0.0 && (sum + variances).is_finite()
     }
 }
 

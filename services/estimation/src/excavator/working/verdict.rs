@@ -25,10 +25,8 @@ const BELIEF: f64 = 1.0;
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
 /// The share that a drive loses is described no better than to this.
 const LEAST_LOSS: f64 = 0.01;
-/// What the motion tells of a description.
-const CONSTANTS: [usize; 10] = [
-    FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS, SPAN, ZERO,
-];
+/// What the motion tells of the machine's description.
+const MACHINE: [usize; 8] = [FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS];
 /// One constant says no more than this square.
 const SURPRISE: f64 = 16.0;
 /// One of which the motion has taken this share of the variance says half of what a known one does.
@@ -136,12 +134,10 @@ impl Working {
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
-        // The pressures', the last two, are not asked without a torque beside them: they take up what the seals do.
-        let not_asked = if self.parallel.is_driven() { 0 } else { 2 };
-        for &i in &CONSTANTS[..CONSTANTS.len() - not_asked] {
+        let mut ask = |i: usize| {
             let per_stated = self.per_stated[i];
             if per_stated <= 0.0 {
-                continue;
+                return;
             }
             let learnt = (1.0 - p[i][i] * per_stated).max(0.0);
             let away = x[i] - self.described[i];
@@ -155,6 +151,11 @@ impl Working {
             let share = 1.0 / (learnt + HARDLY_LEARNT);
             sum += told.min(SURPRISE * learnt) * share;
             count += learnt * share;
+        };
+        MACHINE.into_iter().for_each(&mut ask);
+        // The pressures' are not asked without a torque beside them: they take up what the seals do.
+        if self.parallel.is_driven() {
+            [SPAN, ZERO].into_iter().for_each(&mut ask);
         }
         (sum / count).max(1.0)
     }
