@@ -9,7 +9,7 @@
 //! both belong to the odds. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
 
 use crate::excavator::grid::{PERIOD, Tick};
-use crate::math::{exp, ln, sin_cos, sqrt};
+use crate::math::{exp, ln, round, sin_cos, sqrt};
 use core::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector};
 
@@ -86,13 +86,13 @@ impl Lag {
         }
     }
 
-    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one, where that is clearly
+    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one [s], where that is clearly
     /// worse: how many ticks later than the velocity the torque comes.
     pub(in crate::excavator) fn push(
         &mut self,
         tick: &Tick,
         inertia: f64,
-        present: i32,
+        present: f64,
     ) -> Option<i32> {
         let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
         let there = tick.has_torque() && tick.has_posture();
@@ -164,7 +164,8 @@ impl Lag {
         });
     }
 
-    fn better(&self, present: i32) -> Option<i32> {
+    fn better(&self, present: f64) -> Option<i32> {
+        let present = round(present / PERIOD) as i32;
         let all = self.left.iter().enumerate();
         let (best, least) = all.min_by(|a, b| a.1.total_cmp(b.1))?;
         let inside = (1..LAGS - 1).contains(&best);
@@ -210,7 +211,7 @@ mod tests {
                 torque: torque(f64::from(k - late)) + 200.0 * noise,
                 ..Tick::default()
             };
-            lag.push(&tick, 5000.0, 0)
+            lag.push(&tick, 5000.0, 0.0)
         })
     }
 

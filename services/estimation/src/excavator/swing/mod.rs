@@ -247,8 +247,7 @@ impl SwingEstimator {
         };
         let [velocity, torque] = self.delays;
         let inertia = self.core.inertia(&self.settings, tick.posture).empty;
-        let present = crate::math::round((torque - velocity) / PERIOD) as i32;
-        let Some(found) = lag.push(tick, inertia, present) else {
+        let Some(found) = lag.push(tick, inertia, torque - velocity) else {
             return false;
         };
         let late = f64::from(found) * PERIOD;

@@ -68,8 +68,8 @@ const SMOOTHING: f64 = 0.05;
 /// An upper body slower than this for so long may be digging [rad/s, s].
 const CREEPING: f64 = 0.05;
 const CREPT: f64 = 0.3;
-/// Time constant of what it gains of velocity: the torque of one that is held gains nothing [s].
-const GAINS: f64 = 0.1;
+/// Time constant of what it gains of velocity, twice that of the torque: the torque of one that is held gains nothing [s].
+const GAINS: f64 = 2.0 * SMOOTHING;
 /// Below this velocity a holding brake, one that opens late, or oil shut in may take any part of the torque [rad/s], the same for so
 /// long [s].
 const BRAKED: f64 = 0.04;
@@ -226,10 +226,11 @@ impl Working {
         if self.trailing {
             *trail = Some(Trail::NOTHING);
         }
-        let share = 1.0 - exp(-drive.period / SMOOTHING);
+        let kept = exp(-drive.period / GAINS);
+        let share = 1.0 - kept * kept;
         let gained = (self.filter.x[W] - self.before) / drive.period;
         self.before = self.filter.x[W];
-        self.gaining += (1.0 - exp(-drive.period / GAINS)) * (gained - self.gaining);
+        self.gaining += (1.0 - kept) * (gained - self.gaining);
         let reached = self.filter.x[W].abs() + CREPT * self.gaining.abs();
         self.slow_for = if standing || reached < CREEPING {
             self.slow_for + drive.period

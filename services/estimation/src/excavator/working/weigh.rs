@@ -325,6 +325,7 @@ impl Weigh {
 mod tests {
     use super::*;
     use crate::excavator::keys::Description;
+    use crate::math::sin_cos;
 
     const MOMENT: f64 = 70e3;
 
