@@ -96,7 +96,7 @@ impl Core {
     }
 
     /// Inertia at a posture, which [`Self::step`] does not compute again.
-    pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> Inertia {
+    pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> &Inertia {
         self.driver.inertia(&settings.geometry, posture)
     }
 
@@ -104,13 +104,12 @@ impl Core {
     pub(super) fn step(
         &mut self,
         settings: &Settings,
-        tick: &Tick,
+        mut tick: Tick,
         method: Method,
         trail: &mut Option<Trail>,
     ) -> Reading {
         let (needs_torque, needs_posture) = needs(method);
         let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
-        let mut tick = *tick;
         let mut event = false;
         if !needs_torque {
             let gated = self
@@ -118,6 +117,8 @@ impl Core {
                 .step(tick.velocity, tick.velocity_variance, tick.period);
             tick.velocity = gated.velocity;
             event = gated.event;
+            // It does not see a torque that was measured.
+            tick.torque_age = f64::INFINITY;
         }
         let velocity = (tick.velocity, tick.velocity_variance);
         let phase = self.standstill.step(velocity, torque, tick.period);
@@ -126,19 +127,12 @@ impl Core {
         self.standstill.count(phase, tick.period);
         let geometry = needs_posture.then_some(&settings.geometry);
         let torque_std = settings.sensors.swing_torque_std;
-        // A method without torque does not see one that was measured.
-        let torque_age = if needs_torque {
-            tick.torque_age
-        } else {
-            f64::INFINITY
-        };
-        let seen = Tick { torque_age, ..tick };
-        let drive = self.driver.step(&seen, geometry, torque_std);
+        let drive = self.driver.step(&tick, geometry, torque_std);
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
         let scale = self.turns_to_scale(settings, method, &drive);
-        let (mut state, basis) = self.advance(settings, &drive, (phase, reopen), event, trail);
+        let mut state = self.advance(settings, &drive, (phase, reopen), event, trail);
         let held = match &self.mode {
             Mode::Posture(mode) => mode.held(),
             Mode::Velocity(mode) => mode.held(),
@@ -148,7 +142,11 @@ impl Core {
         // that moves, cannot be distinguished from its inertia.
         let identified =
             needs_torque && needs_posture || scale || settings.is_partly_identifiable();
-        let basis = if identified { basis } else { Basis::Nothing };
+        let basis = if identified {
+            self.basis(settings)
+        } else {
+            Basis::Nothing
+        };
         if !identified {
             state.reason = Reason::Method;
             let posture = needs_posture.then_some(tick.posture);
@@ -187,7 +185,7 @@ impl Core {
         weighs && matches!(self.mode, Mode::PostureTorque(_))
     }
 
-    /// The mode takes a step: its state, and what speaks for it.
+    /// The mode takes a step.
     fn advance(
         &mut self,
         settings: &Settings,
@@ -195,27 +193,27 @@ impl Core {
         (phase, reopen): (Phase, bool),
         event: bool,
         trail: &mut Option<Trail>,
-    ) -> (State, Basis) {
+    ) -> State {
         match &mut self.mode {
-            Mode::PostureTorque(mode) => {
-                let state = mode.step(settings, drive, (phase, reopen), trail);
-                (state, Basis::PostureTorque)
+            Mode::PostureTorque(mode) => mode.step(settings, drive, (phase, reopen), trail),
+            Mode::Torque(mode) => mode.step(settings, drive, phase, reopen),
+            Mode::Posture(mode) => mode.step(settings, drive, (phase, reopen), event),
+            Mode::Velocity(mode) => mode.step(settings, Entry::new(drive, phase, reopen), event),
+        }
+    }
+
+    /// What speaks for its state.
+    fn basis(&self, settings: &Settings) -> Basis {
+        match &self.mode {
+            Mode::PostureTorque(_) => Basis::PostureTorque,
+            Mode::Torque(_) => Basis::Torque {
+                stood: self.standstill.seen(),
+            },
+            Mode::Posture(mode) => Basis::Steady(mode.unflagged_for()),
+            Mode::Velocity(mode) if settings.estimator.constant_inertia => {
+                Basis::Steady(mode.unflagged_for())
             }
-            Mode::Torque(mode) => {
-                let stood = self.standstill.seen();
-                let state = mode.step(settings, drive, phase, reopen);
-                (state, Basis::Torque { stood })
-            }
-            Mode::Posture(mode) => {
-                let state = mode.step(settings, drive, (phase, reopen), event);
-                (state, Basis::Steady(mode.unflagged_for()))
-            }
-            Mode::Velocity(mode) => {
-                let state = mode.step(settings, Entry::new(drive, phase, reopen), event);
-                let steady = Basis::Steady(mode.unflagged_for());
-                let constant = settings.estimator.constant_inertia;
-                (state, if constant { steady } else { Basis::Nothing })
-            }
+            Mode::Velocity(_) => Basis::Nothing,
         }
     }
 

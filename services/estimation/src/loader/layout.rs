@@ -113,14 +113,19 @@ impl ByState {
     #[inline(always)]
     pub fn state<const N: usize>(self) -> [f64; N] {
         let layout = const { Layout::of(N) };
-        core::array::from_fn(|i| match i {
-            SPEED..=REAR_WHEEL => self.motion[i],
-            SLIP_STIFFNESS..=CG_RATIO => self.parameters[i - SLIP_STIFFNESS],
-            _ if layout.spade_force == Some(i) => self.spade_force,
-            _ if layout.slope_bias == Some(i) => self.slope_bias,
-            _ if layout.speed_delay == Some(i) => self.speed_delay,
-            _ if layout.load_sensitivity == Some(i) => self.load_sensitivity,
-            _ => self.radius,
-        })
+        let mut state = [self.radius; N];
+        state[..SLIP_STIFFNESS].copy_from_slice(&self.motion);
+        state[SLIP_STIFFNESS..=CG_RATIO].copy_from_slice(&self.parameters);
+        for (place, value) in [
+            (layout.spade_force, self.spade_force),
+            (layout.slope_bias, self.slope_bias),
+            (layout.speed_delay, self.speed_delay),
+            (layout.load_sensitivity, self.load_sensitivity),
+        ] {
+            if let Some(i) = place {
+                state[i] = value;
+            }
+        }
+        state
     }
 }

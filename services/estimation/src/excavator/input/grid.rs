@@ -88,12 +88,12 @@ impl Fill {
     }
 
     /// The ticks, in order; at most 100.
-    pub(in crate::excavator) fn ticks(&self) -> impl Iterator<Item = Tick> + use<> {
-        let (from, to, n, regular) = (self.from, self.to, self.inserted, self.regular);
+    pub(in crate::excavator) fn ticks(&self) -> impl Iterator<Item = Tick> {
+        let (from, to, n, regular) = (&self.from, &self.to, self.inserted, self.regular);
         let h = to.period / (n + 1) as f64;
         (1..=n + 1).map(move |i| {
             if i > n {
-                return Tick { period: h, ..to };
+                return Tick { period: h, ..*to };
             }
             let share = i as f64 / (n + 1) as f64;
             let between = |from: f64, to: f64| from + share * (to - from);

@@ -9,7 +9,7 @@
 //! both belong to the odds. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
 
 use crate::excavator::grid::{PERIOD, Tick};
-use crate::math::{exp, ln, sin_cos, sqrt};
+use crate::math::{exp, ln, round, sin_cos, sqrt};
 use core::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector};
 
@@ -61,6 +61,8 @@ pub(in crate::excavator) struct Lag {
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     left: [f64; LAGS],
     next: usize,
+    /// So many of them are not of the present sums.
+    old: usize,
     /// The lag as stated, and its standard deviation [ticks].
     stated: [f64; 2],
 }
@@ -80,16 +82,17 @@ impl Lag {
             squares: [0.0; LAGS],
             left: [f64::INFINITY; LAGS],
             next: 0,
+            old: 0,
         }
     }
 
-    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one, where that is clearly
+    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one [s], where that is clearly
     /// worse: how many ticks later than the velocity the torque comes.
     pub(in crate::excavator) fn push(
         &mut self,
         tick: &Tick,
         inertia: f64,
-        present: i32,
+        present: f64,
     ) -> Option<i32> {
         let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
         let there = tick.has_torque() && tick.has_posture();
@@ -130,13 +133,14 @@ impl Lag {
         let (direction, (sin, cos)) = (velocity.signum(), sin_cos(at(middle).3));
         let lost = inertial.abs() * direction;
         let x = Regressors::new(inertial, velocity, direction, sin, cos, lost);
-        let torques: [f64; LAGS] = core::array::from_fn(|i| at(middle + i + HALF - EARLIEST).1);
+        let mut k = (middle + HALF - EARLIEST) % RING;
         let kept = 1.0 - MEMORY;
         self.seen = self.seen * kept + 1.0;
+        self.old = LAGS;
         self.normal = self.normal * kept + x * x.transpose();
-        for ((product, square), torque) in
-            self.products.iter_mut().zip(&mut self.squares).zip(torques)
-        {
+        for (product, square) in self.products.iter_mut().zip(&mut self.squares) {
+            let torque = self.ring[k].1;
+            k = if k + 1 < RING { k + 1 } else { 0 };
             *product = *product * kept + x * torque;
             *square = *square * kept + torque * torque;
         }
@@ -146,13 +150,22 @@ impl Lag {
     fn look(&mut self) {
         let i = self.next;
         self.next = (i + 1) % LAGS;
-        let solved = self.normal.cholesky();
-        self.left[i] = solved.map_or(f64::INFINITY, |factor| {
-            self.squares[i] - self.products[i].dot(&factor.solve(&self.products[i]))
+        if self.old == 0 {
+            return;
+        }
+        self.old -= 1;
+        // What L^-1 c explains: c' (L L')^-1 c is its square.
+        let explained = self.normal.cholesky().and_then(|factor| {
+            let lower = factor.l_dirty();
+            lower.solve_lower_triangular(&self.products[i])
+        });
+        self.left[i] = explained.map_or(f64::INFINITY, |explained| {
+            self.squares[i] - explained.norm_squared()
         });
     }
 
-    fn better(&self, present: i32) -> Option<i32> {
+    fn better(&self, present: f64) -> Option<i32> {
+        let present = round(present / PERIOD) as i32;
         let all = self.left.iter().enumerate();
         let (best, least) = all.min_by(|a, b| a.1.total_cmp(b.1))?;
         let inside = (1..LAGS - 1).contains(&best);
@@ -198,7 +211,7 @@ mod tests {
                 torque: torque(f64::from(k - late)) + 200.0 * noise,
                 ..Tick::default()
             };
-            lag.push(&tick, 5000.0, 0)
+            lag.push(&tick, 5000.0, 0.0)
         })
     }
 

@@ -177,13 +177,14 @@ impl MotionFilter {
     /// changes nothing, unless one stamp was wrong or the clock was set back for good. After a gap
     /// of more than a second the filter begins anew.
     pub fn step(&mut self, sample: &Sample) -> Motion {
-        let Some(row) = self.screen.accept(&of_swing(sample)) else {
+        let mut sample = of_swing(sample);
+        let Some(row) = self.screen.accept(&mut sample) else {
             return Motion {
                 refused: true,
                 ..self.last
             };
         };
-        let (sample, period) = (row.sample, row.period);
+        let period = row.period;
         if row.set_back || period > LONG_GAP {
             self.begin_anew(row.set_back && self.angle);
         }

@@ -35,11 +35,9 @@ pub fn largest(signal: &str, described: &Description) -> Option<f64> {
     }
 }
 
-/// A row that counts.
+/// What is known of a row that counts.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::excavator) struct Accepted {
-    /// The row, impossible values taken out.
-    pub(in crate::excavator) sample: Sample,
     /// Time since the row before [s].
     pub(in crate::excavator) period: f64,
     /// The clock went back, or the encoder has another zero: what is remembered belongs to another time.
@@ -96,8 +94,8 @@ impl Screen {
         }
     }
 
-    /// The cleaned row; `None` if it is refused.
-    pub(in crate::excavator) fn accept(&mut self, sample: &Sample) -> Option<Accepted> {
+    /// Takes impossible values out of a row; `None` if it is refused.
+    pub(in crate::excavator) fn accept(&mut self, sample: &mut Sample) -> Option<Accepted> {
         let tick = self.clock.tick(sample.time, LONG_GAP);
         let period = match tick {
             Tick::First | Tick::SetBack => self.first_period,
@@ -120,13 +118,9 @@ impl Screen {
             Followed::Yes(angle) => (angle, false),
             Followed::Elsewhere(angle) => (Some(angle), true),
         };
-        let measured = Sample {
-            time: self.clock.time(),
-            angle,
-            ..*sample
-        };
+        (sample.time, sample.angle) = (self.clock.time(), angle);
+        self.clean(sample, period);
         Some(Accepted {
-            sample: self.clean(&measured, period),
             period,
             set_back: set_back || is_elsewhere,
         })
@@ -163,14 +157,14 @@ impl Screen {
         self.torque.rows()
     }
 
-    fn clean(&mut self, sample: &Sample, period: f64) -> Sample {
+    fn clean(&mut self, sample: &mut Sample, period: f64) {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
-        let mut posture = sample.posture.map(|angle| angle.map(joints::joint));
+        sample.posture = sample.posture.map(|angle| angle.map(joints::joint));
         let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
-        let possible = joints::possible(posture.map(|angle| angle.unwrap_or(0.0)));
-        let values = posture.iter_mut().zip(possible);
+        let possible = joints::possible(sample.posture.map(|angle| angle.unwrap_or(0.0)));
+        let values = sample.posture.iter_mut().zip(possible);
         for ((value, possible), ((repetition, jump), angle)) in values.zip(checks) {
             let measured = within(*value, self.angle_limit).filter(|_| possible);
             let moving = repetition.pass(measured);
@@ -178,34 +172,32 @@ impl Screen {
             let joint = if jump.has_jumped() { measured } else { moving };
             *value = angle.pass(jump.pass(joint, period), period);
         }
-        let [head, rod] = &mut self.pressures;
-        let sample = Sample {
-            boom_head_pressure: head.pass(sample.boom_head_pressure),
-            boom_rod_pressure: rod.pass(sample.boom_rod_pressure),
-            ..*sample
-        };
         let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
         let velocity = self.steady.velocity(velocity, self.velocity_std, period);
         let new = self.velocity.push(velocity);
         self.quantisation.push(velocity);
+        // A velocity that is held says nothing new.
+        sample.velocity = velocity.filter(|_| new || self.velocity.rows() == 1);
         let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
         let torque = self
             .steady
             .torque(torque, self.torque_std, period)
             .map(|t| (t - self.torque_offset) / self.torque_gain);
-        Sample {
-            time: sample.time,
-            // A velocity that is held says nothing new.
-            velocity: velocity.filter(|_| new || self.velocity.rows() == 1),
-            angle: sample.angle,
-            torque: self.torque.pass(torque),
-            posture,
-            inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
-            boom_head_pressure: within(sample.boom_head_pressure, PRESSURE_LIMIT),
-            boom_rod_pressure: within(sample.boom_rod_pressure, PRESSURE_LIMIT),
-            arm_head_pressure: within(sample.arm_head_pressure, PRESSURE_LIMIT),
-            arm_rod_pressure: within(sample.arm_rod_pressure, PRESSURE_LIMIT),
-            truck: within(sample.truck, f64::MAX),
+        sample.torque = self.torque.pass(torque);
+        for angle in &mut sample.inclination {
+            *angle = within(*angle, INCLINATION_LIMIT);
         }
+        let [head, rod] = &mut self.pressures;
+        sample.boom_head_pressure = head.pass(sample.boom_head_pressure);
+        sample.boom_rod_pressure = rod.pass(sample.boom_rod_pressure);
+        for pressure in [
+            &mut sample.boom_head_pressure,
+            &mut sample.boom_rod_pressure,
+            &mut sample.arm_head_pressure,
+            &mut sample.arm_rod_pressure,
+        ] {
+            *pressure = within(*pressure, PRESSURE_LIMIT);
+        }
+        sample.truck = within(sample.truck, f64::MAX);
     }
 }

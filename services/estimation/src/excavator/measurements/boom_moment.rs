@@ -21,7 +21,7 @@
 //! spline).
 
 use super::super::cylinder::Cylinder;
-use super::super::geometry::Geometry;
+use super::super::geometry::{Geometry, Turns};
 use crate::math::{exp, sin_cos, sqrt};
 
 /// Standard gravity [m/s^2].
@@ -56,9 +56,10 @@ const BODIES: usize = 4;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
     time: f64,
-    x: [f64; BODIES],
-    z: [f64; BODIES],
     alpha: [f64; 3],
+    /// Sine and cosine of alpha.
+    sin: [f64; 3],
+    cos: [f64; 3],
     moment: f64,
     lever: f64,
     length: f64,
@@ -127,6 +128,7 @@ pub(in crate::excavator) struct Front {
     pub(in crate::excavator) period: f64,
     /// Joint angles \[rad\].
     pub(in crate::excavator) posture: [f64; 3],
+    pub(in crate::excavator) turns: Turns,
     /// Variance of a joint angle by the noise of its sensor [rad^2].
     pub(in crate::excavator) posture_variance: f64,
     /// Head and rod side of the boom's cylinders \[Pa\].
@@ -173,7 +175,7 @@ impl BoomMoment {
         self.elapsed += dt;
         if let Some(pressures) = front.pressures {
             let force = cylinder.force(pressures);
-            self.block.add(geometry, cylinder, front, force);
+            self.block.add(cylinder, front, force);
         }
         if self.elapsed < BLOCK - 0.5 * dt {
             return None;
@@ -219,38 +221,15 @@ impl BoomMoment {
 }
 
 impl Block {
-    fn add(&mut self, g: &Geometry, cylinder: &Cylinder, front: &Front, force: f64) {
-        let (dt, q) = (front.period, front.posture);
-        let alpha = [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
-        let turns = alpha.map(sin_cos);
-        let along = |distances: [f64; 3]| {
-            let mut place = (0.0, 0.0);
-            for (distance, (sin, cos)) in distances.iter().zip(turns) {
-                place.0 += distance * cos;
-                place.1 += distance * sin;
-            }
-            place
-        };
-        let [l1, l2] = g.lengths;
-        let [c1, c2, c3] = g.centres;
-        let beside = |(x, z): (f64, f64), rise: f64, (sin, cos): (f64, f64)| {
-            (x - rise * sin, z + rise * cos)
-        };
-        let [boom, bucket, payload] = g.rises;
-        let bodies = [
-            beside(along([c1, 0.0, 0.0]), boom, turns[0]),
-            along([l1, c2, 0.0]),
-            beside(along([l1, l2, c3]), bucket, turns[2]),
-            beside(along([l1, l2, g.payload_centre]), payload, turns[2]),
-        ];
-        for (i, (x, z)) in bodies.into_iter().enumerate() {
-            self.x[i] += dt * x;
-            self.z[i] += dt * z;
+    fn add(&mut self, cylinder: &Cylinder, front: &Front, force: f64) {
+        let (dt, [boom, arm, bucket]) = (front.period, front.posture);
+        let alpha = [boom, boom + arm, boom + arm + bucket];
+        for (i, (sin, cos)) in front.turns.into_iter().enumerate() {
+            self.alpha[i] += dt * alpha[i];
+            self.sin[i] += dt * sin;
+            self.cos[i] += dt * cos;
         }
-        for (sum, angle) in self.alpha.iter_mut().zip(alpha) {
-            *sum += dt * angle;
-        }
-        let (length, lever) = cylinder.lever(q[0]);
+        let (length, lever) = cylinder.lever_turned(front.turns[0]);
         self.ticks += 1.0;
         self.noise += front.posture_variance;
         self.time += dt;
@@ -262,10 +241,29 @@ impl Block {
         self.turn[1] += dt * front.turn.1;
     }
 
+    /// Mean places of the centres of mass: linear in the sines and cosines.
+    fn bodies(&self, g: &Geometry) -> [(f64, f64); BODIES] {
+        let ([l1, l2], [c1, c2, c3]) = (g.lengths, g.centres);
+        let along = |(x, z): (f64, f64), i: usize, length: f64, rise: f64| {
+            let (sin, cos) = (self.sin[i], self.cos[i]);
+            (x + length * cos - rise * sin, z + length * sin + rise * cos)
+        };
+        let [boom, bucket, payload] = g.rises;
+        let arm_pin = along((0.0, 0.0), 0, l1, 0.0);
+        let bucket_pin = along(arm_pin, 1, l2, 0.0);
+        [
+            along((0.0, 0.0), 0, c1, boom),
+            along(arm_pin, 1, c2, 0.0),
+            along(bucket_pin, 2, c3, bucket),
+            along(bucket_pin, 2, g.payload_centre, payload),
+        ]
+    }
+
     fn mean(mut self) -> Self {
         let share = 1.0 / self.time;
-        let all = self.x.iter_mut().chain(&mut self.z).chain(&mut self.alpha);
-        all.chain(&mut self.turn).for_each(|sum| *sum *= share);
+        let all = self.alpha.iter_mut().chain(&mut self.sin);
+        let all = all.chain(&mut self.cos).chain(&mut self.turn);
+        all.for_each(|sum| *sum *= share);
         for sum in [
             &mut self.moment,
             &mut self.lever,
@@ -288,18 +286,18 @@ fn moment(
     moves: bool,
     period: f64,
 ) -> Moment {
-    let smooth =
-        |of: &dyn Fn(&Block) -> f64| (of(blocks[0]) + 4.0 * of(blocks[1]) + of(blocks[2])) / 6.0;
-    let bent = |of: &dyn Fn(&Block) -> f64| {
-        (of(blocks[0]) - 2.0 * of(blocks[1]) + of(blocks[2])) / (BLOCK * BLOCK)
-    };
-    let spin = smooth(&|b| b.spin);
+    let smooth = |[a, b, c]: [f64; 3]| (a + 4.0 * b + c) / 6.0;
+    let bent = |[a, b, c]: [f64; 3]| (a - 2.0 * b + c) / (BLOCK * BLOCK);
+    let spin = smooth(blocks.map(|b| b.spin));
+    let bodies = blocks.map(|b| b.bodies(g));
+    let places: [_; BODIES] =
+        core::array::from_fn(|i| (bodies.map(|of| of[i].0), bodies.map(|of| of[i].1)));
     let mut per_mass = [0.0; BODIES];
     let mut tilt = [0.0; BODIES];
     let mut dynamic = [0.0; BODIES];
     for i in 0..BODIES {
-        let (x, z) = (smooth(&|b| b.x[i]), smooth(&|b| b.z[i]));
-        let (ax, az) = (bent(&|b| b.x[i]), bent(&|b| b.z[i]));
+        let (x, z) = (smooth(places[i].0), smooth(places[i].1));
+        let (ax, az) = (bent(places[i].0), bent(places[i].1));
         dynamic[i] = x * az - z * ax;
         per_mass[i] = x * GRAVITY + dynamic[i] + z * spin * (g.boom_pin + x);
         tilt[i] = -z * GRAVITY;
@@ -307,16 +305,16 @@ fn moment(
     let (mut links, mut empty, mut moving, mut swinging) = (0.0, 0.0, 0.0, 0.0);
     let mut directions = [[0.0; 2]; 3];
     for i in 0..3 {
-        let (sin, cos) = sin_cos(smooth(&|b| b.alpha[i]));
+        let (sin, cos) = sin_cos(smooth(blocks.map(|b| b.alpha[i])));
         directions[i] = [cos, sin];
         empty += cylinder.missed[i][0] * cos + cylinder.missed[i][1] * sin;
-        let turning = g.inertias[i] * bent(&|b| b.alpha[i]);
+        let turning = g.inertias[i] * bent(blocks.map(|b| b.alpha[i]));
         let spread = spin * (g.inertias[i] - g.axial_inertias[i]) * sin * cos;
         let own = g.masses[i] * per_mass[i] + turning + spread;
         empty += own;
         links += if i < 2 { own } else { 0.0 };
         moving += g.masses[i] * dynamic[i] + turning;
-        let (x, z) = (smooth(&|b| b.x[i]), smooth(&|b| b.z[i]));
+        let (x, z) = (smooth(places[i].0), smooth(places[i].1));
         swinging += g.masses[i] * (x * x + z * z) + g.inertias[i];
     }
     let missed = MISSED * moving;
@@ -325,7 +323,7 @@ fn moment(
         swinging * sqrt(ACCELERATION * ACCELERATION + bends / (BLOCK * BLOCK * BLOCK * BLOCK));
     let empties = (0..3).map(|i| g.masses[i] * tilt[i]).sum();
     Moment {
-        measured: smooth(&|b| b.moment),
+        measured: smooth(blocks.map(|b| b.moment)),
         empty,
         still: empty - moving,
         still_payload: per_mass[3] - dynamic[3],
@@ -335,11 +333,14 @@ fn moment(
         tilt: empties,
         tilt_payload: tilt[3],
         directions,
-        lever: smooth(&|b| b.lever),
+        lever: smooth(blocks.map(|b| b.lever)),
         direction,
         moves,
         touches: false,
-        turn: [smooth(&|b| b.turn[0]), smooth(&|b| b.turn[1])],
+        turn: [
+            smooth(blocks.map(|b| b.turn[0])),
+            smooth(blocks.map(|b| b.turn[1])),
+        ],
         variance: missed * missed + noise * noise,
         period,
     }

@@ -63,8 +63,6 @@ impl Ground {
         let share = period / (SMOOTHING + period);
         let now: [f64; 3] = core::array::from_fn(|i| before[i] + share * (posture[i] - before[i]));
         self.smoothed = Some(now);
-        let reach = lengths[0] + lengths[1];
-        let height = lengths[0] * sin_cos(now[0]).0 + lengths[1] * sin_cos(now[0] + now[1]).0;
         self.swung = if velocity.abs() > SWINGING {
             self.swung + period
         } else {
@@ -74,6 +72,8 @@ impl Ground {
             self.free();
             return;
         }
+        let reach = lengths[0] + lengths[1];
+        let height = lengths[0] * sin_cos(now[0]).0 + lengths[1] * sin_cos(now[0] + now[1]).0;
         self.highest = self.highest.max(height);
         if now[1] > self.stretched.0 {
             self.stretched = (now[1], height);

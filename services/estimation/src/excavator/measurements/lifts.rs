@@ -4,7 +4,7 @@ use super::boom_moment::{BoomMoment, Front, Moment};
 use crate::excavator::angle::Angle;
 use crate::excavator::cylinder::Cylinder;
 use crate::excavator::estimate::Sample;
-use crate::excavator::geometry::Geometry;
+use crate::excavator::geometry::{Geometry, turns};
 use crate::math::sin_cos;
 
 /// A longer gap between rows ends what belongs together \[s\].
@@ -88,6 +88,7 @@ impl Lifts {
         let front = Front {
             period,
             posture,
+            turns: turns(posture),
             posture_variance: self.boom.variance(),
             pressures: head.zip(rod).map(|(head, rod)| [head, rod]),
             velocity,

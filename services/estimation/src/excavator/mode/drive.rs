@@ -1,6 +1,6 @@
 //! What drives the models between two ticks: means and rates of torque and posture.
 
-use crate::excavator::geometry::{Geometry, Inertia};
+use crate::excavator::geometry::{Geometry, Inertia, Turns, turns};
 use crate::excavator::grid::Tick;
 
 /// Inputs of one step from tick k-1 to tick k.
@@ -18,8 +18,9 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) now: Inertia,
     pub(in crate::excavator) mean: Inertia,
     pub(in crate::excavator) rate: Inertia,
-    /// Joint angles [rad].
+    /// Joint angles [rad], and what they make of boom, arm and bucket.
     pub(in crate::excavator) posture: [f64; 3],
+    pub(in crate::excavator) turns: Turns,
     /// Variance of a joint angle by the noise of its sensor [rad^2].
     pub(in crate::excavator) posture_variance: f64,
     /// Pitch and roll of the upper body [rad].
@@ -49,8 +50,17 @@ const UNKNOWN_TORQUE: f64 = 300.0;
 pub(in crate::excavator) struct Driver {
     torque: Option<f64>,
     inertia: Option<Inertia>,
-    /// The posture that was asked for last, and its inertia.
-    asked: Option<([f64; 3], Inertia)>,
+    /// The posture that was asked for last.
+    asked: Option<Asked>,
+}
+
+/// A posture, and what follows from it.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Asked {
+    posture: [f64; 3],
+    turns: Turns,
+    inertia: Inertia,
 }
 
 impl Driver {
@@ -59,15 +69,22 @@ impl Driver {
         &mut self,
         geometry: &Geometry,
         posture: [f64; 3],
-    ) -> Inertia {
-        if let Some((asked, inertia)) = self.asked
-            && asked == posture
-        {
-            return inertia;
+    ) -> &Inertia {
+        &self.ask(geometry, posture).inertia
+    }
+
+    fn ask(&mut self, geometry: &Geometry, posture: [f64; 3]) -> &Asked {
+        if self.asked.is_some_and(|asked| asked.posture != posture) {
+            self.asked = None;
         }
-        let inertia = geometry.inertia(posture);
-        self.asked = Some((posture, inertia));
-        inertia
+        self.asked.get_or_insert_with(|| {
+            let turns = turns(posture);
+            Asked {
+                posture,
+                turns,
+                inertia: geometry.inertia_turned(&turns),
+            }
+        })
     }
 
     /// The step that leads to `tick`; the first one is at rest where it is.
@@ -77,7 +94,10 @@ impl Driver {
         geometry: Option<&Geometry>,
         torque_std: f64,
     ) -> Drive {
-        let now = geometry.map_or(Inertia::default(), |g| self.inertia(g, tick.posture));
+        let (now, turns) = geometry.map_or_else(Default::default, |geometry| {
+            let asked = self.ask(geometry, tick.posture);
+            (asked.inertia, asked.turns)
+        });
         let (driven, seen) = (tick.has_torque(), tick.has_posture());
         // What comes after a pause is no change since before.
         let torque = self.torque.unwrap_or(tick.torque);
@@ -95,6 +115,7 @@ impl Driver {
             mean: now.with(&before, |a, b| 0.5 * (a + b)),
             rate: now.with(&before, |a, b| (a - b) / h),
             posture: tick.posture,
+            turns,
             posture_variance: tick.posture_variance,
             inclination: tick.inclination,
             boom_pressure: tick.boom_pressure,

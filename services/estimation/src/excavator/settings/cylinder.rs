@@ -21,8 +21,8 @@ pub struct Cylinder {
     pub areas: [f64; 2],
     /// Base to pin (a), pin to rod eye (c) \[m\].
     pub distances: [f64; 2],
-    /// Between the two at joint angle 0 (delta) \[rad\].
-    pub angle: f64,
+    /// Sine and cosine of the angle between the two at joint angle 0 (delta).
+    pub angle: (f64, f64),
     /// Friction of the seals, and its standard deviation \[N\].
     pub friction: [f64; 2],
     /// Relative standard deviation of the moment: areas, lengths, angle.
@@ -59,7 +59,7 @@ impl Cylinder {
         Some(Self {
             areas,
             distances: [c.base_distance, c.rod_distance],
-            angle: c.angle,
+            angle: sin_cos(c.angle),
             friction: [c.friction * full, c.friction_std * full],
             span_std: c
                 .span_std
@@ -80,8 +80,14 @@ impl Cylinder {
     /// Length and lever at a joint angle \[m\].
     #[must_use]
     pub fn lever(&self, angle: f64) -> (f64, f64) {
+        self.lever_turned(sin_cos(angle))
+    }
+
+    /// The same by sine and cosine of the joint angle.
+    pub(in crate::excavator) fn lever_turned(&self, (sin, cos): (f64, f64)) -> (f64, f64) {
         let [a, c] = self.distances;
-        let (sin, cos) = sin_cos(angle + self.angle);
+        let (s, k) = self.angle;
+        let (sin, cos) = (sin * k + cos * s, cos * k - sin * s);
         let square = a * a + c * c - 2.0 * a * c * cos;
         let length = sqrt(square.max(1e-6 * (a * a + c * c)));
         (length, a * c * sin / length)

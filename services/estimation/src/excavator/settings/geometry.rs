@@ -89,6 +89,14 @@ impl Inertia {
     }
 }
 
+/// Sines and cosines of the angles of boom, arm and bucket to the horizontal.
+pub(in crate::excavator) type Turns = [(f64, f64); 3];
+
+/// Those of joint angles \[rad\].
+pub(in crate::excavator) fn turns([boom, arm, bucket]: [f64; 3]) -> Turns {
+    [boom, boom + arm, boom + arm + bucket].map(sin_cos)
+}
+
 /// A folded posture in which machines are compared [rad].
 const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
 
@@ -119,10 +127,11 @@ impl Geometry {
     /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
     /// boom), bucket (relative to the arm) \[rad\].
     pub fn inertia(&self, posture: [f64; 3]) -> Inertia {
-        let a1 = posture[0];
-        let a2 = a1 + posture[1];
-        let a3 = a2 + posture[2];
-        let turns = [sin_cos(a1), sin_cos(a2), sin_cos(a3)];
+        self.inertia_turned(&turns(posture))
+    }
+
+    /// The same by sines and cosines of the angles of boom, arm and bucket to the horizontal.
+    pub(in crate::excavator) fn inertia_turned(&self, turns: &Turns) -> Inertia {
         let [cos1, cos2, cos3] = turns.map(|(_, cos)| cos);
         let beside = |i: usize, link: usize| self.rises[i] * turns[link].0;
         let arm_pin = self.boom_pin + self.lengths[0] * cos1;

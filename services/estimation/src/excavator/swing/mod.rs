@@ -147,13 +147,13 @@ impl SwingEstimator {
     /// The same, for an analysis off line: `see` gets what each tick did, in order, once [`Self::keep_trail`] has been called and
     /// while the default with torque and posture is at work.
     pub fn step_with(&mut self, sample: &Sample, see: &mut impl FnMut(&Trail)) -> Estimate {
-        let Some(row) = self.screen.accept(sample) else {
+        let mut sample = *sample;
+        let Some(row) = self.screen.accept(&mut sample) else {
             let mut again = self.last;
             again.refused = self.screen.refused();
             again.flags.refused = true;
             return again;
         };
-        let sample = row.sample;
         let mut reset = row.set_back;
         if row.set_back {
             self.grid = Grid::new(&self.described(), !self.columns.velocity);
@@ -199,25 +199,18 @@ impl SwingEstimator {
     fn tick(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         self.elapsed += tick.period;
         let mut reset = self.check_presence() | self.find_lag(tick);
-        let Some(tick) = &self.align.pass(tick) else {
+        let Some(mut tick) = self.align.pass(tick) else {
             self.wait(tick);
             return reset;
         };
-        if self.calibrates(tick, trail) {
-            self.wait(tick);
-            return reset;
-        }
         let needs_posture = self.needs().1;
-        if needs_posture && !self.grid.has_posture() {
-            self.wait(tick);
+        if self.calibrates(&tick, trail) || needs_posture && !self.grid.has_posture() {
+            self.wait(&tick);
             return reset;
         }
-        let tick = Tick {
-            velocity: tick.velocity.map(|y| y - self.bias),
-            velocity_variance: tick.velocity_variance * self.noise_ratio(),
-            ..*tick
-        };
-        self.reading = Some(self.core.step(&self.settings, &tick, self.method, trail));
+        tick.velocity = tick.velocity.map(|y| y - self.bias);
+        tick.velocity_variance *= self.noise_ratio();
+        self.reading = Some(self.core.step(&self.settings, tick, self.method, trail));
         if !self.core.is_sound() {
             self.restart(false);
             *trail = None;
@@ -254,8 +247,7 @@ impl SwingEstimator {
         };
         let [velocity, torque] = self.delays;
         let inertia = self.core.inertia(&self.settings, tick.posture).empty;
-        let present = crate::math::round((torque - velocity) / PERIOD) as i32;
-        let Some(found) = lag.push(tick, inertia, present) else {
+        let Some(found) = lag.push(tick, inertia, torque - velocity) else {
             return false;
         };
         let late = f64::from(found) * PERIOD;
@@ -290,7 +282,7 @@ impl SwingEstimator {
             Progress::Measuring => {
                 // The estimate waits, but what the detectors see counts if nothing is measured.
                 if !self.needs().1 || self.grid.has_posture() {
-                    self.core.step(&self.settings, tick, self.method, trail);
+                    self.core.step(&self.settings, *tick, self.method, trail);
                 }
                 return true;
             }

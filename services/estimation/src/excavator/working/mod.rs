@@ -68,8 +68,8 @@ const SMOOTHING: f64 = 0.05;
 /// An upper body slower than this for so long may be digging [rad/s, s].
 const CREEPING: f64 = 0.05;
 const CREPT: f64 = 0.3;
-/// Time constant of what it gains of velocity: the torque of one that is held gains nothing [s].
-const GAINS: f64 = 0.1;
+/// Time constant of what it gains of velocity, twice that of the torque: the torque of one that is held gains nothing [s].
+const GAINS: f64 = 2.0 * SMOOTHING;
 /// Below this velocity a holding brake, one that opens late, or oil shut in may take any part of the torque [rad/s], the same for so
 /// long [s].
 const BRAKED: f64 = 0.04;
@@ -91,13 +91,16 @@ pub(super) struct Working {
     /// The states as described, and their standard deviations.
     described: Vector,
     stated: Vector,
+    /// One over the variances of those, see [`Self::per_stated`].
+    per_stated: Vector,
     noise: Noise,
     agreement: Agreement,
     bucket: Bucket,
     /// Rated payload [kg].
     rated: f64,
-    /// Swing angle since the start [rad].
-    turn: f64,
+    /// Swing angle since the start [rad], its sine and cosine.
+    angle: f64,
+    turn: (f64, f64),
     /// Largest torque seen, smoothed [N m].
     torque: f64,
     largest: f64,
@@ -183,11 +186,13 @@ impl Working {
             described_bucket: settings.geometry.masses[2],
             described: x,
             stated: std,
+            per_stated: core::array::from_fn(|i| Self::per_stated(i, x[i], std[i])),
             noise: Noise::new(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
             rated: settings.prior.full_load(),
-            turn: 0.0,
+            angle: 0.0,
+            turn: (0.0, 1.0),
             torque: 0.0,
             largest: 0.0,
             change: Cusum::new(0.5, CHANGE),
@@ -221,10 +226,11 @@ impl Working {
         if self.trailing {
             *trail = Some(Trail::NOTHING);
         }
-        let share = 1.0 - exp(-drive.period / SMOOTHING);
+        let kept = exp(-drive.period / GAINS);
+        let share = 1.0 - kept * kept;
         let gained = (self.filter.x[W] - self.before) / drive.period;
         self.before = self.filter.x[W];
-        self.gaining += (1.0 - exp(-drive.period / GAINS)) * (gained - self.gaining);
+        self.gaining += (1.0 - kept) * (gained - self.gaining);
         let reached = self.filter.x[W].abs() + CREPT * self.gaining.abs();
         self.slow_for = if standing || reached < CREEPING {
             self.slow_for + drive.period
@@ -287,7 +293,10 @@ impl Working {
             &mut self.scale.filter,
         ];
         if let Some(stated) = weigh.begin(drive, filters, trail) {
-            [self.stated[SPAN], self.stated[ZERO]] = stated;
+            for (i, std) in [SPAN, ZERO].into_iter().zip(stated) {
+                self.stated[i] = std;
+                self.per_stated[i] = Self::per_stated(i, 0.0, std);
+            }
         }
         let Some(moment) = moment else {
             return false;
@@ -340,6 +349,12 @@ impl Working {
         innovation
     }
 
+    /// The upper body turns on.
+    fn swing(&mut self, period: f64) {
+        self.angle += self.filter.x[W] * period;
+        self.turn = sin_cos(self.angle);
+    }
+
     /// `share` of a new torque in the smoothed one.
     fn moving(
         &mut self,
@@ -372,7 +387,7 @@ impl Working {
             self.parallel.is_joined_by_pressures();
         }
         self.filter.predict(&input, width, s.inertia_min, trail);
-        self.turn += self.filter.x[W] * drive.period;
+        self.swing(drive.period);
         let mut innovation = Innovation::default();
         let variance = drive.variance + self.noise.vibration();
         if let Some(velocity) = drive.velocity {
@@ -459,7 +474,7 @@ impl Working {
             inertia: drive.mean,
             rate: drive.rate,
             now: drive.now,
-            turn: sin_cos(self.turn),
+            turn: self.turn,
             torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
                 + sensor * sensor * drive.share
                 + braked * braked * BRAKE_LASTS / drive.period
@@ -480,7 +495,7 @@ impl Working {
                 .set(W, velocity, drive.variance, &mut None);
         }
         self.filter.acceleration = 0.0;
-        self.turn += self.filter.x[W] * drive.period;
+        self.swing(drive.period);
         // A bucket that opens loses its load, whatever drives the swing.
         let input = self.input(s, drive);
         self.filter.leave(&input, trail);
@@ -507,7 +522,7 @@ impl Working {
     /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
     /// the swing would pass for inclinations.
     fn incline(&mut self, [pitch, roll]: [f64; 2], trail: &mut Option<Trail>) {
-        let (sin, cos) = sin_cos(self.turn);
+        let (sin, cos) = self.turn;
         let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
         self.scale
             .incline(slopes, MOUNTING * MOUNTING, INCLINOMETER * INCLINOMETER);

@@ -20,15 +20,17 @@ pub(super) const FRICTION: usize = 6;
 pub(super) const SLOPE: usize = 7;
 /// First moment of the upper body.
 pub(super) const MOMENT: usize = 9;
-/// Delay of the velocity.
-pub(super) const DELAY: usize = 10;
-
 /// Inertia of the upper body beyond the described one [kg m^2].
-pub(super) const UPPER: usize = 11;
+pub(super) const UPPER: usize = 10;
 /// Mass of the bucket beyond the described one [kg].
-pub(super) const BUCKET: usize = 12;
+pub(super) const BUCKET: usize = 11;
 /// Masses of boom and arm over the described ones, minus 1.
-pub(super) const LINKS: usize = 13;
+pub(super) const LINKS: usize = 12;
+/// The states before this one act on the motion; those that follow show in what is measured.
+pub(super) const ACTING: usize = 13;
+
+/// Delay of the velocity.
+pub(super) const DELAY: usize = 13;
 
 /// Span of the boom's moment over the described one, minus 1.
 pub(super) const SPAN: usize = 14;

@@ -45,10 +45,10 @@ impl Working {
         };
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
+            self.scale.hold(value, std);
         }
         self.filter.set(M, value, std * std, trail);
         self.parallel.filter.set(M, value, std * std, &mut None);
-        self.scale.hold(value, std);
         self.tared = false;
         self.expected = content == Content::Unknown;
         if content == Content::Emptied {

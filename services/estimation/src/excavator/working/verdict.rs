@@ -23,6 +23,10 @@ const NAMED_BUCKET: f64 = 2.3;
 const BELIEF: f64 = 1.0;
 /// Friction and damping change by this share with the oil's temperature.
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
+/// The share that a drive loses is described no better than to this.
+const LEAST_LOSS: f64 = 0.01;
+/// What the motion tells of the machine's description.
+const MACHINE: [usize; 8] = [FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS];
 /// One constant says no more than this square.
 const SURPRISE: f64 = 16.0;
 /// One of which the motion has taken this share of the variance says half of what a known one does.
@@ -130,42 +134,41 @@ impl Working {
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
-        let constants = [
-            (
-                FRICTION,
-                OIL_TEMPERATURE_SHARE * self.described[FRICTION],
-                true,
-            ),
-            (
-                DAMPING,
-                OIL_TEMPERATURE_SHARE * self.described[DAMPING],
-                true,
-            ),
-            (LOSS, 0.01, false),
-            (OFFSET, 0.0, false),
-            (GAIN, 0.0, false),
-            (UPPER, 0.0, false),
-            (BUCKET, 0.0, false),
-            (LINKS, 0.0, false),
-            (SPAN, 0.0, false),
-            (ZERO, 0.0, false),
-        ];
-        // The last two are the pressures', and not asked without a torque beside them: they take up what the seals do.
-        let not_asked = if self.parallel.is_driven() { 0 } else { 2 };
-        for &(i, least, wanders) in &constants[..constants.len() - not_asked] {
-            let stated = (self.stated[i] * self.stated[i]).max(least * least);
-            if stated <= 0.0 {
-                continue;
+        let mut ask = |i: usize| {
+            let per_stated = self.per_stated[i];
+            if per_stated <= 0.0 {
+                return;
             }
-            let learnt = (1.0 - p[i][i] / stated).max(0.0);
+            let learnt = (1.0 - p[i][i] * per_stated).max(0.0);
             let away = x[i] - self.described[i];
-            let square = away * away / stated;
+            let square = away * away * per_stated;
             // What wanders with the oil is not only the description's.
-            let told = if wanders { learnt * square } else { square };
-            sum += told.min(SURPRISE * learnt) / (learnt + HARDLY_LEARNT);
-            count += learnt / (learnt + HARDLY_LEARNT);
+            let told = if i == FRICTION || i == DAMPING {
+                learnt * square
+            } else {
+                square
+            };
+            let share = 1.0 / (learnt + HARDLY_LEARNT);
+            sum += told.min(SURPRISE * learnt) * share;
+            count += learnt * share;
+        };
+        MACHINE.into_iter().for_each(&mut ask);
+        // The pressures' are not asked without a torque beside them: they take up what the seals do.
+        if self.parallel.is_driven() {
+            [SPAN, ZERO].into_iter().for_each(&mut ask);
         }
         (sum / count).max(1.0)
+    }
+
+    /// One over the variance that the description allows constant `i`; 0 where it allows none.
+    pub(super) fn per_stated(i: usize, described: f64, stated: f64) -> f64 {
+        let least = match i {
+            FRICTION | DAMPING => OIL_TEMPERATURE_SHARE * described,
+            LOSS => LEAST_LOSS,
+            _ => 0.0,
+        };
+        let variance = (stated * stated).max(least * least);
+        if variance > 0.0 { 1.0 / variance } else { 0.0 }
     }
 
     /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].

@@ -12,7 +12,7 @@ use super::bucket::Content;
 use super::filter::{BUCKET, Filter, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
-use crate::math::{exp, sin_cos};
+use crate::math::exp;
 
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
@@ -130,12 +130,12 @@ impl Weigh {
         Some([c.span_std, c.zero_std])
     }
 
-    /// One tick; swing angle and velocity; what becomes of the bucket's content, and whether the bucket opens.
+    /// One tick; sine and cosine of the swing angle, and the velocity; what becomes of the bucket's content, and whether the bucket opens.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
         drive: &Drive,
-        (turn, velocity): (f64, f64),
+        (turn, velocity): ((f64, f64), f64),
         (content, opens): (Content, bool),
     ) -> Option<Moment> {
         if !self.begun {
@@ -157,10 +157,11 @@ impl Weigh {
         let front = Front {
             period: drive.period,
             posture: drive.posture,
+            turns: drive.turns,
             posture_variance: drive.posture_variance,
             pressures: drive.boom_pressure,
             velocity,
-            turn: sin_cos(turn),
+            turn,
         };
         self.moments
             .step(g, &self.cylinder, &front, (constant, touches))
@@ -324,6 +325,7 @@ impl Weigh {
 mod tests {
     use super::*;
     use crate::excavator::keys::Description;
+    use crate::math::sin_cos;
 
     const MOMENT: f64 = 70e3;
 

@@ -114,17 +114,18 @@ impl Drawing {
 
     /// The numbers with one of them off by its deviation: as the centre of gravity depends on it, and as the payload does.
     pub fn off(&self, number: usize) -> [[f64; NUMBERS]; 2] {
-        [&self.std, &self.weighing].map(|std| {
-            let mut values = self.values;
-            let (beside, along) = (1.0 - self.correlation * self.correlation, self.correlation);
+        // In place: a map over arrays of arrays copies each some times.
+        let mut both = [self.values; 2];
+        let (beside, along) = (1.0 - self.correlation * self.correlation, self.correlation);
+        for (values, std) in both.iter_mut().zip([&self.std, &self.weighing]) {
             match number {
                 SPAN => values[OFFSET] += along * std[OFFSET],
                 OFFSET => values[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
                 _ => {}
             }
             values[number] += std[number];
-            values
-        })
+        }
+        both
     }
 
     /// A number is known better, or otherwise.
