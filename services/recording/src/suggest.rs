@@ -307,6 +307,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_folder_and_the_contents_of_a_bag_are_named_with_the_file_to_give() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let said = |path: &Path| {
+            suggest(path, &[], None)
+                .err()
+                .map_or(String::new(), |e| e.to_string())
+        };
+        assert!(said(dir.path()).contains("give a table (.csv)"));
+        let table = dir.path().join("day.csv");
+        std::fs::write(&table, "t,speed\n0,1\n").expect("writable");
+        assert!(said(dir.path()).contains(&format!("heft map {}", table.display())));
+        let bag = dir.path().join("metadata.yaml");
+        std::fs::write(&bag, "rosbag2_bagfile_information:\n  version: 5\n").expect("writable");
+        assert!(
+            said(&bag).contains(".mcap file beside it"),
+            "{}",
+            said(&bag)
+        );
+    }
+
+    #[test]
     fn names_of_any_kind_make_a_map_that_is_read() {
         let dir = tempfile::tempdir().expect("a folder");
         let file = dir.path().join("x.csv");

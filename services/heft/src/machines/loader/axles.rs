@@ -11,6 +11,8 @@
 //!
 //! c1 is the radii, c2 the place of the load. Both axles carry alike torques, so only c3 tells which is the front one.
 
+use std::ops::Range;
+
 use estimation::loader::Sample;
 use estimation::loader::wheel_dynamics::GRAVITY;
 
@@ -34,6 +36,10 @@ const HARD: f64 = 0.3;
 const SLIPPING: f64 = 100.0;
 /// Correlation from which on two belong together: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
 const TOGETHER: f64 = 0.5;
+/// Mass times radius by torque and accelerometer over those of the machine file, where both belong together: 1.01 to 1.24 was
+/// recorded, by tyres, axles and loads; .738 times as much in lbf ft.
+const MOVED: f64 = 0.95;
+const LIGHT: Range<f64> = 0.6..0.85;
 /// Feet in a metre.
 const FEET: f64 = 3.281;
 /// A unit that is meant is within this factor, another tyre or gear too.
@@ -82,6 +88,8 @@ pub(super) struct Axles {
     pulls: [Pair; 2],
     acceleration: Pair,
     grade: Grade,
+    /// T by sgn v, v and the acceleration that is measured.
+    moved: Regression,
     /// The difference of the wheel speeds by sgn v, T and T D.
     slips: Regression,
 }
@@ -142,6 +150,7 @@ impl Axles {
         self.pulls[1].see(rear_torque, force);
         self.acceleration.see(acceleration, gain);
         let torque = front_torque + rear_torque;
+        self.moved.see([v.signum(), v, acceleration, torque]);
         self.grade.see(v, gain, slope, acceleration, torque);
         let slip = 2.0 * (front - rear) / (front + rear).abs();
         if slip.abs() < SLIPS && !block.turns {
@@ -155,9 +164,10 @@ impl Axles {
             return None;
         }
         // Torques are compared with the slope.
-        let what = self.wheel_unit().or_else(|| self.grade.fault());
+        let what = self.wheel_unit().or_else(|| self.slope());
         let what = what.or_else(|| self.torque(moment));
         let what = what.or_else(|| self.accelerometer());
+        let what = what.or_else(|| self.pound_feet(moment));
         what.or_else(|| {
             (self.slips.rows >= SLIPPING && self.slips.significance() < -SURE).then(|| {
                 "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down\n  \
@@ -165,6 +175,11 @@ impl Axles {
                     .into()
             })
         })
+    }
+
+    /// What accelerometer and torques say of the slope.
+    pub(super) fn slope(&self) -> Option<String> {
+        self.grade.fault()
     }
 
     fn wheel_unit(&self) -> Option<String> {
@@ -210,6 +225,19 @@ impl Axles {
             "{names} {seem} to be in kN m: N m that small would not move the machine\n  \
              what to do: write `unit = \"kNm\"` for {names} in a signal map"
         ))
+    }
+
+    /// Torques that would move a lighter machine than the empty one.
+    fn pound_feet(&self, moment: f64) -> Option<String> {
+        let [_, moved] = self.moved.coefficients();
+        let ratio = moved / moment;
+        let is_so = self.moved.correlation() > MOVED && LIGHT.contains(&ratio);
+        is_so.then(|| {
+            format!(
+                "front_torque and rear_torque seem to be in lbf ft: they accelerate {ratio:.2} times the described mass, less than the empty machine\n  \
+                 what to do: write `unit = \"lbf ft\"` for both in a signal map; or state machine.mass and machine.wheel_radius, whose product is too large"
+            )
+        })
     }
 
     fn accelerometer(&self) -> Option<String> {
@@ -315,6 +343,8 @@ mod tests {
             })
         };
         assert_eq!(both(0.5), None);
+        assert_eq!(both(0.9), None);
+        assert!(both(0.7376).is_some_and(|said| said.contains("`unit = \"lbf ft\"`")));
         assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
         assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
         // Without an accelerometer, in turns, and with tyres of another size nothing is said.

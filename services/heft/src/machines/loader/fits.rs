@@ -150,7 +150,11 @@ impl Look for Fits {
         if columns.is_some() {
             return columns;
         }
-        let said = if let Some(said) = self.slope_unit() {
+        let unit = self.slope_unit();
+        if let (Some(_), Some(said)) = (unit, self.axles.slope()) {
+            return Some(said);
+        }
+        let said = if let Some(said) = unit {
             said
         } else if 2 * self.tonnes > self.massive {
             "mass seems to be in t: the machine has about a thousand times as many kg\n  \
@@ -185,7 +189,7 @@ impl Look for Fits {
 fn is_of_wheels(mismatch: Mismatch) -> bool {
     !matches!(
         mismatch,
-        Mismatch::Kilonewtons | Mismatch::PoundFeet(_) | Mismatch::TorqueSign | Mismatch::Mass(_)
+        Mismatch::Kilonewtons | Mismatch::TorqueSign | Mismatch::Mass(_)
     )
 }
 
@@ -213,11 +217,6 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
             map("speed", "`unit = \"ft/s\"`")
         ),
         Mismatch::Speed(unit) => map("speed", &format!("`unit = \"{unit}\"`")),
-        Mismatch::PoundFeet(ratio) => format!(
-            "{}; or state the mass: an empty loader of about {:.1} t would fit (machine.mass)",
-            map("front_torque and rear_torque", "`unit = \"lbf ft\"`"),
-            mass * ratio / 1000.0
-        ),
         Mismatch::Revolutions => map("front_wheel_speed and rear_wheel_speed", "`unit = \"rpm\"`"),
         Mismatch::Tread => {
             "divide them by the wheel radius: in the signal map `scale`, which is 1 / radius; or state machine.wheel_radius, if it is 1 m".into()
