@@ -21,6 +21,9 @@ pub struct Gaps {
     longest: f64,
     /// Where the longest begins.
     at: f64,
+    /// How often the times go back, the first time behind this one and by so much \[s\].
+    back: u64,
+    first_back: [f64; 2],
 }
 
 impl Gaps {
@@ -31,6 +34,12 @@ impl Gaps {
         }
         let last = self.last.replace(time).unwrap_or(time);
         let gap = time - last;
+        if gap < -LONG {
+            if self.back == 0 {
+                self.first_back = [last, -gap];
+            }
+            self.back += 1;
+        }
         if gap <= 0.0 {
             return;
         }
@@ -53,12 +62,24 @@ impl Gaps {
     #[must_use]
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);
-        (self.count > 0).then(|| {
-            // A time that no clock says would fill three lines with its digits.
-            let digits = |number: f64, plain: String| match number.abs() {
-                ..1e10 => plain,
-                _ => format!("{number:e}"),
-            };
+        // A time that no clock says would fill three lines with its digits.
+        let digits = |number: f64, plain: String| match number.abs() {
+            ..1e10 => plain,
+            _ => format!("{number:e}"),
+        };
+        let back = (self.back > 0).then(|| {
+            let [at, by] = self.first_back;
+            format!(
+                "the times go back by {} s behind t = {}, {} in all: are these several recordings? estimate each by itself",
+                digits(by, format!("{by:.0}")),
+                digits(at, at.to_string()),
+                match self.back {
+                    1 => "once".into(),
+                    count => format!("{count} times"),
+                }
+            )
+        });
+        let gaps = (self.count > 0).then(|| {
             let longest = digits(longest, format!("{longest:.0}"));
             let at = digits(at, at.to_string());
             format!(
@@ -68,7 +89,11 @@ impl Gaps {
                     count => format!("{count} gaps"),
                 }
             )
-        })
+        });
+        match (gaps, back) {
+            (Some(gaps), Some(back)) => Some(format!("{gaps}\n{back}")),
+            (gaps, back) => gaps.or(back),
+        }
     }
 
     /// Why the times are no seconds, and what to do.
@@ -91,6 +116,18 @@ mod tests {
         let mut gaps = Gaps::default();
         times.for_each(|time| gaps.see(time));
         gaps
+    }
+
+    #[test]
+    fn times_that_go_back_are_named_and_rows_that_arrive_late_are_not() {
+        let rows = |k: u32| f64::from(k) / 100.0;
+        let twice = (0..3000).chain(0..3000).map(rows);
+        let said = of(twice).words().unwrap_or_default();
+        assert!(
+            said.starts_with("the times go back by 30 s behind t = 29.99, once"),
+            "{said}"
+        );
+        assert_eq!(of((0..3000).map(|k| rows(k ^ 7))).words(), None);
     }
 
     #[test]

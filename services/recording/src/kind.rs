@@ -30,7 +30,7 @@ const PACKED: &str = "gz";
 pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 38] = [
+const FOREIGN: [(&[u8], &str, &str); 39] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -79,6 +79,11 @@ const FOREIGN: [(&[u8], &str, &str); 38] = [
         b"#ROSBAG",
         "a bag of ROS 1",
         "convert it to MCAP: mcap convert FILE.bag FILE.mcap",
+    ),
+    (
+        b"rosbag2_bagfile",
+        "the contents of a bag of ROS 2",
+        "give the .mcap file beside it; a bag of .db3 files becomes one by ros2 bag convert",
     ),
     (
         b"SQLite",

@@ -171,10 +171,19 @@ impl Conversion {
         sign: 1.0,
     };
 
+    fn factor(&self) -> f64 {
+        let factor = self.unit.map_or(1.0, |u| u.factor);
+        self.sign * self.scale.unwrap_or(1.0) * factor
+    }
+
+    /// What is a whole turn of a value that becomes so much `turn`.
+    pub(crate) fn turn(&self, turn: f64) -> f64 {
+        turn / self.factor().abs()
+    }
+
     /// The signal's value. One that needs no conversion keeps its bits.
     pub(crate) fn apply(&self, value: f64) -> f64 {
-        let factor = self.unit.map_or(1.0, |u| u.factor);
-        let factor = self.sign * self.scale.unwrap_or(1.0) * factor;
+        let factor = self.factor();
         if self.offset == 0.0 {
             value * factor
         } else {
@@ -228,6 +237,11 @@ impl Entry {
     pub(crate) fn combine(&self, values: impl Iterator<Item = f64>) -> f64 {
         let sum = values.reduce(|a, b| a + b).unwrap_or(f64::NAN);
         self.conversion.apply(sum)
+    }
+
+    /// A whole turn of a value that is converted to one of its terms.
+    pub(crate) fn turn(&self, conversion: &Conversion, signal: &Signal) -> f64 {
+        conversion.turn(self.conversion.turn(signal.turn()))
     }
 }
 

@@ -24,16 +24,19 @@ pub(crate) struct Series {
     delay: i64,
     interpolate: bool,
     max_age: i64,
+    /// A whole turn of an angle; infinite for what does not turn.
+    turn: f64,
     values: VecDeque<(i64, f64)>,
 }
 
 impl Series {
-    /// No value so far; `hold` is the age limit where the timing has none [s].
-    pub(crate) fn new(timing: &Timing, hold: f64) -> Self {
+    /// No value so far; `hold` is the age limit where the timing has none [s]. A value that is a `turn` off is the same.
+    pub(crate) fn new(timing: &Timing, hold: f64, turn: f64) -> Self {
         Self {
             delay: nanoseconds(timing.delay),
             interpolate: timing.interpolate,
             max_age: nanoseconds(timing.max_age.unwrap_or(hold)),
+            turn,
             values: VecDeque::new(),
         }
     }
@@ -80,11 +83,24 @@ impl Series {
         match self.values.get(after) {
             Some((t1, next)) if self.interpolate && t1 - t0 <= self.max_age => {
                 let share = (time - t0) as f64 / (t1 - t0) as f64;
-                before + (next - before) * share
+                self.between(*before, *next, share)
             }
             _ if self.interpolate => f64::NAN,
             _ if time - t0 <= self.max_age => *before,
             _ => f64::NAN,
+        }
+    }
+
+    /// An angle goes the shorter way round: from 359 to 1 degrees over 0.
+    fn between(&self, before: f64, next: f64, share: f64) -> f64 {
+        let way = next - before;
+        if way.abs() <= 0.5 * self.turn {
+            return before + way * share;
+        }
+        let way = way - (way / self.turn).round() * self.turn;
+        match share < 0.5 {
+            true => before + way * share,
+            false => next - way * (1.0 - share),
         }
     }
 
@@ -276,7 +292,7 @@ mod tests {
             interpolate,
             max_age: Some(max_age),
         };
-        Series::new(&timing, 1.0)
+        Series::new(&timing, 1.0, f64::INFINITY)
     }
 
     /// Rows of a series with a master, as (time [ms], value).
@@ -287,6 +303,28 @@ mod tests {
             found.push((row.ns / MS, series[0].at(row.ns)));
         }
         found
+    }
+
+    #[test]
+    fn an_angle_is_interpolated_over_the_shorter_way_round() {
+        let at = |turn: f64, [from, to]: [f64; 2]| {
+            let mut angle = series(0.0, true, 1.0);
+            angle.turn = turn;
+            angle.push(0, from);
+            angle.push(10 * MS, to);
+            [2, 5, 8].map(|ms| angle.at(ms * MS).rem_euclid(turn.min(1e9)))
+        };
+        for (found, expected) in [
+            (at(360.0, [359.0, 1.0]), [359.4, 0.0, 0.6]),
+            (at(360.0, [1.0, 359.0]), [0.6, 0.0, 359.4]),
+            (at(360.0, [-170.0, 170.0]), [186.0, 180.0, 174.0]),
+            (at(360.0, [10.0, 20.0]), [12.0, 15.0, 18.0]),
+            (at(f64::INFINITY, [359.0, 9.0]), [289.0, 184.0, 79.0]),
+        ] {
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
+            }
+        }
     }
 
     #[test]

@@ -51,6 +51,14 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
+    /// A whole turn, after which an angle is the same; infinite for what is none.
+    pub(crate) fn turn(&self) -> f64 {
+        match self.unit {
+            "rad" => core::f64::consts::TAU,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Whether it is a number that a sensor gives.
     pub(crate) fn is_measured(&self) -> bool {
         matches!(self.slot, Slot::Sensor(..))

@@ -20,7 +20,7 @@ use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, packed, steers};
+use crate::{Error, Kind, packed, parts, steers};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
 use suggestion::missing;
@@ -37,6 +37,9 @@ pub fn suggest(
     dbc: &[PathBuf],
     machine: Option<Machine>,
 ) -> Result<Suggestion, Error> {
+    if path.is_dir() && parts::recordings(path).is_empty() {
+        return Err(of_folder(path));
+    }
     let kind = Kind::of(path)?;
     if let Some(dbc) = dbc.first().filter(|_| kind != Kind::Log) {
         return Err(Error::new(
@@ -77,6 +80,22 @@ pub fn suggest(
         ));
     }
     Ok(guesses.swap_remove(0))
+}
+
+/// A folder whose files are tables or logs: a map is of one of them.
+fn of_folder(path: &Path) -> Error {
+    let files = path.read_dir().into_iter().flatten().flatten();
+    let files = files.map(|entry| entry.path());
+    let files = files.filter(|file| !file.is_dir() && Kind::by_name(file).is_some());
+    let remedy = match files.min() {
+        Some(first) => format!("give one of its files: heft map {}", first.display()),
+        None => "give a table (.csv), a CAN log (.log) or an MCAP file".to_owned(),
+    };
+    Error::new(
+        "a map is of one file, and this is a folder",
+        path.display().to_string(),
+        remedy,
+    )
 }
 
 /// What a file that heft did not write holds.
@@ -286,6 +305,27 @@ fn unit_of<S: Sensors>(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_and_the_contents_of_a_bag_are_named_with_the_file_to_give() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let said = |path: &Path| {
+            suggest(path, &[], None)
+                .err()
+                .map_or(String::new(), |e| e.to_string())
+        };
+        assert!(said(dir.path()).contains("give a table (.csv)"));
+        let table = dir.path().join("day.csv");
+        std::fs::write(&table, "t,speed\n0,1\n").expect("writable");
+        assert!(said(dir.path()).contains(&format!("heft map {}", table.display())));
+        let bag = dir.path().join("metadata.yaml");
+        std::fs::write(&bag, "rosbag2_bagfile_information:\n  version: 5\n").expect("writable");
+        assert!(
+            said(&bag).contains(".mcap file beside it"),
+            "{}",
+            said(&bag)
+        );
+    }
 
     #[test]
     fn names_of_any_kind_make_a_map_that_is_read() {

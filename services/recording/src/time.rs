@@ -1,5 +1,7 @@
 //! Times as people and programs write them.
 
+use std::ops::Range;
+
 use crate::unit;
 
 /// Nanoseconds of a time: seconds with a decimal part (`1397165409.500000`, `000.012`), or a date
@@ -38,6 +40,8 @@ fn digits(text: &str) -> Option<i64> {
 
 /// The times in a table, one after the other, that are no numbers: dates with a time, the time of day alone, with its seconds,
 /// which goes on behind midnight, minutes and seconds as Excel shows them, which go on behind the hour, or durations.
+///
+/// A date whose order is not clear (`03/04/26`) counts while it stays the same, and changes at midnight only.
 #[derive(Debug, Default)]
 pub(crate) struct Dates {
     first: Option<i64>,
@@ -45,19 +49,67 @@ pub(crate) struct Dates {
     /// Time of day, and the midnights before it; or within an hour, and the hours before it.
     last: i64,
     periods: i64,
+    /// The date of the row before, where its order is not clear.
+    day: String,
+    /// Time and place in its day of the row before, of dates without a zone, and by how much their clock was set back.
+    local: Option<[i64; 2]>,
+    set_back: i64,
 }
+
+const HOUR: i64 = 3_600_000_000_000;
+/// At the end of summer time, from 3 or 2 o'clock on, local time goes an hour back, in Lisbon at 2 and in the Azores at 1. Rows are
+/// no further apart than the second.
+const STEP: i64 = 10_000_000_000;
+const SET_BACK: Range<i64> = HOUR - STEP..3 * HOUR;
 
 impl Dates {
     /// Seconds since the first of them.
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
-        let ns = dated(text, &mut self.order).or_else(|| self.clock(text));
+        // Days that are counted and those of a calendar have nothing in common.
+        let ns = match self.day.is_empty() {
+            true => dated(text, &mut self.order).map(|ns| self.through_summer_time(text, ns)),
+            false => None,
+        };
+        let is_counted = self.first.is_none() || !self.day.is_empty();
+        let ns = ns.or_else(|| self.day_and_clock(text).filter(|_| is_counted));
+        let ns = ns.or_else(|| self.clock(text));
         let ns = ns.or_else(|| duration(text))?;
         let first = *self.first.get_or_insert(ns);
         Some(ns.saturating_sub(first) as f64 / 1e9)
     }
 
+    /// A date whose clock is set back an hour while rows go on was a local one at the end of summer time.
+    fn through_summer_time(&mut self, text: &str, ns: i64) -> i64 {
+        if has_zone(text) {
+            return ns;
+        }
+        let in_day = ns.rem_euclid(24 * HOUR);
+        if let Some([last, then]) = self.local.replace([ns, in_day])
+            && SET_BACK.contains(&then)
+            && (HOUR - STEP..HOUR).contains(&(last - ns))
+        {
+            self.set_back += HOUR;
+        }
+        ns + self.set_back
+    }
+
+    /// A date of which nobody knows what is the day, or the year, with its time of day.
+    fn day_and_clock(&mut self, text: &str) -> Option<i64> {
+        let (day, clock) = split_day(text).filter(|_| !is_ambiguous(text))?;
+        let (clock, _) = zone(clock)?;
+        let clock = of_day(clock)?;
+        let is_midnight = clock < self.last - 12 * HOUR;
+        if day != self.day && !self.day.is_empty() && !is_midnight {
+            return None;
+        }
+        self.periods += i64::from(is_midnight);
+        self.last = clock;
+        self.day.clear();
+        self.day.push_str(day);
+        Some(self.periods * 24 * HOUR + clock)
+    }
+
     fn clock(&mut self, text: &str) -> Option<i64> {
-        const HOUR: i64 = 3_600_000_000_000;
         let (period, clock) = match text.matches(':').count() {
             0 => return None,
             1 if text.contains(['.', ',']) => (HOUR, of_day(&format!("0:{text}"))?),
@@ -69,6 +121,37 @@ impl Dates {
         self.last = clock;
         Some(self.periods * period + clock)
     }
+}
+
+/// Whether a date says how far it is ahead of UTC.
+fn has_zone(text: &str) -> bool {
+    let clock = text.split_once(['T', ' ']).map_or("", |(_, clock)| clock);
+    let is_named = clock.trim_end().ends_with(['Z', 'C', 'T', ']']);
+    is_named || clock.contains(['+', '-'])
+}
+
+/// Day, month and year in any order, with blanks, points, slashes, hyphens or commas in between, and the time of day behind them.
+fn split_day(text: &str) -> Option<(&str, &str)> {
+    let colon = text.find(':')?;
+    let clock = text[..colon]
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .len();
+    let (day, clock) = text.split_at_checked(clock)?;
+    let day = day.trim_end_matches([' ', 'T', ',']);
+    let parts: Vec<&str> = day
+        .split([' ', '.', '/', '-', ','])
+        .filter(|part| !part.is_empty())
+        .collect();
+    let is_number = |part: &&&str| digits(part).is_some() && matches!(part.len(), 1 | 2 | 4);
+    let numbers = parts.iter().filter(is_number).count();
+    let words = parts
+        .iter()
+        .filter(|part| part.chars().all(char::is_alphabetic))
+        .count();
+    // A month that is written out, and the day of the week.
+    let is_day =
+        numbers + words == parts.len() && matches!((numbers, words), (3, 0 | 1) | (2, 1 | 2));
+    is_day.then_some((day, clock))
 }
 
 /// `4.25 sec`, as MATLAB writes a duration, or `1 days 00:00:04.25`, as pandas does.
@@ -99,9 +182,28 @@ pub(crate) fn date(text: &str) -> Option<i64> {
     dated(text, &mut None)
 }
 
+/// `20141004T213009.5`, the basic form of ISO 8601.
+fn basic(text: &str) -> Option<i64> {
+    let (day, clock) = (text.get(..8)?, text.get(9..)?);
+    if !text.get(8..9)?.starts_with(['T', '_', ' ']) || digits(day).is_none() {
+        return None;
+    }
+    let (whole, rest) = (clock.get(..6)?, clock.get(6..)?);
+    digits(whole)?;
+    let [h, m, s] = [0, 2, 4].map(|at| &whole[at..at + 2]);
+    let [year, month, of_month] = [&day[..4], &day[4..6], &day[6..]];
+    dated(
+        &format!("{year}-{month}-{of_month} {h}:{m}:{s}{rest}"),
+        &mut None,
+    )
+}
+
 /// The same; the order of day and month is that of an earlier date, or becomes known.
 fn dated(text: &str, order: &mut Option<Order>) -> Option<i64> {
-    let (day, clock) = text.split_once(['T', ' '])?;
+    let (day, clock) = text.split_once(['T', ' ', '_'])?;
+    if day.len() == 8 && digits(day).is_some() {
+        return basic(text);
+    }
     let (separator, [a, b, c]) = parts(day)?;
     let [year, month, of_month] = match separator {
         '-' | '/' if a.len() == 4 => [digits(a)?, digits(b)?, digits(c)?],
@@ -279,6 +381,9 @@ mod tests {
             "2014-04-10 21:30:09:470",
             "10-Apr-2014 21:30:09.47",
             "2014-04-10T23:30:09.47+02:00[Europe/Berlin]",
+            "20140410T213009.47",
+            "20140410 213009,47Z",
+            "20140410_233009.47+0200",
         ] {
             assert_eq!(nanoseconds(text), instant, "{text}");
         }
@@ -316,6 +421,48 @@ mod tests {
         assert_eq!(dates.seconds("11/30/2026 23:59:59"), Some(0.0));
         assert_eq!(dates.seconds("12/01/2026 00:00:01"), Some(2.0));
         assert_eq!(dates.seconds("13/01/2026 00:00:01"), None);
+    }
+
+    #[test]
+    fn a_date_of_unclear_order_counts_while_it_stays_the_same_and_over_midnight() {
+        for [day, next] in [
+            ["21.11.26 ", "22.11.26 "],
+            ["11/30/26 ", "12/1/26 "],
+            ["26-11-21T", "26-11-22T"],
+            ["Jul 03, 2026 ", "Jul 04, 2026 "],
+            ["Fri Jul 3 2026 ", "Sat Jul 4 2026 "],
+            ["3. Juli 2026 ", "4. Juli 2026 "],
+        ] {
+            let mut dates = Dates::default();
+            let mut seconds = |day: &str, clock: &str| dates.seconds(&format!("{day}{clock}"));
+            assert_eq!(seconds(day, "23:59:58.50"), Some(0.0), "{day}");
+            assert_eq!(seconds(day, "23:59:59,75"), Some(1.25), "{day}");
+            assert_eq!(seconds(next, "00:00:00.50"), Some(2.0), "{next}");
+            assert_eq!(seconds(next, "12:00:00"), Some(43_201.5), "{next}");
+            assert_eq!(seconds(day, "23:00:00"), None, "{day}");
+        }
+        assert_eq!(Dates::default().seconds("Pump 2 on 16:00:00"), None);
+    }
+
+    #[test]
+    fn local_time_goes_on_where_summer_time_ends() {
+        let mut dates = Dates::default();
+        for (text, seconds) in [
+            ("2026-10-25 02:59:59.5", 0.0),
+            ("2026-10-25 02:00:00.0", 0.5),
+            ("2026-10-25 02:00:01.0", 1.5),
+            // Rows that are given twice, and a zone.
+            ("2026-10-25 02:00:00.0", 0.5),
+        ] {
+            assert_eq!(dates.seconds(text), Some(seconds), "{text}");
+        }
+        let mut dates = Dates::default();
+        assert_eq!(dates.seconds("2026-10-25T02:59:59+02:00"), Some(0.0));
+        assert_eq!(dates.seconds("2026-10-25T02:00:00+01:00"), Some(1.0));
+        assert_eq!(dates.seconds("2026-10-25T01:00:01Z"), Some(2.0));
+        let mut dates = Dates::default();
+        assert_eq!(dates.seconds("2026-10-25 16:59:59.5"), Some(0.0));
+        assert_eq!(dates.seconds("2026-10-25 16:00:00"), Some(-3599.5));
     }
 
     #[test]

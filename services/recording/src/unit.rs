@@ -118,6 +118,7 @@ pub(crate) const UNITS: &[Unit] = &[
         &["knots", "kn", "kt", "kts"],
     ),
     unit("m/s^2", "m/s^2", 1.0, &["m/s/s", "m/sec2", "ms-2"]),
+    unit("ft/s^2", "m/s^2", 0.3048, &["ft/sec2", "ft/s/s"]),
     unit("g", "m/s^2", 9.80665, &["gs", "g0"]),
     unit("N", "N", 1.0, &["newton"]),
     unit("kN", "N", 1e3, &[]),

@@ -138,13 +138,13 @@ impl LoadCounter {
                     "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
                 ),
                 (false, [true, false]) => Some(
-                    "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config)",
+                    "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config), its length, pivot and masses, and `cylinder` with base_distance, rod_distance, angle, head_area and rod_area",
                 ),
                 (true, [true, false]) | (_, [_, true]) => None,
             },
             Machine::Excavator => match (self.is_described, self.measured) {
                 (false, [true, _]) => Some(
-                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
+                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config), by base_distance, rod_distance, angle, head_area and rod_area",
                 ),
                 (_, [false, _]) => Some(
                     "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
@@ -152,6 +152,16 @@ impl LoadCounter {
                 (true, [true, _]) => None,
             },
         }
+    }
+
+    /// That pressures were measured and weigh nothing, and what to do, in words.
+    #[must_use]
+    pub fn unused(&self) -> Option<&'static str> {
+        let is_unused = !self.is_described && self.measured[0];
+        is_unused.then_some(match self.machine {
+            Machine::Loader => "No load is weighed by the lift pressures: the machine file has no `machine.lift_arm` with its `cylinder` (base_distance, rod_distance, angle, head_area, rod_area).",
+            Machine::Excavator => "No load is weighed by the boom pressures: the machine file has no `machine.boom_cylinder` (base_distance, rod_distance, angle, head_area, rod_area).",
+        })
     }
 
     /// What the machine file leaves to a guess, see [`guessed`].
@@ -303,6 +313,24 @@ mod tests {
 
     fn description(text: &str) -> Description {
         Description::parse(text, "test", None).expect("a description")
+    }
+
+    #[test]
+    fn pressures_that_weigh_nothing_are_named() {
+        let said = |file: &str, valid: u32| {
+            let mut counter = LoadCounter::new(&description(file), Options::default());
+            counter.see(&Envelope::ExcavatorSensors(ExcavatorSensors {
+                valid,
+                ..ExcavatorSensors::default()
+            }));
+            counter.unused().unwrap_or_default()
+        };
+        let bare = "[machine]\nkind = \"excavator\"\n";
+        let pressures = excavator_bits::BOOM_HEAD_PRESSURE;
+        assert!(said(bare, pressures).contains("head_area"));
+        assert_eq!(said(bare, excavator_bits::BOOM_ANGLE), "");
+        let described = format!("{bare}[machine.boom_cylinder]\nhead_area = 0.01\n");
+        assert_eq!(said(&described, pressures), "");
     }
 
     #[test]

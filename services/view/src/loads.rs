@@ -29,6 +29,8 @@ pub struct Account {
     pub all: Total,
     /// What would weigh a load and is not there, and what to do.
     pub lacks: Option<&'static str>,
+    /// That pressures were measured and weigh nothing, and what to do.
+    pub unused: Option<&'static str>,
     /// What the machine file leaves to a guess, how wide that makes the loads, and what to state.
     pub guessed: Option<String>,
     /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
@@ -99,6 +101,7 @@ impl Account {
             trucks,
             all: counter.ledger().all(),
             lacks: counter.lacks(),
+            unused: counter.unused(),
             guessed: counter.guessed().map(str::to_owned),
         }
     }
@@ -425,6 +428,7 @@ pub(crate) fn account() -> Account {
         trucks: vec![truck],
         all: total,
         lacks: None,
+        unused: None,
         guessed: None,
         truths: BTreeMap::new(),
     }

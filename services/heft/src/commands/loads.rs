@@ -234,8 +234,10 @@ fn print(account: &Account) {
     if let Some(covered) = account.covered_words() {
         println!("{covered}");
     }
-    let guessed = account.guessed.iter().filter(|_| !account.is_empty());
-    for sentence in account.doubts().iter().chain(guessed) {
+    let unused = account.unused.map(str::to_owned);
+    let known = unused.iter().chain(&account.guessed);
+    let known = known.filter(|_| !account.is_empty());
+    for sentence in account.doubts().iter().chain(known) {
         for line in wrapped(sentence, 79) {
             println!("{line}");
         }

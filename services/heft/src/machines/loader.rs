@@ -4,6 +4,10 @@ mod axles;
 mod calibrate;
 mod figures;
 mod fits;
+mod grade;
+mod pair;
+mod regression;
+mod turning;
 
 use config::Description;
 use messages::{LoaderSensors, LoaderTruth};

@@ -101,7 +101,7 @@ impl<S: Sensors> Decoder<S> {
             terms.push(bus);
             let conversion = map.with_dbc_unit(entry, term.conversion, &unit, target)?;
             Ok(Source::Series(
-                Series::new(&term.timing, can.hold),
+                Series::new(&term.timing, can.hold, entry.turn(&conversion, target)),
                 conversion,
             ))
         })?;

@@ -85,6 +85,9 @@ impl NoNumber {
                 "the header stands here once more: make a file of each recording, or delete the line"
             }
             () if self.text.contains('\0') => ZEROS,
+            () if self.is_time && self.text.chars().all(char::is_alphabetic) => {
+                "delete the line if it is none of the recording (a sum, a second row of names); else write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
+            }
             () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
                 "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
@@ -143,7 +146,10 @@ impl<S: Sensors> Columns<S> {
                 }
             };
             let own = entry.iter().flat_map(|e| e.terms.iter().map(|t| t.timing));
-            timings.extend(own.chain([Timing::default()]).take(parts.len()));
+            // A cell is converted before it waits.
+            let turn = entry.map_or(f64::INFINITY, |e| e.turn(&Conversion::NONE, signal));
+            let own = own.chain([Timing::default()]).take(parts.len());
+            timings.extend(own.map(|timing| (timing, turn)));
             used.push(signal);
             lines.push(Line {
                 signal: signal.name.clone(),
@@ -154,7 +160,7 @@ impl<S: Sensors> Columns<S> {
             });
         }
         require::<S>(entries, &used, &header, file)?;
-        let is_timed = timings.iter().any(|t| *t != Timing::default());
+        let is_timed = timings.iter().any(|(t, _)| *t != Timing::default());
         Ok(Self {
             marks: vec![Marks::default(); header.len()],
             header,
@@ -356,13 +362,13 @@ struct Sampler {
 }
 
 impl Sampler {
-    fn new(timings: &[Timing]) -> Self {
+    fn new(timings: &[(Timing, f64)]) -> Self {
         let series = timings
             .iter()
-            .map(|timing| match *timing == Timing::default() {
+            .map(|(timing, turn)| match *timing == Timing::default() {
                 // Without a word about its time a cell belongs to its row alone.
-                true => Series::new(timing, 0.0),
-                false => Series::new(timing, HOLD),
+                true => Series::new(timing, 0.0, *turn),
+                false => Series::new(timing, HOLD, *turn),
             });
         Self {
             series: series.collect(),

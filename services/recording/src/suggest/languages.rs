@@ -82,6 +82,7 @@ const WORDS: &[(&str, &str)] = &[
     ("brazo", "arm"),
     ("cucharón", "bucket"),
     ("cucharon", "bucket"),
+    ("cuchara", "bucket"),
     ("balde", "bucket"),
     ("cazo", "bucket"),
     ("presión", "press"),
@@ -92,6 +93,7 @@ const WORDS: &[(&str, &str)] = &[
     ("traser", "rear"),
     ("pendiente", "slope"),
     ("tiempo", "time"),
+    ("fecha", "time"),
     ("rueda", "wheel"),
     ("masa", "mass"),
     ("freno", "brake"),
@@ -115,6 +117,22 @@ const WORDS: &[(&str, &str)] = &[
     ("ruota", "wheel"),
     ("pendenza", "slope"),
     ("veicolo", "vehicle"),
+    // Polish.
+    ("wysięgnik", "boom"),
+    ("ramieni", "arm"),
+    ("łyżk", "bucket"),
+    ("moment obrotow", "torque"),
+    ("obrot", "swing"),
+    ("prędkość jazdy", "vehicle speed"),
+    ("prędkość", "speed"),
+    ("przyspieszenie", "accel"),
+    ("kąt", "angle"),
+    ("ciśnienie", "press"),
+    ("nachylenie", "slope"),
+    ("przedni", "front"),
+    ("tyln", "rear"),
+    ("koł", "wheel"),
+    ("czas", "time"),
     // Japanese.
     ("旋回", "swing"),
     ("ブーム", "boom"),
@@ -187,6 +205,7 @@ const WORDS: &[(&str, &str)] = &[
     ("spd", "speed"),
     ("whl", "wheel"),
     ("bkt", "bucket"),
+    ("frnt", "front"),
 ];
 
 /// A name in small letters with its words in English.
@@ -252,6 +271,14 @@ mod tests {
             ("lift_angle", "LiftArmAng"),
             ("tilt_angle", "tilt_ang_deg"),
             ("front_wheel_speed", "FrontWhlSpd"),
+            ("speed", "VehSpd"),
+            ("front_torque", "TrqFrnt"),
+            ("t", "Fecha y hora"),
+            ("bucket_angle", "Ángulo cuchara (°)"),
+            ("swing_velocity", "Prędkość obrotu [°/s]"),
+            ("swing_torque", "Moment obrotu [kNm]"),
+            ("front_torque", "Moment obrotowy przedni"),
+            ("bucket_angle", "Kąt łyżki [°]"),
             ("arm_rod_pressure", "Stieldruck stangenseitig"),
         ] {
             assert_eq!(

@@ -124,6 +124,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["vehicle", "speed"],
             &["ground", "speed"],
             &["machine", "speed"],
+            &["^veh", "speed"],
             &["travel", "speed"],
             &["gps", "speed"],
             &["ccvs"],

@@ -233,8 +233,8 @@ fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
     if signal == "t" {
         return time(&finite);
     }
-    let beyond = |limit: f64| finite.iter().filter(|x| x.abs() > limit).count();
     let all = finite.len();
+    let beyond = |limit: f64| beyond(&finite, limit);
     let grade = beyond(STEEPEST.to_degrees());
     if signal == "slope" && grade * 50 > all {
         return Guess {
@@ -283,7 +283,27 @@ fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
     }
 }
 
-/// Times by their step: a machine is sampled each 0.1 ms to 1 s. In the days of a sheet that is less than 1e-5.
+/// How many values are beyond a limit. One number in fewer than half of the rows, whichever sign, says that there is no sample.
+fn beyond(values: &[f64], limit: f64) -> usize {
+    let mut far = values.iter().map(|x| x.abs()).filter(|x| *x > limit);
+    let Some(first) = far.next() else {
+        return 0;
+    };
+    let (mut count, mut is_mark) = (1, true);
+    for x in far {
+        count += 1;
+        is_mark &= x == first;
+    }
+    match is_mark && 2 * count < values.len() && count > 1 {
+        true => 0,
+        false => count,
+    }
+}
+
+/// Rows of days are closer than this, those of seconds are not \[day, s\].
+const SLOWEST: f64 = 1e-4;
+
+/// Times by their step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
 fn time(times: &[f64]) -> Guess {
     let mut steps: Vec<f64> = times
         .windows(2)
@@ -302,7 +322,7 @@ fn time(times: &[f64]) -> Guess {
         s if s > 1e6 => "ns",
         s if s > 1e3 => "us",
         s if s >= 1.0 => "ms",
-        s if s < 1.0 / 86_400.0 && is_serial_date(times) => "day",
+        s if s < SLOWEST && is_serial_date(times) => "day",
         _ => "s",
     };
     let reason = format!("median step {}: {name}?", rounded(*step));
@@ -351,6 +371,8 @@ mod tests {
             (1.34e17, 1e5, "100ns"),
             (46_206.5, 1.2e-7, "day"),
             (740_168.5, 1.2e-7, "day"),
+            (46_206.5, 1.0 / 86_400.0, "day"),
+            (46_206.5, 0.01, "s"),
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
@@ -400,6 +422,27 @@ mod tests {
             [1.1, 10.8, 32.0].map(of),
             [None, Some("rpm"), Some("deg/s")]
         );
+    }
+
+    #[test]
+    fn what_stands_for_no_sample_is_no_angle_in_degrees() {
+        let unit = |mark: f64, every: u32| {
+            let angle = |k: u32| {
+                if k.is_multiple_of(every) {
+                    mark
+                } else {
+                    0.8 + 1e-4 * f64::from(k)
+                }
+            };
+            let angles: Vec<f64> = (0..1000).map(angle).collect();
+            by_values("boom_angle", "rad", &angles)
+                .unit
+                .map(|unit| unit.name)
+        };
+        for mark in [-9999.0, 65_535.0, 327.67, 1e30] {
+            assert_eq!(unit(mark, 20), None, "{mark}");
+        }
+        assert_eq!(unit(45.0, 1), Some("deg"));
     }
 
     #[test]

@@ -57,12 +57,16 @@ impl<S: Sensors> TopicRows<S> {
         map.require::<S>(&topics.signals, "[topics.signals]")?;
         let mut wanted = Vec::new();
         let rows = (&topics.rows, "a topic");
-        let rows = MappedRows::new(map, &topics.signals, rows, |entry, term, _| {
+        let rows = MappedRows::new(map, &topics.signals, rows, |entry, term, target| {
             Ok(match &term.origin {
                 Origin::Constant(value) => Source::Constant(term.conversion.apply(*value)),
                 Origin::Topic(name) => {
                     wanted.push(wanted_of(map, entry, name)?);
-                    Source::Series(Series::new(&term.timing, topics.hold), term.conversion)
+                    let turn = entry.turn(&term.conversion, target);
+                    Source::Series(
+                        Series::new(&term.timing, topics.hold, turn),
+                        term.conversion,
+                    )
                 }
                 Origin::Column(_) | Origin::Can(_) | Origin::Nowhere => Source::Constant(f64::NAN),
             })

@@ -23,6 +23,14 @@ const EXPLAINED: [f64; 2] = [0.95, 0.9];
 /// Another tyre or load stays within this factor, a unit that is meant within the second.
 const ALIKE: f64 = 2.0;
 const ABOUT: f64 = 1.3;
+/// Units of a speed in a metre per second; a radius that is stated is within their distance.
+const SPEEDS: [(&str, f64); 4] = [
+    ("knot", 1.944),
+    ("mph", 2.237),
+    ("ft/s", 3.281),
+    ("km/h", 3.6),
+];
+const STATED: f64 = 1.08;
 /// Wheel speeds in m/s are those of the machine, within slip.
 const SLIP: f64 = 0.05;
 
@@ -33,8 +41,8 @@ pub enum Mismatch {
     SpeedSign,
     /// That of the front or the rear wheels has.
     WheelSign(&'static str),
-    /// The speed is in km/h.
-    KilometresPerHour,
+    /// The speed is in this unit.
+    Speed(&'static str),
     /// The wheel speeds are in revolutions per minute.
     Revolutions,
     /// They are those of the tread, in the unit of the speed.
@@ -54,7 +62,7 @@ impl core::fmt::Display for Mismatch {
         match self {
             Self::SpeedSign => f.write_str("speed and wheel speeds have opposite signs"),
             Self::WheelSign(axle) => write!(f, "{axle}_wheel_speed has the other sign"),
-            Self::KilometresPerHour => f.write_str("speed seems to be in km/h"),
+            Self::Speed(unit) => write!(f, "speed seems to be in {unit}"),
             Self::Revolutions => f.write_str("the wheel speeds seem to be in revolutions per minute"),
             Self::Tread => f.write_str("the wheel speeds seem to be those of the tread, as long as speed: rad/s is expected"),
             Self::Radius(ratio) => write!(f, "the machine drives {ratio:.2} times as fast as its wheels turn"),
@@ -216,10 +224,12 @@ impl Plausible {
         match () {
             () if within(ratio, ABOUT) => None,
             () if all(&|r| (r - 1.0).abs() < SLIP) => Some(Mismatch::Tread),
-            () if about(3.6) => Some(Mismatch::KilometresPerHour),
             () if about(core::f64::consts::TAU / 60.0) => Some(Mismatch::Revolutions),
-            () if within(ratio, ALIKE) => None,
-            () => Some(Mismatch::Radius(ratio)),
+            () => match speed_unit(ratio) {
+                Some(unit) => Some(Mismatch::Speed(unit)),
+                None if within(ratio, ALIKE) => None,
+                None => Some(Mismatch::Radius(ratio)),
+            },
         }
     }
 
@@ -244,6 +254,18 @@ impl Plausible {
             () => Some(Mismatch::Mass(ratio)),
         }
     }
+}
+
+/// The unit that makes a machine so many times as fast as its wheels, the nearest of them.
+fn speed_unit(ratio: f64) -> Option<&'static str> {
+    let distance = |unit: f64| (ratio / unit).max(unit / ratio);
+    let nearest = SPEEDS
+        .into_iter()
+        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    let factor = |unit: &str| if unit == "km/h" { ABOUT } else { STATED };
+    nearest
+        .filter(|(name, unit)| within(ratio / unit, factor(name)))
+        .map(|(name, _)| name)
 }
 
 /// Whether a ratio is 1 within a factor.
@@ -298,6 +320,12 @@ mod tests {
         };
         assert_eq!(seen(|_| {}), None);
         assert_eq!(seen(torques(1.5)), None);
+        for (name, unit) in SPEEDS {
+            assert_eq!(
+                seen(|s| times(&mut s.speed, unit)),
+                Some(Mismatch::Speed(name))
+            );
+        }
         assert_eq!(seen(torques(1e-3)), Some(Mismatch::Kilonewtons));
         assert_eq!(seen(torques(-1.0)), Some(Mismatch::TorqueSign));
         let at_motor = seen(torques(0.05));
@@ -310,7 +338,7 @@ mod tests {
         assert_eq!(seen(wheels(-1.0)), Some(Mismatch::SpeedSign));
         assert_eq!(
             seen(|s| times(&mut s.speed, 3.6)),
-            Some(Mismatch::KilometresPerHour)
+            Some(Mismatch::Speed("km/h"))
         );
         let front = seen(|s| times(&mut s.front_wheel_speed, -1.0));
         assert_eq!(front, Some(Mismatch::WheelSign("front")));

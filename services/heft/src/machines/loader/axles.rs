@@ -11,9 +11,14 @@
 //!
 //! c1 is the radii, c2 the place of the load. Both axles carry alike torques, so only c3 tells which is the front one.
 
+use std::ops::Range;
+
 use estimation::loader::Sample;
 use estimation::loader::wheel_dynamics::GRAVITY;
 
+use super::grade::Grade;
+use super::pair::{Pair, about};
+use super::regression::Regression;
 use crate::machines::units::TURNING;
 
 /// Length of a block, and the longest time between two rows in it \[s\].
@@ -31,6 +36,12 @@ const HARD: f64 = 0.3;
 const SLIPPING: f64 = 100.0;
 /// Correlation from which on two belong together: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
 const TOGETHER: f64 = 0.5;
+/// Mass times radius by torque and accelerometer over those of the machine file, where both belong together: 1.01 to 1.24 was
+/// recorded, by tyres, axles and loads; .738 times as much in lbf ft.
+const MOVED: f64 = 0.95;
+const LIGHT: Range<f64> = 0.6..0.85;
+/// Feet in a metre.
+const FEET: f64 = 3.281;
 /// A unit that is meant is within this factor, another tyre or gear too.
 const ABOUT: f64 = 1.3;
 /// Wheels of both axles turn alike within this factor: units are exact, and tyres differ by a few percent.
@@ -63,33 +74,6 @@ fn values(s: &Sample) -> Option<[f64; 7]> {
     Some([v, f, r, tf, tr, slope, a])
 }
 
-/// Squares and product of two quantities.
-#[derive(Clone, Copy, Default)]
-struct Pair {
-    squares: [f64; 2],
-    product: f64,
-}
-
-impl Pair {
-    fn see(&mut self, x: f64, y: f64) {
-        // Where there is no sensor nothing is said.
-        if x.is_finite() && y.is_finite() {
-            self.squares[0] += x * x;
-            self.squares[1] += y * y;
-            self.product += x * y;
-        }
-    }
-
-    fn correlation(&self) -> f64 {
-        self.product / (self.squares[0] * self.squares[1]).sqrt()
-    }
-
-    /// Size of the first over that of the second.
-    fn ratio(&self) -> f64 {
-        (self.squares[0] / self.squares[1]).sqrt()
-    }
-}
-
 /// Looks at the rows of a recording.
 #[derive(Default)]
 pub(super) struct Axles {
@@ -103,9 +87,11 @@ pub(super) struct Axles {
     /// Torque of each axle, and D.
     pulls: [Pair; 2],
     acceleration: Pair,
-    /// Squares and products of sgn v, T, T D and the difference of the wheel speeds, and how many.
-    slips: [[f64; 4]; 4],
-    slipping: f64,
+    grade: Grade,
+    /// T by sgn v, v and the acceleration that is measured.
+    moved: Regression,
+    /// The difference of the wheel speeds by sgn v, T and T D.
+    slips: Regression,
 }
 
 impl Axles {
@@ -163,32 +149,13 @@ impl Axles {
         self.pulls[0].see(front_torque, force);
         self.pulls[1].see(rear_torque, force);
         self.acceleration.see(acceleration, gain);
+        let torque = front_torque + rear_torque;
+        self.moved.see([v.signum(), v, acceleration, torque]);
+        self.grade.see(v, gain, slope, acceleration, torque);
         let slip = 2.0 * (front - rear) / (front + rear).abs();
         if slip.abs() < SLIPS && !block.turns {
-            let torque = front_torque + rear_torque;
-            let row = [v.signum(), torque, torque * force, slip];
-            for (sums, x) in self.slips.iter_mut().zip(row) {
-                sums.iter_mut().zip(row).for_each(|(sum, y)| *sum += x * y);
-            }
-            self.slipping += 1.0;
+            self.slips.see([v.signum(), torque, torque * force, slip]);
         }
-    }
-
-    /// c3 over its standard deviation.
-    fn transfer(&self) -> f64 {
-        let mut s = self.slips;
-        for pivot in 0..2 {
-            for row in pivot + 1..4 {
-                let share = s[row][pivot] / s[pivot][pivot];
-                let above = s[pivot];
-                s[row]
-                    .iter_mut()
-                    .zip(above)
-                    .for_each(|(x, y)| *x -= share * y);
-            }
-        }
-        let left = s[3][3] - s[2][3] * s[2][3] / s[2][2];
-        s[2][3] / (s[2][2] * left / (self.slipping - 3.0)).sqrt()
     }
 
     /// What one of the columns is that the others are not, and what to do, for a machine with this mass times wheel radius [kg m].
@@ -196,15 +163,23 @@ impl Axles {
         if self.blocks < ENOUGH || 2.0 * self.hard < ENOUGH {
             return None;
         }
-        let what = self.wheel_unit().or_else(|| self.torque(moment));
+        // Torques are compared with the slope.
+        let what = self.wheel_unit().or_else(|| self.slope());
+        let what = what.or_else(|| self.torque(moment));
         let what = what.or_else(|| self.accelerometer());
+        let what = what.or_else(|| self.pound_feet(moment));
         what.or_else(|| {
-            (self.slipping >= SLIPPING && self.transfer() < -SURE).then(|| {
+            (self.slips.rows >= SLIPPING && self.slips.significance() < -SURE).then(|| {
                 "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down\n  \
                  what to do: exchange the two in the signal map"
                     .into()
             })
         })
+    }
+
+    /// What accelerometer and torques say of the slope.
+    pub(super) fn slope(&self) -> Option<String> {
+        self.grade.fault()
     }
 
     fn wheel_unit(&self) -> Option<String> {
@@ -252,6 +227,19 @@ impl Axles {
         ))
     }
 
+    /// Torques that would move a lighter machine than the empty one.
+    fn pound_feet(&self, moment: f64) -> Option<String> {
+        let [_, moved] = self.moved.coefficients();
+        let ratio = moved / moment;
+        let is_so = self.moved.correlation() > MOVED && LIGHT.contains(&ratio);
+        is_so.then(|| {
+            format!(
+                "front_torque and rear_torque seem to be in lbf ft: they accelerate {ratio:.2} times the described mass, less than the empty machine\n  \
+                 what to do: write `unit = \"lbf ft\"` for both in a signal map; or state machine.mass and machine.wheel_radius, whose product is too large"
+            )
+        })
+    }
+
     fn accelerometer(&self) -> Option<String> {
         let (together, size) = (self.acceleration.correlation(), self.acceleration.ratio());
         let line = match () {
@@ -263,15 +251,14 @@ impl Axles {
                 "acceleration seems to be in g: the speed changes ten times as fast\n  \
                  what to do: write `unit = \"g\"` for acceleration in a signal map"
             }
+            () if together > TOGETHER && about(size / FEET, ABOUT) => {
+                "acceleration seems to be in ft/s^2: the speed changes a third as fast\n  \
+                 what to do: write `unit = \"ft/s^2\"` for acceleration in a signal map"
+            }
             () => return None,
         };
         Some(line.into())
     }
-}
-
-/// Whether a ratio is 1 within a factor.
-fn about(ratio: f64, factor: f64) -> bool {
-    (1.0 / factor..=factor).contains(&ratio)
 }
 
 #[cfg(test)]
@@ -339,6 +326,10 @@ mod tests {
                 "acceleration seems to be in g",
             ),
             (
+                first(|s| times(&mut s.acceleration, 3.28)),
+                "acceleration seems to be in ft/s^2",
+            ),
+            (
                 first(|s| std::mem::swap(&mut s.front_wheel_speed, &mut s.rear_wheel_speed)),
                 "front_wheel_speed and rear_wheel_speed seem to be exchanged",
             ),
@@ -352,6 +343,8 @@ mod tests {
             })
         };
         assert_eq!(both(0.5), None);
+        assert_eq!(both(0.9), None);
+        assert!(both(0.7376).is_some_and(|said| said.contains("`unit = \"lbf ft\"`")));
         assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
         assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
         // Without an accelerometer, in turns, and with tyres of another size nothing is said.

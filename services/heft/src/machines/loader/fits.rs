@@ -5,6 +5,7 @@ use messages::LoaderSensors;
 use recording::STEEPEST;
 
 use super::axles::Axles;
+use super::turning::Turning;
 use crate::commands::estimate::look::Look;
 use crate::machines::units::{Angles, Cylinder, TURNING};
 
@@ -16,6 +17,9 @@ const AT_MOTOR: f64 = 0.25;
 
 /// Faster than this it drives, and the lift cylinders carry arm and bucket [m/s].
 const DRIVES: f64 = 1.0;
+/// Pounds in a kilogram, and the most that a machine has of its own mass with a load: half of it is more than any rated payload.
+const POUNDS: f64 = 2.204_62;
+const LADEN: f64 = 1.6;
 /// The arm of no loader goes further up or down \[rad\]: -.7 to .8 was recorded.
 const LIFTS: f64 = 1.0;
 
@@ -27,9 +31,11 @@ pub(in crate::machines) struct Fits {
     driving: u32,
     beyond: [u32; 2],
     axles: Axles,
-    /// Rows with a mass, and with one that the described machine has in tonnes.
+    turning: Turning,
+    /// Rows with a mass, and with one that the described machine has in tonnes, in pounds.
     massive: u32,
     tonnes: u32,
+    pounds: u32,
     /// Mass times wheel radius [kg m].
     moment: f64,
     rows: u64,
@@ -89,8 +95,10 @@ impl Look for Fits {
             driving: 0,
             beyond: [0; 2],
             axles: Axles::default(),
+            turning: Turning::default(),
             massive: 0,
             tonnes: 0,
+            pounds: 0,
             moment: machine.mass * machine.wheel_radius,
             rows: 0,
             steep: [0; 2],
@@ -110,12 +118,16 @@ impl Look for Fits {
         self.see(sample.slope);
         self.plausible.push(&sample);
         self.axles.see(&sample);
+        self.turning.see(&sample);
         let angles = [sample.lift_angle, sample.tilt_angle];
         self.angles
             .see([sample.lift_angle, sample.tilt_angle, sample.articulation]);
         self.massive += u32::from(sample.mass.is_some());
         let tonnes = |mass: f64| (self.mass / 2.0..2.0 * self.mass).contains(&(1e3 * mass));
         self.tonnes += u32::from(sample.mass.is_some_and(tonnes));
+        let laden = self.mass * POUNDS / LADEN..self.mass * POUNDS * LADEN;
+        let pounds = |mass: f64| mass > LADEN * self.mass && laden.contains(&mass);
+        self.pounds += u32::from(sample.mass.is_some_and(pounds));
         let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
         self.cylinder
             .see(sample.lift_head_pressure, sample.lift_rod_pressure, drives);
@@ -138,11 +150,20 @@ impl Look for Fits {
         if columns.is_some() {
             return columns;
         }
-        let said = if let Some(said) = self.slope_unit() {
+        let unit = self.slope_unit();
+        if let (Some(_), Some(said)) = (unit, self.axles.slope()) {
+            return Some(said);
+        }
+        let said = if let Some(said) = unit {
             said
         } else if 2 * self.tonnes > self.massive {
             "mass seems to be in t: the machine has about a thousand times as many kg\n  \
              what to do: write `unit = \"t\"` for mass in a signal map"
+        } else if 2 * self.pounds > self.massive {
+            "mass seems to be in pounds: it is more than twice that of the machine file\n  \
+             what to do: write `unit = \"lb\"` for mass in a signal map; or describe your machine (machine.mass, or --class)"
+        } else if let Some(said) = self.turning.fault() {
+            said
         } else if self.is_exchanged() {
             "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
              what to do: exchange the two in the signal map"
@@ -172,13 +193,11 @@ fn is_of_wheels(mismatch: Mismatch) -> bool {
     )
 }
 
-/// Units of the speed, or of the wheel speeds, that make a machine so many times as fast as its wheels; the rest is named otherwise.
+/// Units of wheel speeds that make a machine so many times as fast as its wheels; the rest is named otherwise.
 fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
-    const MILES_PER_HOUR: f64 = 2.237;
     const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
     let [_, degrees, turns] = TURNING;
     [
-        ("speed", ("mph", MILES_PER_HOUR)),
         (WHEELS, (turns.0, 1.0 / turns.1)),
         (WHEELS, (degrees.0, 1.0 / degrees.1)),
     ]
@@ -193,7 +212,11 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
     match mismatch {
         Mismatch::SpeedSign => map("speed", "`sign = -1`"),
         Mismatch::WheelSign(axle) => map(&format!("{axle}_wheel_speed"), "`sign = -1`"),
-        Mismatch::KilometresPerHour => map("speed", "`unit = \"km/h\"`"),
+        Mismatch::Speed("ft/s") => format!(
+            "{}, or \"km/h\" if the wheels are a tenth smaller than machine.wheel_radius",
+            map("speed", "`unit = \"ft/s\"`")
+        ),
+        Mismatch::Speed(unit) => map("speed", &format!("`unit = \"{unit}\"`")),
         Mismatch::Revolutions => map("front_wheel_speed and rear_wheel_speed", "`unit = \"rpm\"`"),
         Mismatch::Tread => {
             "divide them by the wheel radius: in the signal map `scale`, which is 1 / radius; or state machine.wheel_radius, if it is 1 m".into()

@@ -1,0 +1,90 @@
+//! What articulation and yaw rate say of each other: yaw rate = speed times articulation over a length.
+
+use estimation::loader::Sample;
+
+use super::pair::Pair;
+
+/// Slower than this it may turn on the spot [m/s].
+const DRIVES: f64 = 1.0;
+/// Less is no turn \[rad\].
+const TURNS: f64 = 0.05;
+/// Rows that tell, and the correlation from which on the two belong together: .95 and more was recorded.
+const ENOUGH: u32 = 200;
+const TOGETHER: f64 = 0.7;
+/// The length of a machine lies between these \[m\]: some wheelbases.
+const LENGTHS: [f64; 2] = [0.5, 12.0];
+
+/// Looks at rows in turns.
+#[derive(Default)]
+pub(super) struct Turning {
+    rows: u32,
+    both: Pair,
+}
+
+impl Turning {
+    pub(super) fn see(&mut self, s: &Sample) {
+        let (Some(speed), Some(articulation), Some(yaw)) = (s.speed, s.articulation, s.yaw_rate)
+        else {
+            return;
+        };
+        if speed.abs() > DRIVES && articulation.abs() > TURNS {
+            self.rows += 1;
+            self.both.see(speed * articulation, yaw);
+        }
+    }
+
+    /// Which of the two is in another unit or has the other sign, and what to do.
+    pub(super) fn fault(&self) -> Option<&'static str> {
+        let together = self.both.correlation();
+        if self.rows < ENOUGH || together.abs() < TOGETHER {
+            return None;
+        }
+        let within = |by: f64| {
+            let length = self.both.ratio() * by;
+            (LENGTHS[0]..LENGTHS[1]).contains(&length)
+        };
+        match () {
+            () if together < 0.0 => Some(
+                "articulation and yaw_rate seem to have opposite signs: both are positive where the machine turns left\n  \
+                 what to do: in the signal map `sign = -1` for the one that is positive to the right",
+            ),
+            () if within(1.0) => None,
+            () if within(180.0 / core::f64::consts::PI) => Some(
+                "yaw_rate seems to be in deg/s: the machine turns less than that by its articulation\n  \
+                 what to do: in the signal map `unit = \"deg/s\"` for yaw_rate",
+            ),
+            () if within(core::f64::consts::PI / 180.0) => Some(
+                "articulation seems to be in degrees: the machine turns less than that by its yaw_rate\n  \
+                 what to do: in the signal map `unit = \"deg\"` for articulation",
+            ),
+            () => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_and_units_of_turns_are_told() {
+        let said = |by: [f64; 2]| {
+            let mut turning = Turning::default();
+            for k in 0..1000 {
+                let articulation = 0.4 * (0.01 * f64::from(k)).sin();
+                turning.see(&Sample {
+                    speed: Some(2.0),
+                    articulation: Some(by[0] * articulation),
+                    yaw_rate: Some(by[1] * 2.0 * articulation / 2.5),
+                    ..Sample::default()
+                });
+            }
+            turning.fault().unwrap_or_default()
+        };
+        assert_eq!(said([1.0, 1.0]), "");
+        assert!(said([-1.0, 1.0]).contains("opposite signs"));
+        assert!(said([1.0, 57.3]).starts_with("yaw_rate seems to be in deg/s"));
+        assert!(said([57.3, 1.0]).starts_with("articulation seems to be in degrees"));
+        assert_eq!(said([57.3, 57.3]), "");
+    }
+}
