@@ -91,6 +91,8 @@ pub(super) struct Working {
     /// The states as described, and their standard deviations.
     described: Vector,
     stated: Vector,
+    /// That of the torque's gain where pressures weigh too.
+    weighed_gain: f64,
     noise: Noise,
     agreement: Agreement,
     bucket: Bucket,
@@ -183,6 +185,7 @@ impl Working {
             described_bucket: settings.geometry.masses[2],
             described: x,
             stated: std,
+            weighed_gain: doubts.weighed_gain_std,
             noise: Noise::new(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
@@ -281,15 +284,8 @@ impl Working {
         let motion = (self.turn, self.filter.x[W]);
         let opens = self.bucket.is_open() || self.bucket.is_settling();
         let moment = weigh.step(settings, drive, motion, (content, opens));
-        let filters = [
-            &mut self.filter,
-            &mut self.parallel.filter,
-            &mut self.scale.filter,
-        ];
-        if let Some(stated) = weigh.begin(drive, filters, trail) {
-            [self.stated[SPAN], self.stated[ZERO]] = stated;
-        }
-        let Some(moment) = moment else {
+        self.begin_weighing(drive, trail);
+        let (Some(moment), Some(weigh)) = (moment, &mut self.weigh) else {
             return false;
         };
         let parallel = &mut self.parallel.filter;
@@ -304,6 +300,27 @@ impl Working {
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
         weigh.renews(said)
+    }
+
+    /// Where the pressures begin: from now on they weigh beside the torque.
+    fn begin_weighing(&mut self, drive: &Drive, trail: &mut Option<Trail>) {
+        let filters = [
+            &mut self.filter,
+            &mut self.parallel.filter,
+            &mut self.scale.filter,
+        ];
+        let weigh = self.weigh.as_mut();
+        let Some(stated) = weigh.and_then(|weigh| weigh.begin(drive, filters, trail)) else {
+            return;
+        };
+        [self.stated[SPAN], self.stated[ZERO]] = stated;
+        self.parallel.is_joined_by_pressures();
+        let std = self.weighed_gain;
+        if std < self.stated[GAIN] && !self.parallel.is_driven() {
+            self.stated[GAIN] = std;
+            self.filter.set(GAIN, 0.0, std * std, trail);
+            self.parallel.knows_gain(std);
+        }
     }
 
     /// Keeps from now on what each tick does.
@@ -369,7 +386,6 @@ impl Working {
         self.parallel.set_off(&self.filter);
         if weighed {
             self.scale.leave(&input);
-            self.parallel.is_joined_by_pressures();
         }
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
