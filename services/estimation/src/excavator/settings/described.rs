@@ -168,3 +168,21 @@ fn paper(d: &Description) -> Paper {
         ..d.paper
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_that_nobody_states_is_less_known_than_a_stated_one_and_better_beside_pressures() {
+        let stds = |stated: Option<f64>| {
+            let mut d = Description::default();
+            d.sensors.swing_torque_gain_std = stated;
+            let doubts = Doubts::of(&d);
+            [doubts.gain_std, doubts.weighed_gain_std]
+        };
+        assert_eq!(stds(None), [GAIN_STD, WEIGHED_GAIN_STD]);
+        assert_eq!(stds(Some(0.0)), [GAIN_STD; 2], "nobody knows it exactly");
+        assert_eq!(stds(Some(0.02)), [0.02; 2]);
+    }
+}

@@ -544,3 +544,38 @@ impl Working {
         self.filter.is_sound() && self.parallel.is_sound() && weighs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    #[test]
+    fn a_gain_is_known_better_where_pressures_weigh_beside_the_torque() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let settings = Settings::of(&d);
+        let doubts = settings.doubts.expect("doubts");
+        let mut working = Working::new(&settings, &doubts);
+        let variances = |working: &Working| {
+            [&working.filter, &working.parallel.filter].map(|filter| filter.p[GAIN][GAIN])
+        };
+        let before = variances(&working);
+        assert!((before[0] - doubts.gain_std * doubts.gain_std).abs() < 1e-12);
+        let drive = Drive {
+            boom_pressure: Some([12e6, 1e6]),
+            ..Drive::default()
+        };
+        working.begin_weighing(&drive, &mut None);
+        let after = variances(&working);
+        assert!((after[0] - doubts.weighed_gain_std * doubts.weighed_gain_std).abs() < 1e-12);
+        // The other one still may be any.
+        assert!(after[1] < before[1] && after[1] > 50.0 * after[0]);
+        // What the motion has told since is not set back.
+        working.filter.p[GAIN][GAIN] = 1e-4;
+        working.begin_weighing(&drive, &mut None);
+        assert!((working.filter.p[GAIN][GAIN] - 1e-4).abs() < 1e-12);
+    }
+}
