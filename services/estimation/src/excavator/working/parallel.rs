@@ -19,8 +19,8 @@ use crate::mixture::spread;
 const GAIN_STD: f64 = 0.3;
 /// Logarithm of the odds that a sensor has broken since the last swing.
 const PRIOR_LOG_ODDS: f64 = -7.0;
-/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in ten).
-const UNCALIBRATED_LOG_ODDS: f64 = -2.2;
+/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eleven).
+const UNCALIBRATED_LOG_ODDS: f64 = -2.3;
 /// The same where two pressures weigh too: one of the three is wrong on one machine in four.
 const WEIGHED_LOG_ODDS: f64 = -1.0;
 /// A gain that is stated more closely than this was calibrated; so was one that was found together with the masses.
