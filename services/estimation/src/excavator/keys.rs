@@ -209,8 +209,8 @@ table! {
         swing_angle_std: f64 = 0.0005, "rad", 1e-12 to 1.0;
         /// Noise of the swing torque (sigma_T).
         swing_torque_std: f64 = 100.0, "N m", 1e-9 to 1e6;
-        /// Standard deviation of the torque's gain about 1; "none" takes 0.03. Nobody knows a gain exactly: 0 says that
-        /// nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0.
+        /// Standard deviation of the torque's gain about 1; "none" takes 0.05, or 0.03 where the boom's pressures weigh too. Nobody
+        /// knows a gain exactly: 0 says that nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0.
         swing_torque_gain_std: Option<f64> = None, "", 0.0 to 1.0;
         /// How late the torque comes.
         swing_torque_delay: f64 = 0.0, "s", 0.0 to 1.0;

@@ -11,6 +11,8 @@ use crate::excavator::keys::Description;
 pub struct Doubts {
     /// Gain of the torque measurement about 1.
     pub gain_std: f64,
+    /// The same where pressures weigh beside it.
+    pub weighed_gain_std: f64,
     /// Efficiency of the drive: the described one; driving torque arrives times it, braking torque divided by it.
     pub efficiency: f64,
     /// Its standard deviation.

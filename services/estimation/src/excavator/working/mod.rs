@@ -93,6 +93,8 @@ pub(super) struct Working {
     stated: Vector,
     /// One over the variances of those, see [`Self::per_stated`].
     per_stated: Vector,
+    /// The torque's gain where pressures weigh too: its standard deviation.
+    weighed_gain: f64,
     noise: Noise,
     agreement: Agreement,
     bucket: Bucket,
@@ -187,6 +189,7 @@ impl Working {
             described: x,
             stated: std,
             per_stated: core::array::from_fn(|i| Self::per_stated(i, x[i], std[i])),
+            weighed_gain: doubts.weighed_gain_std,
             noise: Noise::new(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
@@ -287,18 +290,8 @@ impl Working {
         let motion = (self.turn, self.filter.x[W]);
         let opens = self.bucket.is_open() || self.bucket.is_settling();
         let moment = weigh.step(settings, drive, motion, (content, opens));
-        let filters = [
-            &mut self.filter,
-            &mut self.parallel.filter,
-            &mut self.scale.filter,
-        ];
-        if let Some(stated) = weigh.begin(drive, filters, trail) {
-            for (i, std) in [SPAN, ZERO].into_iter().zip(stated) {
-                self.stated[i] = std;
-                self.per_stated[i] = Self::per_stated(i, 0.0, std);
-            }
-        }
-        let Some(moment) = moment else {
+        self.begin_weighing(drive, trail);
+        let (Some(moment), Some(weigh)) = (moment, &mut self.weigh) else {
             return false;
         };
         let parallel = &mut self.parallel.filter;
@@ -313,6 +306,35 @@ impl Working {
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
         weigh.renews(said)
+    }
+
+    /// Where the pressures begin: from now on they weigh beside the torque.
+    fn begin_weighing(&mut self, drive: &Drive, trail: &mut Option<Trail>) {
+        let filters = [
+            &mut self.filter,
+            &mut self.parallel.filter,
+            &mut self.scale.filter,
+        ];
+        let weigh = self.weigh.as_mut();
+        let Some(stated) = weigh.and_then(|weigh| weigh.begin(drive, filters, trail)) else {
+            return;
+        };
+        for (i, std) in [SPAN, ZERO].into_iter().zip(stated) {
+            self.restate(i, std);
+        }
+        self.parallel.is_joined_by_pressures();
+        let std = self.weighed_gain;
+        if std < self.stated[GAIN] && !self.parallel.is_driven() {
+            self.restate(GAIN, std);
+            self.filter.set(GAIN, 0.0, std * std, trail);
+            self.parallel.knows_gain(std);
+        }
+    }
+
+    /// From now on the description knows state `i` to this standard deviation.
+    fn restate(&mut self, i: usize, std: f64) {
+        self.stated[i] = std;
+        self.per_stated[i] = Self::per_stated(i, self.described[i], std);
     }
 
     /// Keeps from now on what each tick does.
@@ -384,7 +406,6 @@ impl Working {
         self.parallel.set_off(&self.filter);
         if weighed {
             self.scale.leave(&input);
-            self.parallel.is_joined_by_pressures();
         }
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.swing(drive.period);
@@ -541,5 +562,40 @@ impl Working {
     pub(super) fn is_sound(&self) -> bool {
         let weighs = self.weigh.is_none() || self.scale.filter.is_sound();
         self.filter.is_sound() && self.parallel.is_sound() && weighs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    #[test]
+    fn a_gain_is_known_better_where_pressures_weigh_beside_the_torque() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let settings = Settings::of(&d);
+        let doubts = settings.doubts.expect("doubts");
+        let mut working = Working::new(&settings, &doubts);
+        let variances = |working: &Working| {
+            [&working.filter, &working.parallel.filter].map(|filter| filter.p[GAIN][GAIN])
+        };
+        let before = variances(&working);
+        assert!((before[0] - doubts.gain_std * doubts.gain_std).abs() < 1e-12);
+        let drive = Drive {
+            boom_pressure: Some([12e6, 1e6]),
+            ..Drive::default()
+        };
+        working.begin_weighing(&drive, &mut None);
+        let after = variances(&working);
+        assert!((after[0] - doubts.weighed_gain_std * doubts.weighed_gain_std).abs() < 1e-12);
+        // The other one still may be any.
+        assert!(after[1] < before[1] && after[1] > 50.0 * after[0]);
+        // What the motion has told since is not set back.
+        working.filter.p[GAIN][GAIN] = 1e-4;
+        working.begin_weighing(&drive, &mut None);
+        assert!((working.filter.p[GAIN][GAIN] - 1e-4).abs() < 1e-12);
     }
 }

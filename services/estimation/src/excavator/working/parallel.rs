@@ -19,8 +19,8 @@ use crate::mixture::spread;
 const GAIN_STD: f64 = 0.3;
 /// Logarithm of the odds that a sensor has broken since the last swing.
 const PRIOR_LOG_ODDS: f64 = -7.0;
-/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in seven).
-const UNCALIBRATED_LOG_ODDS: f64 = -1.8;
+/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eleven).
+const UNCALIBRATED_LOG_ODDS: f64 = -2.3;
 /// The same where two pressures weigh too: one of the three is wrong on one machine in four.
 const WEIGHED_LOG_ODDS: f64 = -1.0;
 /// A gain that is stated more closely than this was calibrated; so was one that was found together with the masses.
@@ -66,6 +66,12 @@ impl ParallelFilter {
         if core::mem::take(&mut self.may_be_joined) {
             self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
         }
+    }
+
+    /// Before anything has told the gain: it is known to this standard deviation, and may be another one.
+    pub(super) fn knows_gain(&mut self, std: f64) {
+        let variance = std * std + GAIN_STD * GAIN_STD;
+        self.filter.set(GAIN, 0.0, variance, &mut None);
     }
 
     /// The machine moves: what was known of the sensors may have changed while it stood.
