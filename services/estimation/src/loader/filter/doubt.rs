@@ -1,6 +1,7 @@
 //! What makes an estimate doubtful, and which cause is named first.
 
 use super::{Belief, CgFilter};
+use crate::Quantity;
 use crate::keys::Range;
 use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, ratio_with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
@@ -76,8 +77,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
-        let away = self.away(expected);
         let ratio_std = norm(&[expected[1].1, self.told(settings, learns)]);
+        let away = self.away([expected[0], (expected[1].0, ratio_std)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
@@ -115,6 +116,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             birge: self.manoeuvres.ratio(),
             wavering: self.wheel_noise.wavering(&settings.estimator),
             beyond: self.mixed(settings, away, by_axle_torque, stiffness, doubted, expected),
+            stated: self.stated_ratio(settings, expected[1]),
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
@@ -149,6 +151,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: beyond(state[CG_RATIO], ratio),
             height: beyond(state[CG_HEIGHT], height),
         }
+    }
+
+    /// What is known of the ratio beside the slips; nothing where a payload is reported, or weighed by another witness.
+    fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
+        let other = self.disturbance.mass.other_load() * self.ahead(settings);
+        let std = norm(&[std, other]);
+        (!self.known_load.is_some()).then_some(Quantity { value, std })
+    }
+
+    /// How far ahead of the centre of gravity a load sits [wheelbases].
+    fn ahead(&self, settings: &Settings) -> f64 {
+        (1.0 + LOAD_ARM * self.reach(settings) - self.belief.state()[CG_RATIO]).abs()
     }
 
     /// A state is at one of its bounds, or nearly.
@@ -260,7 +274,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
         let off = self.disturbance.mass.off();
-        let ahead = (1.0 + LOAD_ARM * self.reach(settings) - state[CG_RATIO]).abs();
+        let ahead = self.ahead(settings);
         let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * ahead,
