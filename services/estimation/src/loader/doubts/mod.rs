@@ -6,6 +6,7 @@
 //! | `gain` | force on the body over the force that the torques tell |
 //! | `manoeuvres` | independent manoeuvres must agree |
 //! | `curves` | curves that nobody reports |
+//! | `constancy` | a ratio that changes while nothing was loaded |
 //! | `coupling` | a centre drive that is locked |
 //! | `directions` | whether the load sensitivity of the radii can be learnt |
 //! | `axles` | what the slips of each axle tell to first order |
@@ -15,6 +16,7 @@
 //! | `witnesses` | slips and weight: the sharper answers, the other checks it |
 
 pub(super) mod axles;
+pub(super) mod constancy;
 pub(super) mod coupling;
 pub(super) mod curves;
 pub(super) mod directions;

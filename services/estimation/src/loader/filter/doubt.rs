@@ -55,6 +55,8 @@ struct Signs {
     stiffness: bool,
     /// Height or ratio lies beyond what is expected.
     contradicted: bool,
+    /// The ratio changed while nothing was loaded.
+    wandered: bool,
     /// One axle's torque is off, more probably than not.
     axle_torque: bool,
 }
@@ -98,6 +100,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
             contradicted: away.height > expected[0].1 || away.ratio > ratio_std,
+            wandered: self.is_too_much(settings, self.constancy.std()),
             axle_torque: axle_torque > 0.5,
         };
         let reason = self.cause(&signs);
@@ -236,7 +239,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Stiffness
         } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
             Reason::Load
-        } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted {
+        } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted || signs.wandered {
             Reason::Disagreement
         } else {
             Reason::None
@@ -299,6 +302,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.by_shared_slip(settings),
             self.by_wheel_lag(settings),
             self.curves.ratio_std(),
+            self.constancy.std(),
         ]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
         if self.known_load.is_some() {
@@ -323,10 +327,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         learnt * self.wheel_lag.lag().std * self.shared_slip.ratio_by_lag(stiffness, ratio)
     }
 
-    /// Curves that nobody reports are more than the ratio's interval may be.
-    fn seems_to_turn(&self, settings: &Settings) -> bool {
-        let least = settings.estimator.converged_ratio * self.belief.state()[CG_RATIO];
-        self.curves.ratio_std() > least
+    /// A doubt of this size alone keeps the ratio from being trusted.
+    fn is_too_much(&self, settings: &Settings, ratio_std: f64) -> bool {
+        ratio_std > settings.estimator.converged_ratio * self.belief.state()[CG_RATIO]
     }
 
     /// What acts on the machine that its model does not have.
@@ -334,7 +337,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP || self.seems_to_turn(settings) {
+        } else if self.effect.turn > NOTED_SLIP || self.is_too_much(settings, self.curves.ratio_std()) {
             Reason::Steering
         } else if self.slope_error.size() > NOTED_SLOPE {
             Reason::Slope
