@@ -45,6 +45,9 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         let both = together(slips, filter.ratio, stated);
         (centre.ratio, reported.ratio) = (both.value, both.std);
     }
+    if doubt.spans > 0.0 {
+        reported.ratio = norm(&[reported.ratio, doubt.spans]);
+    }
     let intervals = Intervals {
         filter,
         reported,

@@ -31,6 +31,8 @@ pub(super) struct Doubt {
     pub beyond: Each<f64>,
     /// What is known of the ratio beside the slips.
     pub stated: Option<Quantity>,
+    /// What spans both, where the ratio is doubted, as a standard deviation.
+    pub spans: f64,
     /// It is at a bound.
     pub at_limit: Each<bool>,
     /// The machine is loaded, and nobody would say if the boom lifted the load.
@@ -54,6 +56,7 @@ impl Doubt {
             height: 0.0,
         },
         stated: None,
+        spans: 0.0,
         at_limit: Each {
             ratio: false,
             height: false,

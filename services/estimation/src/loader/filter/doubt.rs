@@ -120,6 +120,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             wavering: self.wheel_noise.wavering(&settings.estimator),
             beyond: self.mixed(settings, away, by_axle_torque, stiffness, doubted, expected),
             stated: self.stated_ratio(settings, expected[1]),
+            spans: self.spanned(doubted, CG_RATIO, expected[1]),
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
@@ -156,11 +157,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What is known of the ratio beside the slips; nothing where a payload is reported, or weighed by another witness.
+    /// What is known of the ratio beside the slips. Nothing where a payload is reported in full, or weighed by another witness; nor
+    /// where a load was found that nobody reported.
     fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
-        let other = self.disturbance.mass.other_load() * self.ahead(settings);
-        let std = norm(&[std, other]);
-        (!self.known_load.is_some()).then_some(Quantity { value, std })
+        let mass = &self.disturbance.mass;
+        let stated = mass.lighter() == 0.0 && mass.since_load().is_infinite();
+        let std = norm(&[std, mass.other_load() * self.ahead(settings)]);
+        (stated && !self.known_load.is_some()).then_some(Quantity { value, std })
     }
 
     /// How far ahead of the centre of gravity a load sits [wheelbases].
@@ -212,14 +215,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
-        let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
-            let moved = value - centre;
-            sqrt(away * away + doubted * (moved * moved + std * std))
-        };
+        let spans = self.spanned(doubted, CG_HEIGHT, expected[0]);
         Each {
-            ratio: mixed(ratio, state[CG_RATIO], expected[1]),
-            height: mixed(height, state[CG_HEIGHT], expected[0]),
+            ratio,
+            height: norm(&[height, spans]),
         }
+    }
+
+    /// What spans a state and what was known of it before, where the estimate is `doubted`.
+    fn spanned(&self, doubted: f64, i: usize, (centre, std): (f64, f64)) -> f64 {
+        let moved = self.belief.state()[i] - centre;
+        sqrt(doubted * (moved * moved + std * std))
     }
 
     /// The first cause of doubt.
