@@ -343,7 +343,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP || self.is_too_much(settings, self.curves.ratio_std()) {
+        } else if self.effect.turn > NOTED_SLIP
+            || self.is_too_much(settings, self.curves.ratio_std())
+        {
             Reason::Steering
         } else if self.slope_error.size() > NOTED_SLOPE {
             Reason::Slope

@@ -323,8 +323,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let empty = step.states_mass && !self.known_load.is_some() && self.load.is_empty();
         if at_work && empty && !self.frozen && self.relearning.settled() {
-            let ratio = self.state()[CG_RATIO];
-            self.constancy.see(ratio, self.belief.variance(CG_RATIO), dt);
+            let ratio = Quantity {
+                value: self.state()[CG_RATIO],
+                std: self.std(CG_RATIO),
+            };
+            self.constancy
+                .see(ratio, settings.estimator.cg_ratio_floor, dt);
         }
     }
 
