@@ -1,6 +1,7 @@
 //! What is said after a row: values, intervals and verdict.
 
 use super::Method;
+use super::doubts::stated_ratio::together;
 use super::estimate::Estimate;
 use super::filter::{Belief, CgFilter, RowReport};
 use super::floors::{Learns, with_floors};
@@ -31,12 +32,25 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         ratio: doubted(loaded_std.ratio, doubt.beyond.ratio, centre.ratio),
         height: doubted(loaded_std.height, doubt.beyond.height, centre.height),
     };
+    let filter = Each {
+        ratio: doubt.birge * std.ratio,
+        height: doubt.birge * std.height,
+    };
+    let (mut centre, mut reported) = (centre, with_floors(settings, learns, centre, doubted));
+    if let Some(stated) = doubt.stated {
+        let slips = Quantity {
+            value: centre.ratio,
+            std: reported.ratio,
+        };
+        let both = together(slips, filter.ratio, stated);
+        (centre.ratio, reported.ratio) = (both.value, both.std);
+    }
+    if doubt.spans > 0.0 {
+        reported.ratio = norm(&[reported.ratio, doubt.spans]);
+    }
     let intervals = Intervals {
-        filter: Each {
-            ratio: doubt.birge * std.ratio,
-            height: doubt.birge * std.height,
-        },
-        reported: with_floors(settings, learns, centre, doubted),
+        filter,
+        reported,
         ratio: centre.ratio,
     };
     (centre, intervals)

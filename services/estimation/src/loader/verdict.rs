@@ -5,6 +5,7 @@ use super::layout::Each;
 use super::reason::Reason;
 use super::sample::Sample;
 use super::settings::Settings;
+use crate::Quantity;
 use crate::math::sqrt;
 
 /// Averaging time of the excitation [s].
@@ -28,6 +29,10 @@ pub(super) struct Doubt {
     pub wavering: f64,
     /// How far it lies beyond what the prior lets expect.
     pub beyond: Each<f64>,
+    /// What is known of the ratio beside the slips.
+    pub stated: Option<Quantity>,
+    /// What spans both, where the ratio is doubted, as a standard deviation.
+    pub spans: f64,
     /// It is at a bound.
     pub at_limit: Each<bool>,
     /// The machine is loaded, and nobody would say if the boom lifted the load.
@@ -50,6 +55,8 @@ impl Doubt {
             ratio: 0.0,
             height: 0.0,
         },
+        stated: None,
+        spans: 0.0,
         at_limit: Each {
             ratio: false,
             height: false,
@@ -236,8 +243,10 @@ impl Evidence {
         let consistent = self.consistency <= limits.consistent_nis && doubt.reason == Reason::None;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
         let (known, prior) = (intervals.filter, &settings.prior);
+        // A ratio that was known well before need not be known better by the slips, but checked.
+        let checked = limits.converged_ratio * intervals.ratio;
         let observable = Each {
-            ratio: known.ratio <= OBSERVABLE.ratio * prior.cg_ratio_std,
+            ratio: known.ratio <= OBSERVABLE.ratio * prior.cg_ratio_std.max(checked),
             height: known.height <= OBSERVABLE.height * prior.cg_height_std,
         };
         Verdict {

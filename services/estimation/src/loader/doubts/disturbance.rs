@@ -41,6 +41,8 @@ const BENDING: f64 = 0.05;
 const BENDING_LEFT: f64 = 0.3;
 /// Slower than this, stiction and the ground act [m/s].
 const LEAST_SPEED: f64 = 0.5;
+/// A specific force beyond what the torques explain by more than this is the pile's, and says nothing of them [m/s^2].
+const OTHER_FORCE: f64 = 0.4;
 /// A machine that turns more drags its wheels [rad].
 const STRAIGHT: f64 = 0.1;
 /// The largest value of the last quarter second.
@@ -156,12 +158,12 @@ impl Disturbance {
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
-        if drives {
+        let free = alone && speed.abs() > LEAST_SPEED;
+        let residual = needed - self.gain.value() * pull;
+        if drives && free && residual.abs() <= OTHER_FORCE {
             self.gain.see(needed, pull, dt);
         }
-        let residual = needed - self.gain.value() * pull;
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
-        let free = alone && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
         let row = Push {
             acceleration: measured,
@@ -178,5 +180,50 @@ impl Disturbance {
         self.mass.see(machine.mass, &row, &kind, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loader::physics::wheel_dynamics::Inputs;
+    use crate::loader::settings::Settings;
+
+    /// Drives for 5 s at a speed [m/s] with torques of 1 m/s^2, of which the motion shows this share.
+    fn drive(disturbance: &mut Disturbance, speed: f64, shown: f64) {
+        let machine = WheelDynamics::of(&Settings::DEFAULT);
+        let inertia = machine.rolling_mass();
+        let torque = 0.5 * machine.wheel_radius * inertia;
+        let rolling = machine.rolling_resistance * machine.mass * GRAVITY / inertia;
+        let step = StepInputs {
+            inputs: Inputs::of([torque, torque, 0.0, 0.0, 0.0]),
+            sine: 0.0,
+            acceleration: Some(shown - rolling),
+            brake: false,
+            states_mass: true,
+            articulation: None,
+            yaw_rate: None,
+        };
+        for _ in 0..500 {
+            disturbance.update(&machine, &step, [speed, 19.0], 0.01);
+        }
+    }
+
+    #[test]
+    fn a_pile_that_is_pushed_says_nothing_of_the_torques() {
+        let mut disturbance = Disturbance::default();
+        drive(&mut disturbance, 2.0, 1.0);
+        // In the pile, and against something at work.
+        drive(&mut disturbance, 0.2, 0.1);
+        drive(&mut disturbance, 2.0, 0.1);
+        assert!((disturbance.gain.value() - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn torques_that_are_a_third_too_large_misfit() {
+        let mut disturbance = Disturbance::default();
+        drive(&mut disturbance, 2.0, 0.67);
+        drive(&mut disturbance, 2.0, 0.67);
+        assert!(disturbance.gain.misfits(), "{:?}", disturbance.gain);
     }
 }

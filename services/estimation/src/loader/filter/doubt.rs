@@ -1,6 +1,7 @@
 //! What makes an estimate doubtful, and which cause is named first.
 
 use super::{Belief, CgFilter};
+use crate::Quantity;
 use crate::keys::Range;
 use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, ratio_with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
@@ -54,6 +55,8 @@ struct Signs {
     stiffness: bool,
     /// Height or ratio lies beyond what is expected.
     contradicted: bool,
+    /// The ratio changed while nothing was loaded.
+    wandered: bool,
     /// One axle's torque is off, more probably than not.
     axle_torque: bool,
 }
@@ -76,8 +79,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
-        let away = self.away(expected);
         let ratio_std = norm(&[expected[1].1, self.told(settings, learns)]);
+        let away = self.away([expected[0], (expected[1].0, ratio_std)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
@@ -97,6 +100,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 || self.is_at_limit(settings, SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
             contradicted: away.height > expected[0].1 || away.ratio > ratio_std,
+            wandered: self.is_too_much(settings, self.constancy.std()),
             axle_torque: axle_torque > 0.5,
         };
         let reason = self.cause(&signs);
@@ -115,6 +119,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             birge: self.manoeuvres.ratio(),
             wavering: self.wheel_noise.wavering(&settings.estimator),
             beyond: self.mixed(settings, away, by_axle_torque, stiffness, doubted, expected),
+            stated: self.stated_ratio(settings, expected[1]),
+            spans: self.spanned(doubted, CG_RATIO, expected[1]),
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
@@ -149,6 +155,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: beyond(state[CG_RATIO], ratio),
             height: beyond(state[CG_HEIGHT], height),
         }
+    }
+
+    /// What is known of the ratio beside the slips. Nothing where a payload is reported in full, or weighed by another witness; nor
+    /// where a load was found that nobody reported.
+    fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
+        let mass = &self.disturbance.mass;
+        let stated = mass.lighter() == 0.0 && mass.since_load().is_infinite();
+        let std = norm(&[std, mass.other_load() * self.ahead(settings)]);
+        (stated && !self.known_load.is_some()).then_some(Quantity { value, std })
+    }
+
+    /// How far ahead of the centre of gravity a load sits [wheelbases].
+    fn ahead(&self, settings: &Settings) -> f64 {
+        (1.0 + LOAD_ARM * self.reach(settings) - self.belief.state()[CG_RATIO]).abs()
     }
 
     /// A state is at one of its bounds, or nearly.
@@ -195,14 +215,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
-        let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
-            let moved = value - centre;
-            sqrt(away * away + doubted * (moved * moved + std * std))
-        };
+        let spans = self.spanned(doubted, CG_HEIGHT, expected[0]);
         Each {
-            ratio: mixed(ratio, state[CG_RATIO], expected[1]),
-            height: mixed(height, state[CG_HEIGHT], expected[0]),
+            ratio,
+            height: norm(&[height, spans]),
         }
+    }
+
+    /// What spans a state and what was known of it before, where the estimate is `doubted`.
+    fn spanned(&self, doubted: f64, i: usize, (centre, std): (f64, f64)) -> f64 {
+        let moved = self.belief.state()[i] - centre;
+        sqrt(doubted * (moved * moved + std * std))
     }
 
     /// The first cause of doubt.
@@ -222,7 +245,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Stiffness
         } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
             Reason::Load
-        } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted {
+        } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted || signs.wandered {
             Reason::Disagreement
         } else {
             Reason::None
@@ -260,7 +283,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
         let off = self.disturbance.mass.off();
-        let ahead = (1.0 + LOAD_ARM * self.reach(settings) - state[CG_RATIO]).abs();
+        let ahead = self.ahead(settings);
         let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * ahead,
@@ -285,6 +308,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.by_shared_slip(settings),
             self.by_wheel_lag(settings),
             self.curves.ratio_std(),
+            self.constancy.std(),
         ]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
         if self.known_load.is_some() {
@@ -309,10 +333,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         learnt * self.wheel_lag.lag().std * self.shared_slip.ratio_by_lag(stiffness, ratio)
     }
 
-    /// Curves that nobody reports are more than the ratio's interval may be.
-    fn seems_to_turn(&self, settings: &Settings) -> bool {
-        let least = settings.estimator.converged_ratio * self.belief.state()[CG_RATIO];
-        self.curves.ratio_std() > least
+    /// A doubt of this size alone keeps the ratio from being trusted.
+    fn is_too_much(&self, settings: &Settings, ratio_std: f64) -> bool {
+        ratio_std > settings.estimator.converged_ratio * self.belief.state()[CG_RATIO]
     }
 
     /// What acts on the machine that its model does not have.
@@ -320,7 +343,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP || self.seems_to_turn(settings) {
+        } else if self.effect.turn > NOTED_SLIP
+            || self.is_too_much(settings, self.curves.ratio_std())
+        {
             Reason::Steering
         } else if self.slope_error.size() > NOTED_SLOPE {
             Reason::Slope

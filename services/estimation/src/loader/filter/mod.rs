@@ -19,6 +19,7 @@
 
 use super::Method;
 use super::doubts::axles::Axles;
+use super::doubts::constancy::Constancy;
 use super::doubts::coupling::Coupling;
 use super::doubts::curves::Curves;
 use super::doubts::directions::Directions;
@@ -97,6 +98,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     inclinometer: Inclinometer,
     slope_error: SlopeError,
     manoeuvres: Manoeuvres,
+    constancy: Constancy,
     coupling: Coupling,
     curves: Curves,
     /// Somebody reports how the machine turns.
@@ -154,6 +156,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             inclinometer: Inclinometer::default(),
             slope_error: SlopeError::default(),
             manoeuvres: Manoeuvres::default(),
+            constancy: Constancy::default(),
             coupling: Coupling::default(),
             curves: Curves::default(),
             turning_reported: false,
@@ -314,6 +317,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             // A load came or went that nobody reported, and was taken for another stiffness and other radii.
             self.changed = 0.0;
             self.reopens = true;
+        }
+        if self.disturbance.mass.load_stepped() {
+            self.constancy = Constancy::default();
+        }
+        let empty = step.states_mass && !self.known_load.is_some() && self.load.is_empty();
+        if at_work && empty && !self.frozen && self.relearning.settled() {
+            let ratio = Quantity {
+                value: self.state()[CG_RATIO],
+                std: self.std(CG_RATIO),
+            };
+            self.constancy
+                .see(ratio, settings.estimator.cg_ratio_floor, dt);
         }
     }
 

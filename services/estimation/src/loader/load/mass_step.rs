@@ -128,6 +128,11 @@ impl Load {
         ]
     }
 
+    /// The machine is the empty one, and its mass has held.
+    pub fn is_empty(&self) -> bool {
+        self.moved == 0.0 && self.share() <= SAME
+    }
+
     /// Share of the mass that is load.
     pub fn share(&self) -> f64 {
         match (self.anchor, self.empty) {
