@@ -60,8 +60,8 @@ table! {
         radius_load_sensitivity_std: f64 = 0.006, "", 0.0 to 0.2;
         /// Slip stiffness of the front axle over that of the rear under equal loads, as calibrated.
         stiffness_ratio: f64 = 1.0, "", 0.1 to 10.0;
-        /// Standard deviation of the ratio of the axles' slip stiffnesses (wear and pressure of the tyres .05, torques that are apart .03); widens the reported interval of the ratio.
-        stiffness_ratio_std: f64 = 0.06, "", 0.0 to 1.0;
+        /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.
+        stiffness_ratio_std: f64 = 0.05, "", 0.0 to 1.0;
         /// p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated.
         stiffness_load_exponent: f64 = 0.0, "", -1.0 to 1.0;
         /// Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height.

@@ -161,7 +161,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// where a load was found that nobody reported.
     fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
         let mass = &self.disturbance.mass;
-        let stated = mass.lighter() == 0.0 && mass.since_load().is_infinite();
+        let stated = mass.lighter() == 0.0 && mass.since_load().is_infinite() && self.load.is_empty();
         let std = norm(&[std, mass.other_load() * self.ahead(settings)]);
         (stated && !self.known_load.is_some()).then_some(Quantity { value, std })
     }
