@@ -41,8 +41,6 @@ const BENDING: f64 = 0.05;
 const BENDING_LEFT: f64 = 0.3;
 /// Slower than this, stiction and the ground act [m/s].
 const LEAST_SPEED: f64 = 0.5;
-/// A specific force beyond what the torques explain by more than this is the pile's, and says nothing of them [m/s^2].
-const OTHER_FORCE: f64 = 0.4;
 /// A machine that turns more drags its wheels [rad].
 const STRAIGHT: f64 = 0.1;
 /// The largest value of the last quarter second.
@@ -158,12 +156,12 @@ impl Disturbance {
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
-        let free = alone && speed.abs() > LEAST_SPEED;
-        let residual = needed - self.gain.value() * pull;
-        if drives && free && residual.abs() <= OTHER_FORCE {
+        if drives {
             self.gain.see(needed, pull, dt);
         }
+        let residual = needed - self.gain.value() * pull;
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
+        let free = alone && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
         let row = Push {
             acceleration: measured,
