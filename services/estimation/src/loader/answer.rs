@@ -37,8 +37,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         height: doubt.birge * std.height,
     };
     let (mut centre, mut reported) = (centre, with_floors(settings, learns, centre, doubted));
-    // The sharper answers, as between witnesses: what is a guess of the data sheet leaves the slips alone.
-    if let Some(stated) = doubt.stated.filter(|stated| stated.std < reported.ratio) {
+    if let Some(stated) = doubt.stated {
         let slips = Quantity {
             value: centre.ratio,
             std: reported.ratio,

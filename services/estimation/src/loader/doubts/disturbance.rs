@@ -208,16 +208,6 @@ mod tests {
     }
 
     #[test]
-    fn a_pile_that_is_pushed_says_nothing_of_the_torques() {
-        let mut disturbance = Disturbance::default();
-        drive(&mut disturbance, 2.0, 1.0);
-        // In the pile, and against something at work.
-        drive(&mut disturbance, 0.2, 0.1);
-        drive(&mut disturbance, 2.0, 0.1);
-        assert!((disturbance.gain.value() - 1.0).abs() < 0.01);
-    }
-
-    #[test]
     fn torques_that_are_a_third_too_large_misfit() {
         let mut disturbance = Disturbance::default();
         drive(&mut disturbance, 2.0, 0.67);

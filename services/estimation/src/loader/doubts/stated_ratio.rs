@@ -11,15 +11,20 @@
 //! |---|---|---|
 //! | lam_P, P | `slips.value`, `filter_std` | state of the filter and its variance, in which the prior counts already: r is its share |
 //! | sigma_rep | `slips.std` | deviation of the apparent ratio from the ratio as reported, with floors and doubts |
-//! | lam_0, sigma_0 | `stated` | what was known before, with the load that is stated |
+//! | lam_0, sigma_0 | `stated` | what was known of the empty machine before |
 //!
 //! With r = 1 the slips have told nothing yet; with r = 0 they are a measurement with variance P + R that is independent of the prior.
+//! A ratio that is stated no closer than the slips tell it is a guess of a data sheet, and leaves them alone: on thirty machines whose
+//! axles are alike it would double their error, from .9 to 1.7 %.
 
 use crate::Quantity;
 use crate::math::sqrt;
 
-/// Both together.
+/// Both together, where the stated one is the sharper.
 pub fn together(slips: Quantity, filter_std: f64, stated: Quantity) -> Quantity {
+    if stated.std > slips.std {
+        return slips;
+    }
     let (told, before) = (filter_std * filter_std, stated.std * stated.std);
     let left = (1.0 - told / before).max(0.0);
     let rest = (slips.std * slips.std - told).max(0.0) * left;
@@ -46,10 +51,12 @@ mod tests {
         let both = together(slips(0.02), 1e-4, STATED);
         assert!((both.value - 0.475).abs() < 1e-5, "{both:?}");
         assert!((both.std - 0.02 / 2.0_f64.sqrt()).abs() < 1e-5, "{both:?}");
-        // A wide prior leaves them as they are.
-        let wide = Quantity { std: 2.0, ..STATED };
-        let both = together(slips(0.02), 1e-4, wide);
-        assert!((both.value - 0.5).abs() < 1e-5 && (both.std - 0.02).abs() < 1e-5);
+        // A guess leaves them as they are.
+        let guess = Quantity {
+            std: 0.03,
+            ..STATED
+        };
+        assert_eq!(together(slips(0.02), 1e-4, guess), slips(0.02));
     }
 
     #[test]
@@ -60,12 +67,16 @@ mod tests {
             std: 0.03,
         };
         assert_eq!(together(slips, STATED.std, STATED), STATED);
-        // It has seen as much as it knew: its state is half the prior, and the slips alone say .5 to .02.
+        // It has seen as much as it knew: half of what it left out is already the prior's.
+        let filter_std = 0.02 / 2.0_f64.sqrt();
         let slips = Quantity {
             value: 0.475,
-            std: 0.02 / 2.0_f64.sqrt(),
+            std: 0.03,
         };
-        let both = together(slips, slips.std, STATED);
-        assert!((both.value - 0.475).abs() < 1e-12 && (both.std - slips.std).abs() < 1e-12);
+        let both = together(slips, filter_std, STATED);
+        assert!(
+            (both.value - (0.45 + 0.025 * 4.0 / 7.5)).abs() < 1e-12,
+            "{both:?}"
+        );
     }
 }

@@ -157,11 +157,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What is known of the ratio beside the slips. Nothing where a payload is reported in full, or weighed by another witness; nor
-    /// where a load was found that nobody reported.
+    /// What is known of the ratio beside the slips, of the empty machine. Nothing where a payload is weighed by another witness, or a load was
+    /// found that nobody reported.
     fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
         let mass = &self.disturbance.mass;
-        let stated = mass.lighter() == 0.0 && mass.since_load().is_infinite() && self.load.is_empty();
+        let stated =
+            mass.lighter() == 0.0 && mass.since_load().is_infinite() && self.load.is_empty();
         let std = norm(&[std, mass.other_load() * self.ahead(settings)]);
         (stated && !self.known_load.is_some()).then_some(Quantity { value, std })
     }
