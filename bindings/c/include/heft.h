@@ -254,7 +254,7 @@ typedef struct {
     double swing_velocity_std; /* Noise of the swing velocity (sigma_w). [rad/s] */
     double swing_angle_std; /* Noise of the swing angle, where an encoder serves in place of the velocity. [rad] */
     double swing_torque_std; /* Noise of the swing torque (sigma_T). [N m] */
-    double swing_torque_gain_std; /* Standard deviation of the torque's gain about 1; "none" takes 0.03. Nobody knows a gain exactly: 0 says that nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0. */
+    double swing_torque_gain_std; /* Standard deviation of the torque's gain about 1; "none" takes 0.05, or 0.03 where the boom's pressures weigh too. Nobody knows a gain exactly: 0 says that nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0. */
     double swing_torque_delay; /* How late the torque comes. [s] */
     double swing_torque_delay_std; /* Its standard deviation. [s] */
     double swing_velocity_delay; /* How late the swing velocity comes. [s] */
@@ -558,7 +558,7 @@ typedef struct {
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
     double radius_load_sensitivity_std; /* Its standard deviation, from tyre to tyre where nobody measured it; widens the reported interval of the ratio until the machine has driven both ways. */
     double stiffness_ratio; /* Slip stiffness of the front axle over that of the rear under equal loads, as calibrated. */
-    double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses (wear and pressure of the tyres .05, torques that are apart .03); widens the reported interval of the ratio. */
+    double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
     double stiffness_load_exponent; /* p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated. */
     double stiffness_load_exponent_std; /* Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height. */
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */

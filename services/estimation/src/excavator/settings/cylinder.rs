@@ -12,8 +12,8 @@ pub const FULL_PRESSURE: f64 = 20e6;
 /// Where nothing is stated, areas and lengths are known to these shares.
 const AREA: f64 = 0.005;
 const LENGTH: f64 = 0.004;
-/// What transmitters of mobile machines show at the 12 MPa that carry a boom: .6 % of a range of 40 MPa.
-const TRANSMITTER: f64 = 0.02;
+/// What transmitters of mobile machines show too much or too little, beside their zero.
+const TRANSMITTER: f64 = 0.01;
 
 /// Cylinders side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
