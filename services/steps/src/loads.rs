@@ -133,23 +133,18 @@ impl LoadCounter {
     #[must_use]
     pub fn lacks(&self) -> Option<&'static str> {
         match self.machine {
-            Machine::Loader => match (self.is_described, self.measured) {
-                (_, [false, false]) => Some(
+            Machine::Loader => match self.measured {
+                [false, false] => Some(
                     "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
                 ),
-                (false, [true, false]) => Some(
-                    "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config), its length, pivot and masses, and `cylinder` with base_distance, rod_distance, angle, head_area and rod_area",
-                ),
-                (true, [true, false]) | (_, [_, true]) => None,
+                [true, false] => self.unused(),
+                [_, true] => None,
             },
-            Machine::Excavator => match (self.is_described, self.measured) {
-                (false, [true, _]) => Some(
-                    "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config), by base_distance, rod_distance, angle, head_area and rod_area",
-                ),
-                (_, [false, _]) => Some(
+            Machine::Excavator => match self.measured {
+                [false, _] => Some(
                     "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
                 ),
-                (true, [true, _]) => None,
+                [true, _] => self.unused(),
             },
         }
     }
@@ -159,8 +154,12 @@ impl LoadCounter {
     pub fn unused(&self) -> Option<&'static str> {
         let is_unused = !self.is_described && self.measured[0];
         is_unused.then_some(match self.machine {
-            Machine::Loader => "No load is weighed by the lift pressures: the machine file has no `machine.lift_arm` with its `cylinder` (base_distance, rod_distance, angle, head_area, rod_area).",
-            Machine::Excavator => "No load is weighed by the boom pressures: the machine file has no `machine.boom_cylinder` (base_distance, rod_distance, angle, head_area, rod_area).",
+            Machine::Loader => {
+                "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config), its length, pivot and masses, and `cylinder` with base_distance, rod_distance, angle, head_area and rod_area"
+            }
+            Machine::Excavator => {
+                "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config), by base_distance, rod_distance, angle, head_area and rod_area"
+            }
         })
     }
 

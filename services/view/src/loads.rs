@@ -128,6 +128,15 @@ impl Account {
         doubts
     }
 
+    /// What else holds of all loads: that pressures weigh none of them, and what the machine file leaves to a guess.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let unused = self
+            .unused
+            .map(|why| format!("No load is weighed by pressure: {why}."));
+        unused.into_iter().chain(self.guessed.clone()).collect()
+    }
+
     /// Whether no load was found.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -234,11 +234,10 @@ fn print(account: &Account) {
     if let Some(covered) = account.covered_words() {
         println!("{covered}");
     }
-    let unused = account.unused.map(str::to_owned);
-    let known = unused.iter().chain(&account.guessed);
-    let known = known.filter(|_| !account.is_empty());
-    for sentence in account.doubts().iter().chain(known) {
-        for line in wrapped(sentence, 79) {
+    let remarks = account.remarks().into_iter();
+    let remarks = remarks.filter(|_| !account.is_empty());
+    for sentence in account.doubts().into_iter().chain(remarks) {
+        for line in wrapped(&sentence, 79) {
             println!("{line}");
         }
     }

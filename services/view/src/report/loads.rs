@@ -68,10 +68,7 @@ pub(super) fn section(body: &mut String, account: &Account) {
 
 /// What holds of all loads: how many intervals hold the truth, why some are not trusted, what the machine file leaves to a guess.
 fn facts(body: &mut String, account: &Account) {
-    let doubts = account.doubts().into_iter();
-    let words = doubts
-        .chain(account.unused.map(str::to_owned))
-        .chain(account.guessed.clone());
+    let words = account.doubts().into_iter().chain(account.remarks());
     let words = words.map(|words| text(&words));
     for fact in account.covered_words().into_iter().chain(words) {
         let _ = write!(body, "<p>{fact}</p>");

@@ -5,6 +5,7 @@ use crate::excavator::angle::Angle;
 use crate::excavator::cylinder::Cylinder;
 use crate::excavator::estimate::Sample;
 use crate::excavator::geometry::{Geometry, turns};
+use crate::excavator::joints::joint;
 use crate::math::sin_cos;
 
 /// A longer gap between rows ends what belongs together \[s\].
@@ -62,7 +63,7 @@ impl Lifts {
     /// A row; the moment of a block of 0.2 s. The bucket is in the air. Rows without the three joint angles say nothing.
     pub fn step(&mut self, sample: &Sample) -> Option<Moment> {
         let [boom, arm, bucket] = sample.posture;
-        let posture = [boom?, arm?, bucket?];
+        let posture = [boom?, arm?, bucket?].map(joint);
         if !posture.into_iter().chain([sample.time]).all(f64::is_finite) {
             return None;
         }
@@ -84,7 +85,7 @@ impl Lifts {
         } else {
             Some(0.0)
         };
-        self.boom.pass(boom, period);
+        self.boom.pass(Some(posture[0]), period);
         let front = Front {
             period,
             posture,
@@ -96,5 +97,54 @@ impl Lifts {
         };
         self.moments
             .step(&self.geometry, &self.cylinder, &front, (stands, false))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+    use core::f64::consts::TAU;
+
+    /// Moments of a bucket that curls over the half turn, with its angle as it is or within a turn from 0 on.
+    fn moments(is_whole: bool) -> impl Iterator<Item = f64> {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let cylinder = Cylinder::of_boom(&d).expect("a described cylinder");
+        let mut lifts = Lifts::new(Geometry::of(&d), cylinder);
+        (0..300).filter_map(move |k| {
+            let time = 0.01 * f64::from(k);
+            let bucket = 0.5 - 0.7 * time;
+            let bucket = if is_whole {
+                bucket.rem_euclid(TAU)
+            } else {
+                bucket
+            };
+            let moment = lifts.step(&Sample {
+                time,
+                velocity: Some(0.0),
+                posture: [Some(0.4), Some(-1.2), Some(bucket)],
+                boom_head_pressure: Some(12e6),
+                boom_rod_pressure: Some(1e6),
+                ..Sample::default()
+            })?;
+            Some(moment.empty)
+        })
+    }
+
+    #[test]
+    fn a_sensor_that_counts_another_turn_shows_the_same_moments() {
+        let (whole, as_it_is) = (moments(true), moments(false));
+        let mut count = 0;
+        for (found, expected) in whole.zip(as_it_is) {
+            assert!(
+                (found - expected).abs() < 1e-6 * expected.abs(),
+                "{found} {expected}"
+            );
+            count += 1;
+        }
+        assert!(count > 5, "{count}");
     }
 }

@@ -79,7 +79,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         });
     }
 
-    /// What a row shows of the time between both wheel speeds; a machine that brakes or bends shows nothing.
+    /// What a row shows of the time between both wheel speeds; a machine that brakes shows nothing, one that bends less.
     fn see_lag(&mut self, seen: &Seen<N, M>, model: &CgModel) {
         if self.effect.braking {
             return self.wheel_lag.interrupt();

@@ -125,8 +125,7 @@ impl Look for Fits {
         self.massive += u32::from(sample.mass.is_some());
         let tonnes = |mass: f64| (self.mass / 2.0..2.0 * self.mass).contains(&(1e3 * mass));
         self.tonnes += u32::from(sample.mass.is_some_and(tonnes));
-        let laden = self.mass * POUNDS / LADEN..self.mass * POUNDS * LADEN;
-        let pounds = |mass: f64| mass > LADEN * self.mass && laden.contains(&mass);
+        let pounds = |mass: f64| (LADEN..LADEN * POUNDS).contains(&(mass / self.mass));
         self.pounds += u32::from(sample.mass.is_some_and(pounds));
         let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
         self.cylinder
@@ -160,7 +159,7 @@ impl Look for Fits {
             "mass seems to be in t: the machine has about a thousand times as many kg\n  \
              what to do: write `unit = \"t\"` for mass in a signal map"
         } else if 2 * self.pounds > self.massive {
-            "mass seems to be in pounds: it is more than twice that of the machine file\n  \
+            "mass seems to be in pounds: it is more than that of the machine file with any load\n  \
              what to do: write `unit = \"lb\"` for mass in a signal map; or describe your machine (machine.mass, or --class)"
         } else if let Some(said) = self.turning.fault() {
             said
