@@ -6,7 +6,7 @@ mod words;
 
 #[cfg(test)]
 pub(crate) use words::REMEDIES;
-pub(crate) use words::advice;
+pub(crate) use words::load_advice;
 
 use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,

@@ -172,7 +172,7 @@ fn what_to_do(machine: Machine, load: &Load) -> &'static str {
     }
     let (reason, flags) = reason_and_flags(load);
     match machine {
-        Machine::Excavator => excavator::advice(reason, flags),
+        Machine::Excavator => excavator::load_advice(reason, flags),
         Machine::Loader => loader::load_advice(reason, flags),
     }
 }
@@ -477,6 +477,19 @@ mod tests {
             value["loads"][0]["what_to_do"],
             "swing on: the next swing decides"
         );
+    }
+
+    #[test]
+    fn one_reason_is_said_once_whether_the_machine_swings_or_not() {
+        let mut account = account();
+        let mut swinging = account.loads[0];
+        swinging.why |= 0xff_ff00;
+        account.loads.push(swinging);
+        let remedy = "swing on: the next swing decides";
+        let doubt = format!(
+            "Not trusted, because the bucket's content may have changed. What to do: {remedy}."
+        );
+        assert_eq!(account.doubts(), [doubt]);
     }
 
     #[test]

@@ -117,7 +117,7 @@ fn cause(e: &ExcavatorEstimate) -> Option<String> {
 pub(crate) const REMEDIES: &[(&str, &str)] = &[
     (
         "slope",
-        "measure pitch and roll, or work on: small slopes are estimated",
+        "measure pitch and roll, or work on: small slopes are estimated; measured ones: check the zero of the inclinometer",
     ),
     (
         "losses",
@@ -175,8 +175,13 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
 ];
 
+/// What would bring trust to a load: what the reason asks for, be the swing over by now or not.
+pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
+    remedy(reason, EXCAVATOR_REASONS, REMEDIES).unwrap_or_else(|| advice(reason, flags))
+}
+
 /// What would bring trust: what the reason asks for, else the first condition that is missing.
-pub(crate) fn advice(reason: u32, flags: u32) -> &'static str {
+fn advice(reason: u32, flags: u32) -> &'static str {
     let has = |bit| flags & bit != 0;
     let of_reason = remedy(reason, EXCAVATOR_REASONS, REMEDIES);
     if !has(bits::FRESH) {

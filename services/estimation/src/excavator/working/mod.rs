@@ -88,7 +88,7 @@ pub(super) struct Working {
     loads: CommonError,
     /// Mass of the bucket, as described [kg].
     described_bucket: f64,
-    /// The states as described, and their standard deviations.
+    /// The states as described (the slopes as an inclinometer shows them), and their standard deviations.
     described: Vector,
     stated: Vector,
     /// One over the variances of those, see [`Self::per_stated`].
@@ -548,6 +548,7 @@ impl Working {
         self.scale
             .incline(slopes, MOUNTING * MOUNTING, INCLINOMETER * INCLINOMETER);
         for (i, slope) in (SLOPE..).zip(slopes) {
+            self.described[i] = slope;
             if self.filter.p[i][i] > MOUNTING * MOUNTING {
                 let value = slope - self.filter.x[i];
                 let variance = INCLINOMETER * INCLINOMETER;
@@ -568,6 +569,7 @@ impl Working {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excavator::Reason;
     use crate::excavator::keys::Description;
 
     #[test]
@@ -597,5 +599,20 @@ mod tests {
         working.filter.p[GAIN][GAIN] = 1e-4;
         working.begin_weighing(&drive, &mut None);
         assert!((working.filter.p[GAIN][GAIN] - 1e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_slope_that_the_inclinometer_shows_is_no_reason() {
+        let settings = Settings::of(&Description::default());
+        let doubts = settings.doubts.expect("doubts");
+        let mut working = Working::new(&settings, &doubts);
+        for _ in 0..200 {
+            working.incline([0.06, 0.0], &mut None);
+        }
+        assert!((working.filter.x[SLOPE + 1] + 0.06).abs() < 0.01);
+        assert_eq!(working.reason(false, false), Reason::None);
+        // The motion says otherwise than the inclinometer.
+        working.filter.x[SLOPE + 1] = 0.06;
+        assert_eq!(working.reason(false, false), Reason::Slope);
     }
 }

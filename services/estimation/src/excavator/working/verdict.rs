@@ -177,7 +177,7 @@ impl Working {
     }
 
     /// What differs most from its description, in its own standard deviations.
-    fn reason(&self, at_limit: bool, standing: bool) -> Reason {
+    pub(super) fn reason(&self, at_limit: bool, standing: bool) -> Reason {
         if standing && self.bucket.is_unlocked() {
             return Reason::Content;
         }
