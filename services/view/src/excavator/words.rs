@@ -117,7 +117,7 @@ fn cause(e: &ExcavatorEstimate) -> Option<String> {
 pub(crate) const REMEDIES: &[(&str, &str)] = &[
     (
         "slope",
-        "measure pitch and roll, or work on: small slopes are estimated; measured ones: check the zero of the inclinometer",
+        "measure pitch and roll, or work on: small slopes are estimated; check an inclinometer's zero",
     ),
     (
         "losses",

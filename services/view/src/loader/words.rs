@@ -188,7 +188,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("stuck acceleration", "check the accelerometer"),
     (
         "unexplained",
-        "drive on over firm ground; if it stays so, look for a wrong column",
+        "drive on firm ground; else look for a wrong column",
     ),
     ("latency", "run heft calibrate, or set sensors.speed_delay"),
     (
@@ -214,7 +214,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "disagreement",
-        "drive on: manoeuvres that agree end it; look for changes of ground, load, tyres",
+        "drive on until they agree; look for changes of ground, load, tyres",
     ),
     (
         "limit",
