@@ -10,7 +10,7 @@ use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
-use crate::marked::Ends;
+use crate::marked::{Count, Ends, Shared};
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -29,6 +29,9 @@ pub struct Doubts<L> {
     beyond: [usize; 32],
     /// The ends of the values of each of `measured`.
     ends: Vec<Ends>,
+    /// What stands for missing samples in any signal, and how often it stands in each of `measured`.
+    shared: Shared,
+    counts: Vec<Count>,
 }
 
 /// The same of a machine whose kind is put aside, for one who sees all that its processes send.
@@ -96,6 +99,8 @@ impl<L: Look> Doubts<L> {
             refused: 0,
             is_measured: false,
             ends: vec![Ends::default(); measured.len()],
+            shared: Shared::default(),
+            counts: vec![Count::default(); measured.len()],
             measured,
             beyond: [0; 32],
         }
@@ -111,10 +116,18 @@ impl<L: Look> Doubts<L> {
         }
         let valid = sample.bits_of("valid");
         self.is_measured |= valid != 0;
-        for ((index, bit, limit), ends) in self.measured.iter().zip(&mut self.ends) {
+        let seen = self.ends.iter_mut().zip(&mut self.counts);
+        for ((index, bit, limit), (ends, count)) in self.measured.iter().zip(seen) {
             let value = sample.get(*index).map(Value::as_f64);
-            let value = value.filter(|v| valid & bit != 0 && v.abs() <= *limit);
-            value.into_iter().for_each(|value| ends.see(value));
+            let Some(value) = value.filter(|_| valid & bit != 0) else {
+                continue;
+            };
+            if value.abs() <= *limit {
+                ends.see(value);
+                count.see(value, &self.shared);
+            } else {
+                self.shared.learn(value);
+            }
         }
         let beyond = measurable::beyond(sample, &self.measured);
         if beyond != 0 {
@@ -138,12 +151,22 @@ impl<L: Look> Doubts<L> {
                 eprintln!("{}", measurable::words(signal.name, count));
             }
         }
-        for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {
+        self.tell_marks();
+    }
+
+    /// Says which signals have one number where a sample may be missing.
+    fn tell_marks(&self) {
+        let seen = self.ends.iter().zip(&self.counts);
+        for ((index, ..), (ends, count)) in self.measured.iter().zip(seen) {
             let field = &<L::Sensors as Message>::FIELDS[*index];
+            let far = ends.mark().zip(Some("far from all its other values"));
+            let shared = count
+                .mark()
+                .zip(Some("as other signals have it where it is no measurement"));
             // Numbers without a unit are states.
-            if let Some((value, count)) = ends.mark().filter(|_| !field.unit.is_empty()) {
+            if let Some(((value, rows), why)) = far.or(shared).filter(|_| !field.unit.is_empty()) {
                 eprintln!(
-                    "{} is {value} {} in {count} rows, exactly and far from all its other values: leave the cell empty if the sample is missing there",
+                    "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
                     field.name, field.unit
                 );
             }

@@ -73,9 +73,74 @@ impl Ends {
     }
 }
 
+/// Most marks that one logger has: of each width of its numbers one.
+const MOST: usize = 4;
+
+/// What signals have where it is no measurement. The same number in another signal, where it could be one, is a mark there too.
+#[derive(Debug, Clone, Default)]
+pub struct Shared {
+    marks: Vec<f64>,
+}
+
+impl Shared {
+    /// Takes a value that is no measurement.
+    pub fn learn(&mut self, value: f64) {
+        if self.marks.len() < MOST && !self.is_mark(value) {
+            self.marks.push(value);
+        }
+    }
+
+    /// Whether a value is one of them.
+    pub fn is_mark(&self, value: f64) -> bool {
+        self.marks.contains(&value)
+    }
+}
+
+/// How often a signal had a mark of others, and which one.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Count {
+    value: f64,
+    rows: usize,
+}
+
+impl Count {
+    /// Takes a value.
+    pub fn see(&mut self, value: f64, shared: &Shared) {
+        if shared.is_mark(value) {
+            self.value = value;
+            self.rows += 1;
+        }
+    }
+
+    /// The mark, and in how many rows it was there.
+    pub fn mark(&self) -> Option<(f64, usize)> {
+        (self.rows >= LEAST_ROWS).then_some((self.value, self.rows))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_one_signal_cannot_be_is_a_mark_in_another() {
+        let (mut shared, mut count) = (Shared::default(), Count::default());
+        let torque = |k: i32| {
+            if k % 5 == 0 {
+                -9999.0
+            } else {
+                300.0 * f64::from(k - 50)
+            }
+        };
+        (0..100).for_each(|k| count.see(torque(k), &shared));
+        assert_eq!(count.mark(), None);
+        shared.learn(-9999.0);
+        (0..100).for_each(|k| count.see(torque(k), &shared));
+        assert_eq!(count.mark(), Some((-9999.0, 20)));
+        // Values that are too large for another reason are no marks without end.
+        (0..50).for_each(|k| shared.learn(f64::from(k)));
+        assert!(!shared.is_mark(40.0));
+    }
 
     fn mark(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
         let mut ends = Ends::default();
