@@ -82,6 +82,9 @@ impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
     }
 }
 
+/// Unit of what has no stop.
+const ENDLESS: &str = "N m";
+
 /// Rows by which the unit of the time is judged.
 const LOOKED_AT: usize = 1000;
 
@@ -152,6 +155,21 @@ impl<L: Look> Doubts<L> {
             }
         }
         self.tell_marks();
+        self.tell_ends();
+    }
+
+    /// Says which torques are at one end of their range again and again: joints have stops, and pressures a zero.
+    fn tell_ends(&self) {
+        for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {
+            let field = &<L::Sensors as Message>::FIELDS[*index];
+            let cut = ends.cut().filter(|_| field.unit == ENDLESS);
+            if let Some((value, rows)) = cut {
+                eprintln!(
+                    "{} is exactly {value} {} in {rows} rows, and never beyond: where its range ends there, leave those cells empty",
+                    field.name, field.unit
+                );
+            }
+        }
     }
 
     /// Says which signals have one number where a sample may be missing.

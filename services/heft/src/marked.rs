@@ -1,10 +1,17 @@
-//! A number in the place of a missing sample, where it could be a measurement: exactly the same in many rows, and far from all others.
+//! Numbers that are exactly the same in many rows: in the place of a missing sample, far from all others, or at the end of a range.
 
 /// So many rows have it at least.
 const LEAST_ROWS: usize = 10;
 
 /// It is further from the others than this share of their range.
 const APART: f64 = 0.5;
+
+/// The end of a range is in so many rows at least, and in so large a share of them.
+const LEAST_AT_END: usize = 50;
+const OFTEN_AT_END: f64 = 0.02;
+
+/// And nearer to the next value than this share of the range of all: else the signal has few values at all.
+const NEAR: f64 = 0.005;
 
 /// The values of a signal, from one of their ends.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +51,7 @@ impl End {
 pub struct Ends {
     least: End,
     largest: End,
+    rows: usize,
 }
 
 impl Default for Ends {
@@ -51,6 +59,7 @@ impl Default for Ends {
         Self {
             least: End::of(1.0),
             largest: End::of(-1.0),
+            rows: 0,
         }
     }
 }
@@ -60,6 +69,21 @@ impl Ends {
     pub fn see(&mut self, value: f64) {
         self.least.see(value);
         self.largest.see(value);
+        self.rows += 1;
+    }
+
+    /// Where the range of a signal seems to end, and how often it was there. A motion turns there without being twice at
+    /// exactly one value.
+    pub fn cut(&self) -> Option<(f64, usize)> {
+        let width = -self.largest.first - self.least.first;
+        let is_cut = |end: &End| {
+            end.count >= LEAST_AT_END
+                && end.count as f64 >= OFTEN_AT_END * self.rows as f64
+                && end.next - end.first < NEAR * width
+                && end.first != 0.0
+        };
+        let found = [self.least, self.largest].into_iter().find(is_cut);
+        found.map(|end| (end.sign * end.first, end.count))
     }
 
     /// A value that stands for a missing sample: far from all others, and how often it was there.
@@ -121,6 +145,26 @@ impl Count {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_that_ends_within_the_motion_is_told_from_motions_and_from_coarse_signals() {
+        let torque =
+            |k: i32| 3e4 * (0.013 * f64::from(k)).sin() + 9e3 * (0.31 * f64::from(k)).sin();
+        let cut = |change: fn(f64) -> f64| {
+            let mut ends = Ends::default();
+            (0..4000).for_each(|k| ends.see(change(torque(k))));
+            ends.cut()
+        };
+        assert_eq!(cut(|x| x), None);
+        assert_eq!(cut(|x| x.max(0.0)), None, "one way only");
+        assert_eq!(cut(|x| (x / 2e3).round() * 2e3), None, "few values");
+        let (value, rows) = cut(|x| x.min(2e4)).expect("an end");
+        assert!((value - 2e4).abs() < 1e-9 && rows > 500, "{value} {rows}");
+        assert_eq!(
+            cut(|x| x.clamp(-2e4, 1e5)).map(|(value, _)| value),
+            Some(-2e4)
+        );
+    }
 
     #[test]
     fn what_one_signal_cannot_be_is_a_mark_in_another() {

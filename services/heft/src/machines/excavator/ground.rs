@@ -3,7 +3,8 @@
 //!
 //! d pitch/dt = -w roll, d roll/dt = w pitch,
 //!
-//! whatever slope and machine. Both change sign where one of the two columns has the other sign or they are exchanged.
+//! whatever slope and machine. Both change sign where one of the two columns has the other sign, where they are exchanged, and
+//! where the swing is positive clockwise. Where both have the other sign nothing changes.
 
 use estimation::excavator::Sample;
 
@@ -86,8 +87,8 @@ impl Ground {
     pub(super) fn fault(&self) -> Option<String> {
         let correlation = self.both / (self.said * self.did).sqrt();
         (self.said > TURNED * TURNED && correlation < AGAINST).then(|| {
-            "pitch and roll turn against the swing: one of them has the other sign, or they are exchanged\n  \
-             what to do: write `sign = -1` for that one in a signal map, or exchange them; nose up and left side low are positive"
+            "pitch and roll turn against the swing: one of them has the other sign, they are exchanged, or the swing is positive clockwise\n  \
+             what to do: write `sign = -1` in a signal map for that one, exchange them, or write `sign = -1` for swing_velocity and swing_torque (docs/map.md)"
                 .into()
         })
     }
