@@ -214,9 +214,9 @@ pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     of_name(name, si).is_none().then_some(unit.name)
 }
 
-/// Whether a name tells a unit of this dimension, and none that is longer.
+/// Whether what a name tells may be a unit of this dimension.
 pub(crate) fn is_of(name: &str, si: &str) -> bool {
-    units_of(name).first().is_some_and(|unit| unit.si == si)
+    units_of(name).iter().any(|unit| unit.si == si)
 }
 
 /// Brackets around units.
