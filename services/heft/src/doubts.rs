@@ -165,7 +165,7 @@ impl<L: Look> Doubts<L> {
             let cut = ends.cut().filter(|_| field.unit == ENDLESS);
             if let Some((value, rows)) = cut {
                 eprintln!(
-                    "{} is exactly {value} {} in {rows} rows, and never beyond: where its range ends there, leave those cells empty",
+                    "{} is exactly {value} {} in {rows} rows, and never beyond: its range seems to end there, and what is beyond is not seen",
                     field.name, field.unit
                 );
             }
