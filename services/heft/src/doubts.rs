@@ -10,7 +10,7 @@ use recording::{Gaps, Lacks, Sensors};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
-use crate::marked::Ends;
+use crate::marked::{Count, Ends, Shared};
 use crate::parts;
 
 /// Looks at the rows of an input.
@@ -29,6 +29,9 @@ pub struct Doubts<L> {
     beyond: [usize; 32],
     /// The ends of the values of each of `measured`.
     ends: Vec<Ends>,
+    /// What stands for missing samples in any signal, and how often it stands in each of `measured`.
+    shared: Shared,
+    counts: Vec<Count>,
 }
 
 /// The same of a machine whose kind is put aside, for one who sees all that its processes send.
@@ -79,6 +82,9 @@ impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
     }
 }
 
+/// Unit of what has no stop.
+const ENDLESS: &str = "N m";
+
 /// Rows by which the unit of the time is judged.
 const LOOKED_AT: usize = 1000;
 
@@ -96,6 +102,8 @@ impl<L: Look> Doubts<L> {
             refused: 0,
             is_measured: false,
             ends: vec![Ends::default(); measured.len()],
+            shared: Shared::default(),
+            counts: vec![Count::default(); measured.len()],
             measured,
             beyond: [0; 32],
         }
@@ -111,10 +119,18 @@ impl<L: Look> Doubts<L> {
         }
         let valid = sample.bits_of("valid");
         self.is_measured |= valid != 0;
-        for ((index, bit, limit), ends) in self.measured.iter().zip(&mut self.ends) {
+        let seen = self.ends.iter_mut().zip(&mut self.counts);
+        for ((index, bit, limit), (ends, count)) in self.measured.iter().zip(seen) {
             let value = sample.get(*index).map(Value::as_f64);
-            let value = value.filter(|v| valid & bit != 0 && v.abs() <= *limit);
-            value.into_iter().for_each(|value| ends.see(value));
+            let Some(value) = value.filter(|_| valid & bit != 0) else {
+                continue;
+            };
+            if value.abs() <= *limit {
+                ends.see(value);
+                count.see(value, &self.shared);
+            } else {
+                self.shared.learn(value);
+            }
         }
         let beyond = measurable::beyond(sample, &self.measured);
         if beyond != 0 {
@@ -138,12 +154,37 @@ impl<L: Look> Doubts<L> {
                 eprintln!("{}", measurable::words(signal.name, count));
             }
         }
+        self.tell_marks();
+        self.tell_ends();
+    }
+
+    /// Says which torques are at one end of their range again and again: joints have stops, and pressures a zero.
+    fn tell_ends(&self) {
         for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {
             let field = &<L::Sensors as Message>::FIELDS[*index];
-            // Numbers without a unit are states.
-            if let Some((value, count)) = ends.mark().filter(|_| !field.unit.is_empty()) {
+            let cut = ends.cut().filter(|_| field.unit == ENDLESS);
+            if let Some((value, rows)) = cut {
                 eprintln!(
-                    "{} is {value} {} in {count} rows, exactly and far from all its other values: leave the cell empty if the sample is missing there",
+                    "{} is exactly {value} {} in {rows} rows, and never beyond: its range seems to end there, and what is beyond is not seen",
+                    field.name, field.unit
+                );
+            }
+        }
+    }
+
+    /// Says which signals have one number where a sample may be missing.
+    fn tell_marks(&self) {
+        let seen = self.ends.iter().zip(&self.counts);
+        for ((index, ..), (ends, count)) in self.measured.iter().zip(seen) {
+            let field = &<L::Sensors as Message>::FIELDS[*index];
+            let far = ends.mark().zip(Some("far from all its other values"));
+            let shared = count
+                .mark()
+                .zip(Some("as other signals have it where it is no measurement"));
+            // Numbers without a unit are states.
+            if let Some(((value, rows), why)) = far.or(shared).filter(|_| !field.unit.is_empty()) {
+                eprintln!(
+                    "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
                     field.name, field.unit
                 );
             }

@@ -79,6 +79,15 @@ impl Failure {
         runtime::Error::thread(error).into()
     }
 
+    /// Signals could not be waited for, which takes files of the process.
+    pub fn signals(error: std::io::Error) -> Self {
+        Self::input(
+            format!("cannot wait for signals: {error}"),
+            "the limits of this shell or unit",
+            "permit more open files: ulimit -n 4096, or LimitNOFILE=4096 in the systemd unit",
+        )
+    }
+
     /// A defect of heft itself.
     pub fn internal(error: impl fmt::Display) -> Self {
         Self::input(

@@ -1,10 +1,17 @@
-//! A number in the place of a missing sample, where it could be a measurement: exactly the same in many rows, and far from all others.
+//! Numbers that are exactly the same in many rows: in the place of a missing sample, far from all others, or at the end of a range.
 
 /// So many rows have it at least.
 const LEAST_ROWS: usize = 10;
 
 /// It is further from the others than this share of their range.
 const APART: f64 = 0.5;
+
+/// The end of a range is in so many rows at least, and in so large a share of them.
+const LEAST_AT_END: usize = 50;
+const OFTEN_AT_END: f64 = 0.02;
+
+/// And nearer to the next value than this share of the range of all: else the signal has few values at all.
+const NEAR: f64 = 0.005;
 
 /// The values of a signal, from one of their ends.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +51,7 @@ impl End {
 pub struct Ends {
     least: End,
     largest: End,
+    rows: usize,
 }
 
 impl Default for Ends {
@@ -51,6 +59,7 @@ impl Default for Ends {
         Self {
             least: End::of(1.0),
             largest: End::of(-1.0),
+            rows: 0,
         }
     }
 }
@@ -60,6 +69,21 @@ impl Ends {
     pub fn see(&mut self, value: f64) {
         self.least.see(value);
         self.largest.see(value);
+        self.rows += 1;
+    }
+
+    /// Where the range of a signal seems to end, and how often it was there. A motion turns there without being twice at
+    /// exactly one value.
+    pub fn cut(&self) -> Option<(f64, usize)> {
+        let width = -self.largest.first - self.least.first;
+        let is_cut = |end: &End| {
+            end.count >= LEAST_AT_END
+                && end.count as f64 >= OFTEN_AT_END * self.rows as f64
+                && end.next - end.first < NEAR * width
+                && end.first != 0.0
+        };
+        let found = [self.least, self.largest].into_iter().find(is_cut);
+        found.map(|end| (end.sign * end.first, end.count))
     }
 
     /// A value that stands for a missing sample: far from all others, and how often it was there.
@@ -73,9 +97,94 @@ impl Ends {
     }
 }
 
+/// Most marks that one logger has: of each width of its numbers one.
+const MOST: usize = 4;
+
+/// What signals have where it is no measurement. The same number in another signal, where it could be one, is a mark there too.
+#[derive(Debug, Clone, Default)]
+pub struct Shared {
+    marks: Vec<f64>,
+}
+
+impl Shared {
+    /// Takes a value that is no measurement.
+    pub fn learn(&mut self, value: f64) {
+        if self.marks.len() < MOST && !self.is_mark(value) {
+            self.marks.push(value);
+        }
+    }
+
+    /// Whether a value is one of them.
+    pub fn is_mark(&self, value: f64) -> bool {
+        self.marks.contains(&value)
+    }
+}
+
+/// How often a signal had a mark of others, and which one.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Count {
+    value: f64,
+    rows: usize,
+}
+
+impl Count {
+    /// Takes a value.
+    pub fn see(&mut self, value: f64, shared: &Shared) {
+        if shared.is_mark(value) {
+            self.value = value;
+            self.rows += 1;
+        }
+    }
+
+    /// The mark, and in how many rows it was there.
+    pub fn mark(&self) -> Option<(f64, usize)> {
+        (self.rows >= LEAST_ROWS).then_some((self.value, self.rows))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_that_ends_within_the_motion_is_told_from_motions_and_from_coarse_signals() {
+        let torque =
+            |k: i32| 3e4 * (0.013 * f64::from(k)).sin() + 9e3 * (0.31 * f64::from(k)).sin();
+        let cut = |change: fn(f64) -> f64| {
+            let mut ends = Ends::default();
+            (0..4000).for_each(|k| ends.see(change(torque(k))));
+            ends.cut()
+        };
+        assert_eq!(cut(|x| x), None);
+        assert_eq!(cut(|x| x.max(0.0)), None, "one way only");
+        assert_eq!(cut(|x| (x / 2e3).round() * 2e3), None, "few values");
+        let (value, rows) = cut(|x| x.min(2e4)).expect("an end");
+        assert!((value - 2e4).abs() < 1e-9 && rows > 500, "{value} {rows}");
+        assert_eq!(
+            cut(|x| x.clamp(-2e4, 1e5)).map(|(value, _)| value),
+            Some(-2e4)
+        );
+    }
+
+    #[test]
+    fn what_one_signal_cannot_be_is_a_mark_in_another() {
+        let (mut shared, mut count) = (Shared::default(), Count::default());
+        let torque = |k: i32| {
+            if k % 5 == 0 {
+                -9999.0
+            } else {
+                300.0 * f64::from(k - 50)
+            }
+        };
+        (0..100).for_each(|k| count.see(torque(k), &shared));
+        assert_eq!(count.mark(), None);
+        shared.learn(-9999.0);
+        (0..100).for_each(|k| count.see(torque(k), &shared));
+        assert_eq!(count.mark(), Some((-9999.0, 20)));
+        // Values that are too large for another reason are no marks without end.
+        (0..50).for_each(|k| shared.learn(f64::from(k)));
+        assert!(!shared.is_mark(40.0));
+    }
 
     fn mark(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
         let mut ends = Ends::default();

@@ -209,7 +209,8 @@ impl<'a, S: Sensors> Router<'a, S> {
             }
             self.lines += 1;
             if line.len() > MAX_LINE {
-                input.skip_until(b'\n').map_err(Failure::internal)?;
+                let skipped = input.skip_until(b'\n');
+                skipped.map_err(|e| unreadable(self.input, &e))?;
                 self.refuse("is too long");
                 continue;
             }

@@ -40,7 +40,7 @@ pub fn end_together(children: &Children) -> Result<(), Failure> {
 /// Has something done when one of these signals comes, unless it is ignored.
 fn before_the_end(signals: &[i32], act: impl Fn(i32) + Send + 'static) -> Result<(), Failure> {
     let wanted = signals.iter().filter(|s| !is_ignored(**s));
-    let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::internal)?;
+    let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::signals)?;
     let body = move || {
         for signal in &mut signals {
             act(signal);
@@ -68,11 +68,11 @@ impl Signals {
     /// From now on.
     pub fn catch() -> Result<Self, Failure> {
         let came = Arc::new(AtomicBool::new(false));
-        let (wakes, rings) = UnixStream::pair().map_err(Failure::internal)?;
+        let (wakes, rings) = UnixStream::pair().map_err(Failure::signals)?;
         for signal in [SIGINT, SIGTERM, SIGHUP] {
-            signal_hook::flag::register(signal, Arc::clone(&came)).map_err(Failure::internal)?;
-            let ring = rings.try_clone().map_err(Failure::internal)?;
-            signal_hook::low_level::pipe::register(signal, ring).map_err(Failure::internal)?;
+            signal_hook::flag::register(signal, Arc::clone(&came)).map_err(Failure::signals)?;
+            let ring = rings.try_clone().map_err(Failure::signals)?;
+            signal_hook::low_level::pipe::register(signal, ring).map_err(Failure::signals)?;
         }
         Ok(Self { came, wakes })
     }

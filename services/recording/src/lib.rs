@@ -11,6 +11,7 @@
 
 pub mod can;
 mod copy;
+mod counter;
 pub mod csv;
 mod error;
 mod excavator;

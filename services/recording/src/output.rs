@@ -200,8 +200,10 @@ pub fn check(path: &Path, inputs: &[&Path], is_ours: impl Fn(&[u8]) -> bool) -> 
         return Ok(());
     }
     let mut head = Vec::new();
-    let opened = File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
-    if opened.is_err() || !is_ours(&head) {
+    File::open(path)
+        .and_then(|f| f.take(4096).read_to_end(&mut head))
+        .map_err(|e| Error::system("read the earlier result", path, &e))?;
+    if !is_ours(&head) {
         return refused("there is a file that is no earlier result; it is not overwritten");
     }
     Ok(())
@@ -240,5 +242,20 @@ mod tests {
         assert_eq!(write("new", &[&at("in")]), Ok(()), "an earlier result");
         drop(Output::create("write", &at("half"), &[], ours));
         assert_eq!(std::fs::read_dir(dir.path()).expect("there").count(), 5);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_not_said_to_be_anothers() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("closed");
+        std::fs::write(&path, "ours").expect("writable");
+        let closed = std::fs::Permissions::from_mode(0o200);
+        std::fs::set_permissions(&path, closed).expect("owned");
+        let said = check(&path, &[], |_| true).map_err(|e| e.to_string());
+        match File::open(&path) {
+            Ok(_) => assert_eq!(said, Ok(()), "root reads all"),
+            Err(why) => assert!(said.is_err_and(|said| said.contains(&why.to_string()))),
+        }
     }
 }

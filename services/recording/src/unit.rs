@@ -214,6 +214,11 @@ pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     of_name(name, si).is_none().then_some(unit.name)
 }
 
+/// Whether what a name tells may be a unit of this dimension.
+pub(crate) fn is_of(name: &str, si: &str) -> bool {
+    units_of(name).iter().any(|unit| unit.si == si)
+}
+
 /// Brackets around units.
 pub(crate) const BRACKETS: [(char, char); 5] = [
     ('[', ']'),

@@ -183,6 +183,8 @@ fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_says_so() {
     assert!((10..400).contains(&count), "{count}");
     let said = samples.lacks().cut_off.unwrap_or_default();
     assert!(said.contains("cut off"), "{said}");
+    let map = recording::suggest(&path, &[], None).expect("a map").text;
+    assert!(map.contains("swing_velocity = "), "{map}");
 }
 
 #[test]
@@ -276,4 +278,18 @@ fn a_column_in_a_unit_of_something_else_is_no_signal() {
     // A DBC file says nothing of a table, and is not ignored.
     let error = recording::suggest(&path, &["x.dbc".into()], machine).expect_err("no log");
     assert!(error.remedy.contains("leave out --dbc x.dbc"), "{error}");
+}
+
+#[test]
+fn ticks_of_a_register_that_was_full_are_times() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ticks = ["65506", "65516", "65526", "0", "10", "20"];
+    let rows: Vec<String> = ticks.iter().map(|tick| format!("{tick},1")).collect();
+    let text = format!("ms,swing_velocity\n{}\n", rows.join("\n"));
+    let path = written(folder.path(), "ticks.csv", text.as_bytes());
+    let map = "[columns]\nt = { column = \"ms\", unit = \"ms\" }\n";
+    let map = recording::Map::parse(map, "m.toml").expect("a map");
+    let rows = csv::read::<ExcavatorSensors>(&path, Some(&map)).expect("rows");
+    let times: Vec<f64> = rows.iter().map(|(sample, _)| sample.stamp.time).collect();
+    assert_eq!(times, [65.506, 65.516, 65.526, 65.536, 65.546, 65.556]);
 }

@@ -45,7 +45,7 @@ mod verdict;
 mod working;
 
 use input::{
-    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantisation,
+    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantisation, range,
     screen, standstill, steady, swing_angle,
 };
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};

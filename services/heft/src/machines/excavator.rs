@@ -4,6 +4,7 @@ mod boom;
 mod calibrate;
 mod figures;
 mod fits;
+mod ground;
 mod postures;
 mod speed;
 

@@ -7,6 +7,7 @@ use super::dialect::{self, BLANK, Dialect};
 use super::front::comment;
 use super::marks::{self, Marks};
 use crate::Error;
+use crate::counter::Counter;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
@@ -26,6 +27,7 @@ pub(crate) struct Columns<S: Sensors> {
     /// Of the columns, where commas do not separate.
     marks: Vec<Marks>,
     dates: Dates,
+    counter: Counter,
     sampler: Option<Sampler>,
 }
 
@@ -169,6 +171,7 @@ impl<S: Sensors> Columns<S> {
             values: vec![0.0; lines.len()],
             lines,
             dates: Dates::default(),
+            counter: Counter::default(),
             sampler: is_timed.then(|| Sampler::new(&timings)),
         })
     }
@@ -281,6 +284,10 @@ impl<S: Sensors> Columns<S> {
                                 if self.dialect.separator != b',' {
                                     self.marks[*at].see(cell);
                                 }
+                                let x = match line.is_time && line.parts.len() == 1 {
+                                    true => self.counter.count(x),
+                                    false => x,
+                                };
                                 conversion.apply(x)
                             }
                             None => {

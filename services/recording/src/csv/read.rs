@@ -382,9 +382,13 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         return Err(absent(&["t"], "any machine", &header, &table.file));
     }
     let mut columns = vec![Vec::new(); header.len()];
-    for _ in 0..most {
-        if !table.advance(&mut records)? {
-            break;
+    for row in 0..most {
+        match records.advance() {
+            Ok(true) => {}
+            Ok(false) => break,
+            // The rows before the cut tell the units.
+            Err(e) if row > 0 && table.is_cut(&e) => break,
+            Err(e) => return Err(Error::system("read the data", path, &e)),
         }
         let record = records.record();
         for (at, column) in columns.iter_mut().enumerate() {

@@ -27,7 +27,7 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
 }
 
 /// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
-/// `=word` only where the name is no more than that and its unit.
+/// `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
 const WORDS: &[(&str, &[&[&str]])] = &[
     (
         "t",
@@ -68,6 +68,8 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=gyro"],
             &["=omega"],
             &["=angular_velocity"],
+            &["swing", "[rad/s"],
+            &["slew", "[rad/s"],
         ],
     ),
     (
@@ -88,6 +90,8 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["slew", "moment"],
             &["=torque"],
             &["=moment"],
+            &["swing", "[N m"],
+            &["slew", "[N m"],
         ],
     ),
     (
@@ -249,6 +253,9 @@ fn has(name: &str, word: &str) -> bool {
     if let Some(word) = word.strip_prefix('=') {
         return stem(name).replace([' ', '-'], "_") == word;
     }
+    if let Some(si) = word.strip_prefix('[') {
+        return unit::is_of(name, si);
+    }
     let Some(word) = word.strip_prefix('^') else {
         return name.contains(word);
     };
@@ -316,6 +323,11 @@ mod tests {
             ("swing_velocity", "Slew rate (rpm)"),
             ("speed", "Speed (km/h)"),
             ("lift_angle", "boom_angle_deg"),
+            ("swing_velocity", "swing_rpm"),
+            ("swing_velocity", "Slew [°/s]"),
+            ("swing_velocity", "swing_deg_s"),
+            ("swing_angle", "swing_deg"),
+            ("swing_torque", "swing_kNm"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), Some(1), "{name}");
         }
@@ -325,6 +337,9 @@ mod tests {
             ("t", "temporary_x"),
             ("roll", "Drehzahlschwankung"),
             ("speed", "engine_speed_rpm"),
+            ("swing_velocity", "swing_deg"),
+            ("swing_angle", "swing_bar"),
+            ("swing_torque", "swing_bar"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");
         }

@@ -10,6 +10,7 @@ use crate::excavator::joints;
 use crate::excavator::jump::Jump;
 use crate::excavator::keys::Description;
 use crate::excavator::quantisation::Quantisation;
+use crate::excavator::range::Range;
 use crate::excavator::settings::Sensors;
 use crate::excavator::steady::Steady;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
@@ -66,6 +67,7 @@ pub(in crate::excavator) struct Screen {
     steady: Steady,
     velocity: Hold,
     quantisation: Quantisation,
+    range: Range,
     torque: Joined,
     swing_angle: SwingAngle,
 }
@@ -89,6 +91,7 @@ impl Screen {
             steady: Steady::default(),
             velocity: Hold::default(),
             quantisation: Quantisation::default(),
+            range: Range::default(),
             torque: Joined::default(),
             swing_angle: SwingAngle::default(),
         }
@@ -179,6 +182,7 @@ impl Screen {
         // A velocity that is held says nothing new.
         sample.velocity = velocity.filter(|_| new || self.velocity.rows() == 1);
         let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
+        let torque = self.range.pass(torque, self.torque_std);
         let torque = self
             .steady
             .torque(torque, self.torque_std, period)

@@ -4,6 +4,7 @@ use estimation::excavator::{Geometry, Mismatch, Plausible, joint, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
+use super::ground::Ground;
 use super::postures::Postures;
 use super::speed::Speed;
 use crate::commands::estimate::look::Look;
@@ -22,6 +23,7 @@ pub(in crate::machines) struct Fits {
     cylinders: [Cylinder; 2],
     postures: Postures,
     boom: Boom,
+    ground: Ground,
     plausible: Plausible,
     mass: f64,
 }
@@ -38,6 +40,7 @@ impl Look for Fits {
             cylinders: ["boom", "arm"].map(Cylinder::new),
             postures: Postures::default(),
             boom: Boom::default(),
+            ground: Ground::default(),
             plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
@@ -52,6 +55,7 @@ impl Look for Fits {
         self.boom.add(s);
         self.plausible.push(&sample);
         self.speed.see(&sample);
+        self.ground.see(&sample);
         self.angles.see(sample.posture);
         if let [Some(boom), Some(arm), Some(bucket)] = sample.posture {
             self.postures.see([boom, arm, bucket].map(joint));
@@ -70,7 +74,7 @@ impl Look for Fits {
             return Some(said);
         }
         let Some(mismatch) = self.plausible.mismatch() else {
-            return self.boom.fault();
+            return self.boom.fault().or_else(|| self.ground.fault());
         };
         let remedy = remedy(mismatch, self.mass);
         Some(format!("{mismatch}\n  what to do: {remedy}"))

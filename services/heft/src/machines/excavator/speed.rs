@@ -37,8 +37,10 @@ impl Speed {
     pub(super) fn see(&mut self, sample: &Sample) {
         if let Some(speed) = sample.velocity.map(f64::abs).filter(|v| v.is_finite()) {
             self.swinging += u32::from(speed > SWINGS);
-            self.fast += u32::from(speed > FASTEST);
-            self.sum += if speed > FASTEST { speed } else { 0.0 };
+            // What is too fast in every unit is none of them: it stands for a missing sample.
+            let is_fast = (FASTEST..=FASTEST * UNITS[1].1).contains(&speed);
+            self.fast += u32::from(is_fast);
+            self.sum += if is_fast { speed } else { 0.0 };
         }
         for (plausible, (_, unit)) in self.units.iter_mut().zip(UNITS) {
             let velocity = sample.velocity.map(|velocity| velocity / unit);
@@ -79,6 +81,24 @@ impl Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mark_for_missing_samples_is_no_unit() {
+        let mut speed = Speed::new(Geometry::default());
+        for k in 0..9000_u32 {
+            let velocity = (0.01 * f64::from(k)).sin();
+            speed.see(&Sample {
+                time: 0.01 * f64::from(k),
+                velocity: Some(if k.is_multiple_of(10) {
+                    -9999.0
+                } else {
+                    velocity
+                }),
+                ..Sample::default()
+            });
+        }
+        assert_eq!(speed.fault(), None);
+    }
 
     #[test]
     fn the_unit_that_the_torque_explains_is_named_and_else_the_usual_one() {

@@ -1,0 +1,96 @@
+//! A torque at the end of its sensor's range: "at least this much" is no measurement.
+//!
+//! A signal with noise never says exactly its largest value twice in turn; one that is cut off there does. A coarse signal, or one
+//! that is held, repeats its values everywhere: nothing is told of it. Nor of exactly zero, which a machine says that stands.
+
+/// Repeats at one end until it is believed [rows].
+const ENOUGH: u32 = 5;
+/// The range is this many standard deviations of the noise wide: what stands still has no end.
+const WIDE: f64 = 20.0;
+
+/// What has been seen of one signal.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Range {
+    last: f64,
+    least: f64,
+    largest: f64,
+    /// Repeats at the least value, at the largest, and elsewhere.
+    repeats: [u32; 3],
+}
+
+impl Range {
+    /// The value as it counts, of a sensor of this noise: missing at an end of its range.
+    pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, std: f64) -> Option<f64> {
+        let value = value?;
+        let is_repeated = value == self.last && value != 0.0;
+        self.last = value;
+        let [least, largest, elsewhere] = &mut self.repeats;
+        if value < self.least {
+            self.least = value;
+            // It was no end.
+            *elsewhere = elsewhere.saturating_add(core::mem::take(least));
+        } else if value > self.largest {
+            self.largest = value;
+            *elsewhere = elsewhere.saturating_add(core::mem::take(largest));
+        }
+        let at = match value {
+            v if v == self.least => 0,
+            v if v == self.largest => 1,
+            _ => 2,
+        };
+        let is_wide = self.largest - self.least > WIDE * std;
+        if is_repeated && is_wide {
+            self.repeats[at] = self.repeats[at].saturating_add(1);
+        }
+        let is_end = at < 2 && self.repeats[at] >= ENOUGH.max(self.repeats[2]);
+        (!is_end).then_some(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many of 3000 torques of this shape are missing, and how many lie at its ends.
+    fn missing(shape: impl Fn(f64) -> f64, ends: [f64; 2]) -> [usize; 2] {
+        let mut range = Range::default();
+        let (mut missing, mut at_end) = (0, 0);
+        for k in 0..3000 {
+            let noise = 150.0 * f64::from(k * 7919 % 13 - 6) / 6.0;
+            let (sin, _) = crate::math::sin_cos(0.02 * f64::from(k));
+            let value = shape(5e4 * sin + noise);
+            missing += usize::from(range.pass(Some(value), 150.0).is_none());
+            at_end += usize::from(ends.contains(&value));
+        }
+        [missing, at_end]
+    }
+
+    #[test]
+    fn a_torque_that_is_cut_off_is_missing_where_it_is() {
+        for ends in [[-5e5, 3e4], [-3e4, 5e5], [-3e4, 3e4]] {
+            let [missing, at_end] = missing(|x| x.clamp(ends[0], ends[1]), ends);
+            let believed = usize::try_from(2 * ENOUGH + 2).expect("few");
+            assert!(
+                missing + believed >= at_end && missing <= at_end && at_end > 500,
+                "{ends:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn coarse_held_and_resting_ones_are_not() {
+        let coarse = |x: f64| (x / 4e3).round() * 4e3;
+        let zero = |x: f64| x.max(0.0);
+        let resting = |_| -113.0;
+        for shape in [coarse, zero, resting, |x| x] {
+            assert_eq!(missing(shape, [0.0; 2])[0], 0);
+        }
+        let mut range = Range::default();
+        let held = (0..3000).filter(|k| {
+            let value = 5e4 * crate::math::sin_cos(0.02 * f64::from(k / 5 * 5)).0;
+            range.pass(Some(value), 150.0).is_none()
+        });
+        assert_eq!(held.count(), 0);
+    }
+}
