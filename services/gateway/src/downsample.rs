@@ -42,7 +42,6 @@ pub struct StreamInfo {
 
 impl StreamInfo {
     /// Whether it is of estimates, each second.
-    #[must_use]
     pub fn is_estimate(&self) -> bool {
         self.kind == Kind::Estimate
     }
@@ -59,7 +58,6 @@ enum Kind {
 
 /// The streams of a machine whose sensors give `rate` samples a second, when estimates are sent `hz` times a
 /// second.
-#[must_use]
 pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
     let last = |channel: &Channel| {
         channel
@@ -176,7 +174,6 @@ pub struct Downsampler {
 
 impl Downsampler {
     /// For the run `run` of `machine`, with estimates `hz` times a second.
-    #[must_use]
     pub fn new(
         streams: Vec<StreamInfo>,
         machine: &str,
@@ -196,13 +193,11 @@ impl Downsampler {
     }
 
     /// Number of the latest message of a stream, -1 for none.
-    #[must_use]
     pub fn head(&self, stream: usize) -> i64 {
         self.tracks.get(stream).map_or(-1, |t| t.selected)
     }
 
     /// Number of the latest sample that a stream was selected from, -1 for none.
-    #[must_use]
     pub fn seen(&self, stream: usize) -> i64 {
         self.tracks.get(stream).map_or(-1, |t| t.seen)
     }
@@ -317,7 +312,6 @@ impl Downsampler {
 }
 
 /// Number of a report of health in its streams: a process that was started again counts from 0.
-#[must_use]
 pub fn health_number(health: &Health) -> u64 {
     u64::from(health.restarts & 0xffff) << 40 | health.stamp.sequence & 0xff_ffff_ffff
 }

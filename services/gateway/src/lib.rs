@@ -28,7 +28,6 @@ pub mod status;
 mod track;
 
 /// An error in heft's three lines: what, where, what to do.
-#[must_use]
 pub fn error(
     what: impl std::fmt::Display,
     place: impl std::fmt::Display,
@@ -38,7 +37,6 @@ pub fn error(
 }
 
 /// The wall clock [ms since 1970].
-#[must_use]
 pub fn wall_ms() -> u64 {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     now.map_or(0, |d| d.as_millis() as u64)
@@ -74,7 +72,6 @@ pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result
 }
 
 /// Tells the error of a program, if any, and how it ends: 2, wrong use or bad input.
-#[must_use]
 pub fn exit(program: &str, result: Result<(), String>) -> std::process::ExitCode {
     match result {
         Ok(()) => std::process::ExitCode::SUCCESS,

@@ -46,7 +46,6 @@ const MOST_HEARD: usize = 64;
 
 impl BusWriter {
     /// Sends `outgoing` on `interface`, which is opened when it is there.
-    #[must_use]
     pub fn new(interface: &str, outgoing: Outgoing) -> Self {
         let node = outgoing.node(rustix::system::uname().nodename().to_bytes());
         Self {

@@ -53,7 +53,6 @@ impl<M: Message> ChannelOf<M> {
 
 impl<M> ChannelOf<M> {
     /// The same channel with its message type put aside.
-    #[must_use]
     pub const fn any(&self) -> &Channel {
         &self.channel
     }
@@ -101,7 +100,6 @@ macro_rules! channels_of_machines {
 crate::machines!(channels_of_machines);
 
 /// The channel called `name`.
-#[must_use]
 pub fn find(name: &str) -> Option<&'static Channel> {
     all().find(|c| c.name == name)
 }

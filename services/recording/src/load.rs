@@ -114,14 +114,12 @@ impl<S: Message, T: Message> Samples<S, T> {
     }
 
     /// What of the file cannot be given, as far as the rows were read.
-    #[must_use]
     pub fn lacks(&self) -> Lacks {
         self.recording()
             .map_or_else(|| self.lacks.borrow().clone(), Reader::lacks)
     }
 
     /// The recording that they come from, if they do.
-    #[must_use]
     pub fn recording(&self) -> Option<&Reader> {
         match &self.source {
             Source::File(..) => None,

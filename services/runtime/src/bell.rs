@@ -28,7 +28,6 @@ impl Bell {
     }
 
     /// A bell received from the supervisor.
-    #[must_use]
     pub fn from_fd(fd: OwnedFd) -> Self {
         Self(fd)
     }

@@ -38,7 +38,6 @@ pub struct Feed {
 
 impl Feed {
     /// A feed that calls the processes by `names`, in the order of the table of processes.
-    #[must_use]
     pub fn new(names: Vec<String>) -> Self {
         Self {
             monitor: Arc::new(Mutex::new(Monitor::new(names))),

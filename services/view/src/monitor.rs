@@ -59,7 +59,6 @@ pub struct ChannelState {
 
 impl ChannelState {
     /// Messages a second.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         self.meter.rate
     }
@@ -77,7 +76,6 @@ pub struct ProcessState {
 
 impl ProcessState {
     /// Samples a second.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         self.meter.rate
     }
@@ -233,7 +231,6 @@ pub struct Monitor {
 
 impl Monitor {
     /// A monitor that calls the processes by `names`.
-    #[must_use]
     pub fn new(names: Vec<String>) -> Self {
         Self {
             names,
@@ -258,7 +255,6 @@ impl Monitor {
     }
 
     /// Name of process `index`.
-    #[must_use]
     pub fn name(&self, index: u32) -> String {
         let known = usize::try_from(index).ok().and_then(|i| self.names.get(i));
         known.cloned().unwrap_or_else(|| format!("process {index}"))

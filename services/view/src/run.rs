@@ -20,7 +20,6 @@ pub struct Estimator<E> {
 
 impl<E: Estimate> Estimator<E> {
     /// The method of the last estimate.
-    #[must_use]
     pub fn method(&self) -> &'static str {
         method(&self.estimates)
     }
@@ -47,14 +46,12 @@ impl<E: Estimate> Default for MachineRun<E> {
 impl<E: Estimate> MachineRun<E> {
     /// The estimator to tell about first: the one that trusted its estimates longest, of equals
     /// the last.
-    #[must_use]
     pub fn primary(&self) -> Option<&Estimator<E>> {
         let trusted = |e: &&Estimator<E>| e.estimates.iter().filter(|e| e.trusted()).count();
         self.estimators.iter().max_by_key(trusted)
     }
 
     /// The truth of each estimate, by the number of the sample.
-    #[must_use]
     pub fn truth_of<'a>(&'a self, estimates: &[E]) -> Vec<Option<&'a E::Truth>> {
         let mut rest = self.truth.as_slice();
         let mut find = |estimate: &E| {
@@ -155,14 +152,12 @@ impl Run {
     }
 
     /// Metadata value called `name`.
-    #[must_use]
     pub fn metadata(&self, name: &str) -> Option<&str> {
         let mut pairs = self.metadata.iter();
         pairs.find(|(n, _)| n == name).map(|(_, v)| v.as_str())
     }
 
     /// Name of process `index`.
-    #[must_use]
     pub fn process_name(&self, index: u32) -> String {
         let known = usize::try_from(index)
             .ok()
@@ -331,7 +326,6 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
 }
 
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.
-#[must_use]
 pub fn lost<M: Message>(messages: &[M]) -> u64 {
     let mut lost = Losses::default();
     messages.iter().for_each(|m| lost.add(m));

@@ -27,7 +27,6 @@ pub struct TopState {
 
 impl TopState {
     /// Nothing seen yet of `domain`, whose processes are called by `names`.
-    #[must_use]
     pub fn new(domain: &str, names: Vec<String>) -> Self {
         Self {
             domain: domain.to_owned(),

@@ -168,7 +168,6 @@ pub struct EstimateRows<E: Estimate> {
 
 impl<E: Estimate> EstimateRows<E> {
     /// With the columns that an estimate of these quantities needs; all bits for every column there is.
-    #[must_use]
     pub fn new(estimated: u32) -> Self {
         let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
             &[]
@@ -183,7 +182,6 @@ impl<E: Estimate> EstimateRows<E> {
     }
 
     /// Names of the columns, without the end of the line.
-    #[must_use]
     pub fn header(&self) -> String {
         let mut row = String::from("t");
         for (column, _) in &self.columns {
@@ -290,7 +288,6 @@ impl<E: Estimate> EstimateWriter<E> {
 }
 
 /// Whether a file that begins like this holds estimates that heft has written.
-#[must_use]
 pub fn is_estimates(head: &[u8]) -> bool {
     let named = |line: &str| line.split(',').any(|column| column == "method");
     first_line(head).is_some_and(|line| line.starts_with("t,") && named(line))

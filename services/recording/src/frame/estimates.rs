@@ -43,7 +43,6 @@ enum Filled {
 
 impl<E: Estimate> Table<E> {
     /// An empty table with room for so many rows.
-    #[must_use]
     pub fn with_capacity(rows: usize) -> Self {
         let column = |c: &Column| match *c {
             Column::Flag(..) => (*c, None, Filled::Flags(Vec::with_capacity(rows))),
@@ -94,13 +93,11 @@ impl<E: Estimate> Table<E> {
     }
 
     /// Places of the rows that were refused.
-    #[must_use]
     pub fn refused(&self) -> &[u32] {
         &self.refused
     }
 
     /// The columns; those of quantities that few methods have, only where this one has them.
-    #[must_use]
     pub fn finish(self) -> Vec<NamedColumn> {
         let mut columns = vec![("t", "s", Values::Numbers(self.times))];
         for (i, (column, index, cells)) in self.columns.into_iter().enumerate() {
@@ -147,7 +144,6 @@ pub enum Cell {
 
 /// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
 /// the row was refused, method and reason.
-#[must_use]
 pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
     let column = |c: &Column| match *c {
         Column::Flag(name, _) => (name, "", Kind::Flag),

@@ -49,19 +49,16 @@ pub struct Server {
 
 impl Server {
     /// Where it listens; the port that was chosen where 0 was asked for.
-    #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
     /// Viewers right now.
-    #[must_use]
     pub fn viewers(&self) -> usize {
         self.shared.viewers.load(Ordering::Relaxed)
     }
 
     /// Frames that slow viewers skipped so far.
-    #[must_use]
     pub fn skipped(&self) -> u64 {
         self.shared.skipped.load(Ordering::Relaxed)
     }

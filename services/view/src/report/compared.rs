@@ -16,7 +16,6 @@ use crate::stretches::stretches;
 use crate::words::run_judgements;
 
 /// The page that compares `runs`, each with its name; a machine that only one of them has is left out.
-#[must_use]
 pub fn compared(runs: &[(String, Run)]) -> String {
     let mut page = Page::default();
     let names: Vec<String> = runs.iter().map(|(name, _)| text(name)).collect();
