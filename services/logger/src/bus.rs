@@ -239,10 +239,6 @@ impl Sink for BusWriter {
         }
     }
 
-    fn has_room(&self) -> bool {
-        true
-    }
-
     fn fault(&self) -> u32 {
         if self.has_failed {
             fault::SEND
@@ -250,8 +246,6 @@ impl Sink for BusWriter {
             fault::NONE
         }
     }
-
-    fn drain(&mut self) {}
 
     fn visit(&self) -> Duration {
         VISIT
