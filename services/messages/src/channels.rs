@@ -30,6 +30,13 @@ pub struct Channel {
     pub rate: Rate,
 }
 
+impl Channel {
+    /// Its name behind the last slash.
+    pub fn last_name(&self) -> &'static str {
+        self.name.rsplit('/').next().unwrap_or(self.name)
+    }
+}
+
 /// A channel that knows its message type: a step on the wrong one does not compile.
 #[derive(Debug)]
 pub struct ChannelOf<M> {

@@ -1,6 +1,6 @@
 //! The host's monotonic clock, and processor time.
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
@@ -9,6 +9,12 @@ pub fn now_ns() -> u64 {
     let t = clock_gettime(ClockId::Monotonic);
     // The monotonic clock counts from boot: never negative, 584 years until it overflows.
     t.tv_sec as u64 * 1_000_000_000 + t.tv_nsec as u64
+}
+
+/// The time of day, since 1970; 0 where the clock stands before that.
+pub fn since_1970() -> Duration {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    now.unwrap_or_default()
 }
 
 /// Sleeps until `deadline_ns` on the same clock; returns early on a signal.
