@@ -100,11 +100,7 @@ impl<E: Estimate> Tracked<E> {
         let mut tracked = Self {
             last: *estimate,
             nis_mean: 1.0,
-            trusted: E::PARAMETERS
-                .iter()
-                .filter(|p| p.headline())
-                .map(|_| None)
-                .collect(),
+            trusted: E::headlines().map(|_| None).collect(),
             trend: VecDeque::new(),
             trend_time: now,
         };
@@ -114,8 +110,7 @@ impl<E: Estimate> Tracked<E> {
     }
 
     fn trust(&mut self, estimate: &E) {
-        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-        for (last, parameter) in self.trusted.iter_mut().zip(headline) {
+        for (last, parameter) in self.trusted.iter_mut().zip(E::headlines()) {
             if estimate.flags() & parameter.trusted != 0 {
                 *last = Some(*estimate);
             }
@@ -138,29 +133,19 @@ impl<E: Estimate> Tracked<E> {
         if self.trend.len() == TREND {
             self.trend.pop_front();
         }
-        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
         self.trend
-            .push_back(headline.map(|p| p.value(&self.last)).collect());
+            .push_back(E::headlines().map(|p| p.value(&self.last)).collect());
         self.trend_time = now;
     }
 }
 
 /// The estimators and the truth of one machine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MachineState<E: Estimate> {
     /// By the name of the channel.
     pub estimators: BTreeMap<&'static str, Tracked<E>>,
     /// The last truth, where it is known.
     pub truth: Option<E::Truth>,
-}
-
-impl<E: Estimate> Default for MachineState<E> {
-    fn default() -> Self {
-        Self {
-            estimators: BTreeMap::new(),
-            truth: None,
-        }
-    }
 }
 
 impl<E: Estimate> MachineState<E> {

@@ -26,21 +26,12 @@ impl<E: Estimate> Estimator<E> {
 }
 
 /// The part of a run that concerns one machine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MachineRun<E: Estimate> {
     /// Its estimators, those without an estimate left out.
     pub estimators: Vec<Estimator<E>>,
     /// The truth, empty where it is not known.
     pub truth: Vec<E::Truth>,
-}
-
-impl<E: Estimate> Default for MachineRun<E> {
-    fn default() -> Self {
-        Self {
-            estimators: Vec::new(),
-            truth: Vec::new(),
-        }
-    }
 }
 
 impl<E: Estimate> MachineRun<E> {
@@ -294,10 +285,7 @@ fn machine<E: Estimate>(
 
 /// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest.
 fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E> {
-    let value = |e: &E| {
-        let mut headline = E::PARAMETERS.iter().filter(|p| p.headline());
-        headline.next().map_or(f64::NAN, |p| p.value(e))
-    };
+    let value = |e: &E| E::headlines().next().map_or(f64::NAN, |p| p.value(e));
     let in_order = |ends: [Option<(u64, E)>; 2]| {
         let mut both: Vec<(u64, E)> = ends.into_iter().flatten().collect();
         both.sort_by_key(|(n, _)| *n);

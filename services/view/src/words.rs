@@ -50,7 +50,6 @@ pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
     let Some(last) = estimates.last() else {
         return Vec::new();
     };
-    let headline = E::PARAMETERS.iter().filter(|p| p.headline());
     let over_the_run = |(i, bit): (usize, u32)| {
         let trusted = |e: &&E| e.flags() & bit != 0;
         let index = estimates.iter().rposition(|e| trusted(&e));
@@ -64,7 +63,7 @@ pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
             index: at,
         }
     };
-    headline
+    E::headlines()
         .map(|p| p.trusted)
         .enumerate()
         .map(over_the_run)

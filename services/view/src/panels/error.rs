@@ -14,7 +14,7 @@ const BINS: usize = 32;
 /// A histogram for each estimator and headline parameter whose truth is known.
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     let mut panels = Vec::new();
-    for parameter in E::PARAMETERS.iter().filter(|p| p.headline()) {
+    for parameter in E::headlines() {
         for estimator in &run.estimators {
             let score = Score::of(run, estimator, parameter);
             let title = format!("Error of {}", parameter.label.to_lowercase());
