@@ -56,65 +56,51 @@ enum Kind {
     Events,
 }
 
+impl Kind {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Estimate => "estimate",
+            Self::Loads => "loads",
+            Self::Ledger => "ledger",
+            Self::Health => "health",
+            Self::Events => "events",
+        }
+    }
+}
+
 /// The streams of a machine whose sensors give `rate` samples a second, when estimates are sent `hz` times a
 /// second.
 pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
-    let last = |channel: &Channel| {
-        channel
-            .name
-            .rsplit('/')
-            .next()
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let of = |kind, word: &str, channel: &'static Channel, name: &str, per_period, process| {
-        let name = format!("{word}/{name}");
-        StreamInfo {
-            name,
-            channel,
-            per_period,
-            kind,
-            process,
-        }
+    let of = |kind: Kind, channel: &'static Channel, name: &str, per_period| StreamInfo {
+        name: format!("{}/{name}", kind.word()),
+        channel,
+        per_period,
+        kind,
+        process: 0,
     };
     let mut all = Vec::new();
     for channel in pipeline.estimates() {
-        all.push(of(
-            Kind::Estimate,
-            "estimate",
-            channel,
-            &last(channel),
-            rate / hz,
-            0,
-        ));
+        all.push(of(Kind::Estimate, channel, channel.last_name(), rate / hz));
     }
     if let Some(channel) = pipeline.main_output() {
-        all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
+        all.push(of(Kind::Loads, channel, channel.last_name(), 0.0));
     }
     // Streams of all machines are found by their names: each machine has its own message.
     let (ledger, machine) = (
         steps::loads::channel(pipeline.machine),
         pipeline.machine.name(),
     );
-    let per_period = LEDGER_RATE * LEDGER_PERIOD;
-    all.push(of(Kind::Ledger, "ledger", ledger, machine, per_period, 0));
+    all.push(of(
+        Kind::Ledger,
+        ledger,
+        machine,
+        LEDGER_RATE * LEDGER_PERIOD,
+    ));
     for (process, stage) in (0..).zip(pipeline.stages) {
-        all.push(of(
-            Kind::Health,
-            "health",
-            &HEALTH,
-            stage.name,
-            HEALTH_RATE,
-            process,
-        ));
-        all.push(of(
-            Kind::Events,
-            "events",
-            &HEALTH,
-            stage.name,
-            0.0,
-            process,
-        ));
+        for (kind, per_period) in [(Kind::Health, HEALTH_RATE), (Kind::Events, 0.0)] {
+            let stream = of(kind, &HEALTH, stage.name, per_period);
+            all.push(StreamInfo { process, ..stream });
+        }
     }
     all
 }

@@ -27,6 +27,13 @@ pub mod site;
 pub mod status;
 mod track;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a mutex holds, also after a thread that held it has panicked.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// An error in heft's three lines: what, where, what to do.
 pub fn error(
     what: impl std::fmt::Display,
@@ -38,8 +45,7 @@ pub fn error(
 
 /// The wall clock [ms since 1970].
 pub fn wall_ms() -> u64 {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    now.map_or(0, |d| d.as_millis() as u64)
+    runtime::since_1970().as_millis() as u64
 }
 
 /// What the programs of a fleet say on standard error, unless the environment chooses otherwise: what they do, and errors of

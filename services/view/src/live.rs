@@ -24,7 +24,7 @@ use messages::channels::Channel;
 use crate::monitor::Monitor;
 
 pub use loads::SharedLoads;
-pub use server::{MAX_VIEWERS, Server, serve};
+pub use server::{MAX_VIEWERS, Server, ServerThread, names_this_host, serve};
 
 /// Where `--view` listens unless stated otherwise: this host only.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";

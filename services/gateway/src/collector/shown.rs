@@ -107,5 +107,5 @@ pub fn load(envelope: &Envelope) -> Option<Quantity> {
 /// Name of the channel that a kind of machine reports on.
 pub fn main_channel(kind: &str) -> Option<&'static str> {
     let machine = Machine::from_name(kind)?;
-    Pipeline::of(machine).main_output()?.name.rsplit('/').next()
+    Some(Pipeline::of(machine).main_output()?.last_name())
 }
