@@ -27,7 +27,6 @@ pub struct Difference {
 }
 
 /// How each of these parameters differs in each part, the clearest first. A part is a set of blocks.
-#[must_use]
 pub fn differences(
     fit: &Fit,
     uncertainty: &Uncertainty,

@@ -5,7 +5,6 @@ use faer::prelude::*;
 use faer::{Mat, Side};
 
 /// The triangular factor of the rows of `tall`, square; fewer rows than columns are filled with zeros.
-#[must_use]
 pub fn triangle(tall: &Mat<f64>) -> Mat<f64> {
     let n = tall.ncols();
     if tall.nrows() < n {
@@ -22,7 +21,6 @@ pub fn triangle(tall: &Mat<f64>) -> Mat<f64> {
 }
 
 /// All the rows of some matrices with equally many columns.
-#[must_use]
 pub fn stacked(parts: &[&Mat<f64>]) -> Mat<f64> {
     let columns = parts.first().map_or(0, |p| p.ncols());
     let rows = parts.iter().map(|p| p.nrows()).sum();
@@ -40,13 +38,11 @@ pub fn stacked(parts: &[&Mat<f64>]) -> Mat<f64> {
 }
 
 /// The first `n` columns.
-#[must_use]
 pub fn columns(matrix: &Mat<f64>, n: usize) -> Mat<f64> {
     Mat::from_fn(matrix.nrows(), n, |i, j| matrix[(i, j)])
 }
 
 /// Solution of `matrix x = right` in the least-squares sense, by QR; zeros where it is singular.
-#[must_use]
 pub fn least_squares(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
     let right = Mat::from_fn(right.len(), 1, |i, _| right[i]);
     let solution = matrix.col_piv_qr().solve_lstsq(&right);
@@ -57,13 +53,11 @@ pub fn least_squares(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
 }
 
 /// Inverse of `root' root`.
-#[must_use]
 pub fn covariance(root: &Mat<f64>) -> Option<Mat<f64>> {
     inverse(&(root.transpose() * root))
 }
 
 /// Inverse of a positive definite matrix.
-#[must_use]
 pub fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let n = matrix.nrows();
     let factor = matrix.llt(Side::Lower).ok()?;
@@ -73,7 +67,6 @@ pub fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
 }
 
 /// `L^-1 matrix` where `covariance` is `L L'`; none unless it is positive definite.
-#[must_use]
 pub fn whitened(covariance: &Mat<f64>, matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let factor = covariance.llt(Side::Lower).ok()?;
     let mut whitened = matrix.clone();
@@ -82,7 +75,6 @@ pub fn whitened(covariance: &Mat<f64>, matrix: &Mat<f64>) -> Option<Mat<f64>> {
 }
 
 /// Singular values, largest first, each with its direction in the space of the columns.
-#[must_use]
 pub fn directions(matrix: &Mat<f64>) -> Vec<(f64, Vec<f64>)> {
     let Ok(svd) = matrix.thin_svd() else {
         return Vec::new();

@@ -1,7 +1,6 @@
 //! Means and percentiles of columns of numbers.
 
 /// Mean of the finite values within `half` of each time.
-#[must_use]
 pub fn moving_mean(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
     let (mut first, mut last, mut sum, mut count) = (0, 0, 0.0, 0_usize);
     let mut out = Vec::with_capacity(time.len());
@@ -26,7 +25,6 @@ pub fn moving_mean(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
 }
 
 /// The value that this share of the values does not exceed; 0 of nothing.
-#[must_use]
 pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);

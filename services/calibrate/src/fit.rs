@@ -208,7 +208,6 @@ fn contribution(innovation: &Innovation) -> f64 {
 }
 
 /// The values of the parameters at a place.
-#[must_use]
 pub fn values<M: Model + ?Sized>(model: &M, place: &[f64]) -> Vec<f64> {
     let parameters = model.parameters().iter();
     parameters.zip(place).map(|(p, &x)| p.value(x)).collect()

@@ -32,7 +32,6 @@ pub struct Direction {
 
 impl Direction {
     /// The parameters that make it up, the largest first.
-    #[must_use]
     pub fn members(&self) -> Vec<usize> {
         let largest = self.shares.iter().fold(0.0, |l: f64, s| l.max(s.abs()));
         let mut members: Vec<usize> = (0..self.shares.len())
@@ -43,7 +42,6 @@ impl Direction {
     }
 
     /// That it is not determined, and what to record.
-    #[must_use]
     pub fn undetermined(&self, parameters: &[Parameter], remedy: &str) -> String {
         let members = self.members();
         let names: Vec<&str> = members.iter().map(|&i| &*parameters[i].words).collect();
@@ -62,7 +60,6 @@ impl Direction {
 
 /// The directions about which the data say less than what was known, the weakest first. Measured loads
 /// count as data.
-#[must_use]
 pub fn undetermined(
     information: &[Information],
     parameters: &[Parameter],
@@ -122,13 +119,11 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     /// Standard deviation of a parameter, in those of what was known.
-    #[must_use]
     pub fn std(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 
     /// Correlation of two parameters.
-    #[must_use]
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let size = self.std(i) * self.std(j);
         if size > 0.0 {
@@ -141,7 +136,6 @@ impl Uncertainty {
 
 /// The uncertainty of a fit; `held` says the tolerance of a parameter that was not free, in those of what
 /// was known (0 for none). None where the information is singular.
-#[must_use]
 pub fn uncertainty(
     fit: &Fit,
     parameters: &[Parameter],

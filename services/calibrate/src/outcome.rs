@@ -17,7 +17,6 @@ pub const STOPPED: &str = "stopped before its end: the best so far";
 pub const NOTHING: &str = "the recordings determine nothing";
 
 /// What is said of a key that is none of those that can be found.
-#[must_use]
 pub fn no_such_key(key: &str, known: &[&str]) -> String {
     format!(
         "{key} cannot be found from recordings; these can: {}",
@@ -134,7 +133,6 @@ pub struct Summary<'a> {
 
 impl Summary<'_> {
     /// A parameter: value and standard deviation.
-    #[must_use]
     pub fn quantity(&self, i: usize) -> Option<Quantity> {
         let found = self.found?;
         let parameter = &self.model.parameters()[i];
@@ -145,7 +143,6 @@ impl Summary<'_> {
     }
 
     /// The blocks of a recording.
-    #[must_use]
     pub fn blocks_of(&self, recording: usize) -> Vec<usize> {
         (0..self.model.blocks())
             .filter(|&block| self.model.recording(block) == recording)
@@ -153,7 +150,6 @@ impl Summary<'_> {
     }
 
     /// The joint uncertainty, as comments of a description, which has no place for correlations.
-    #[must_use]
     pub fn joint(&self) -> String {
         let Some(found) = self.found else {
             return String::new();

@@ -20,7 +20,6 @@ pub struct Pen<D> {
 
 impl<D: Tables + Default> Pen<D> {
     /// Begins with what was described before.
-    #[must_use]
     pub fn new(description: D) -> Self {
         Self {
             description,
@@ -55,7 +54,6 @@ impl<D: Tables + Default> Pen<D> {
     }
 
     /// The description as text, with its origin as comments.
-    #[must_use]
     pub fn text(&self, summary: &Summary<'_>, origin: &[String]) -> String {
         let mut text = String::new();
         for line in origin.iter().chain(summary.remarks) {
@@ -73,7 +71,6 @@ impl<D: Tables + Default> Pen<D> {
 
 /// The lines of a complete printed description ([`config::Tables::to_toml`]) under these two conditions:
 /// the key has a note, which stands behind it, or its value is another than in `default`.
-#[must_use]
 pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> String {
     let usual: Vec<(String, String, String)> = assignments(default);
     let mut text = String::new();
@@ -97,7 +94,6 @@ pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> 
 }
 
 /// What a calibrated description says was found: keys with their values.
-#[must_use]
 pub fn found(text: &str) -> Vec<(String, Quantity)> {
     let quantity = |(table, name, value): (String, String, String)| {
         let (value, note) = value.split_once(CALIBRATED)?;
@@ -129,7 +125,6 @@ fn assignments(text: &str) -> Vec<(String, String, String)> {
 }
 
 /// A number with as many digits as its standard deviation allows, and three more for the next computer.
-#[must_use]
 pub fn rounded(value: f64, std: f64) -> f64 {
     if !(std > 0.0 && std.is_finite() && value.is_finite()) {
         return value;

@@ -70,7 +70,6 @@ impl Parameter {
     }
 
     /// The value at `x` standard deviations from what was known, within the range.
-    #[must_use]
     pub fn value(&self, x: f64) -> f64 {
         let free = match self.law {
             Law::Linear => self.mean + self.std * x,
@@ -80,7 +79,6 @@ impl Parameter {
     }
 
     /// Where a value lies, in standard deviations from what was known.
-    #[must_use]
     pub fn place(&self, value: f64) -> f64 {
         let value = value.clamp(self.range.0, self.range.1);
         match self.law {
@@ -90,7 +88,6 @@ impl Parameter {
     }
 
     /// Standard deviation of the value at `x`, given that of `x`.
-    #[must_use]
     pub fn value_std(&self, x: f64, std: f64) -> f64 {
         match self.law {
             Law::Linear => self.std * std,

@@ -3,7 +3,6 @@
 use messages::Machine;
 
 /// The key of a machine's mass \[kg\]: what nobody states follows from it.
-#[must_use]
 pub fn mass_key(machine: Machine) -> &'static str {
     match machine {
         Machine::Excavator => "machine.operating_mass",

@@ -35,7 +35,6 @@ macro_rules! descriptions {
             }
 
             /// The defaults of a machine.
-            #[must_use]
             pub fn default_of(machine: Machine) -> Self {
                 match machine {
                     $( Machine::$name => Self::$name(Box::default()), )*
@@ -43,7 +42,6 @@ macro_rules! descriptions {
             }
 
             /// Which machine.
-            #[must_use]
             pub fn machine(&self) -> Machine {
                 match self {
                     $( Self::$name(_) => $name::MACHINE, )*
@@ -51,7 +49,6 @@ macro_rules! descriptions {
             }
 
             /// Rate of the machine's sensors \[Hz\].
-            #[must_use]
             pub fn rate(&self) -> f64 {
                 match self {
                     $( Self::$name(m) => m.sensors.rate, )*
@@ -69,7 +66,6 @@ macro_rules! descriptions {
             }
 
             /// The number under a key; none if there is no such key or no number.
-            #[must_use]
             pub fn number(&self, key: &str) -> Option<f64> {
                 match self {
                     $( Self::$name(m) => m.number(key), )*
@@ -77,7 +73,6 @@ macro_rules! descriptions {
             }
 
             /// The keys that it states beside the defaults of a machine of its size, with their values in TOML.
-            #[must_use]
             pub fn stated(&self) -> BTreeMap<&'static str, String> {
                 match self {
                     $( Self::$name(m) => stated::stated(m.as_ref()), )*
@@ -85,7 +80,6 @@ macro_rules! descriptions {
             }
 
             /// The whole description with its comments.
-            #[must_use]
             pub fn to_toml(&self) -> String {
                 match self {
                     $( Self::$name(m) => m.to_toml(), )*
@@ -108,7 +102,6 @@ impl Description {
 
     /// The keys that it states otherwise than an earlier description of this machine, of which [`Self::stated`] of any version of
     /// heft is left. A key that is new since, and has its default, is not among them.
-    #[must_use]
     pub fn changed_since(&self, stated: &BTreeMap<String, String>) -> Vec<String> {
         stated::changed(self.machine(), &self.stated(), stated)
     }

@@ -16,7 +16,6 @@ pub trait Keyed: Default + Clone {
     /// All tables, to write.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
     /// The defaults of a machine of the size that this description tells.
-    #[must_use]
     fn of_its_size(&self) -> Self {
         Self::default()
     }

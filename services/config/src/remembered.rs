@@ -8,7 +8,6 @@ const FORGOTTEN: f64 = 30.0 * 86_400.0;
 
 /// Standard deviation of a parameter, in its unit, that was known to `std` when it was learnt and `prior` before,
 /// after a pause \[s\]: between a share of the prior's and all of it.
-#[must_use]
 pub fn widened(std: f64, prior: f64, pause: f64) -> f64 {
     let grown = std * std + prior * prior * (pause / FORGOTTEN);
     grown.sqrt().clamp(LEAST_SHARE * prior, prior)

@@ -15,7 +15,6 @@ const RENAMED: [(&str, &str); 2] = [
 ];
 
 /// The name of today of a key that has been renamed; `None` for every other.
-#[must_use]
 pub fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(old, _)| *old == key);
     found.map(|(_, today)| *today)
@@ -27,7 +26,6 @@ pub(crate) fn today(key: &str) -> &str {
 }
 
 /// The old names that a description uses; none of a text that is no TOML.
-#[must_use]
 pub fn old_names(text: &str) -> Vec<&'static str> {
     let Ok(document) = Document::parse(text) else {
         return Vec::new();

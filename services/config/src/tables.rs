@@ -29,7 +29,6 @@ pub trait Tables: Keyed {
     }
 
     /// The number under a key such as `sensors.swing_torque_std`; none if there is no such key or no number.
-    #[must_use]
     fn number(&self, key: &str) -> Option<f64> {
         let (table, index) = self.place(key)?;
         match self.tables()[table].get(index) {
@@ -51,7 +50,6 @@ pub trait Tables: Keyed {
 
     /// The whole description with its comments; [`Self::parse`] gives the same value back, every
     /// number to the last bit.
-    #[must_use]
     fn to_toml(&self) -> String {
         print::print(self)
     }

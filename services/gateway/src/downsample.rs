@@ -42,7 +42,6 @@ pub struct StreamInfo {
 
 impl StreamInfo {
     /// Whether it is of estimates, each second.
-    #[must_use]
     pub fn is_estimate(&self) -> bool {
         self.kind == Kind::Estimate
     }
@@ -57,66 +56,51 @@ enum Kind {
     Events,
 }
 
+impl Kind {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Estimate => "estimate",
+            Self::Loads => "loads",
+            Self::Ledger => "ledger",
+            Self::Health => "health",
+            Self::Events => "events",
+        }
+    }
+}
+
 /// The streams of a machine whose sensors give `rate` samples a second, when estimates are sent `hz` times a
 /// second.
-#[must_use]
 pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
-    let last = |channel: &Channel| {
-        channel
-            .name
-            .rsplit('/')
-            .next()
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let of = |kind, word: &str, channel: &'static Channel, name: &str, per_period, process| {
-        let name = format!("{word}/{name}");
-        StreamInfo {
-            name,
-            channel,
-            per_period,
-            kind,
-            process,
-        }
+    let of = |kind: Kind, channel: &'static Channel, name: &str, per_period| StreamInfo {
+        name: format!("{}/{name}", kind.word()),
+        channel,
+        per_period,
+        kind,
+        process: 0,
     };
     let mut all = Vec::new();
     for channel in pipeline.estimates() {
-        all.push(of(
-            Kind::Estimate,
-            "estimate",
-            channel,
-            &last(channel),
-            rate / hz,
-            0,
-        ));
+        all.push(of(Kind::Estimate, channel, channel.last_name(), rate / hz));
     }
     if let Some(channel) = pipeline.main_output() {
-        all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
+        all.push(of(Kind::Loads, channel, channel.last_name(), 0.0));
     }
     // Streams of all machines are found by their names: each machine has its own message.
     let (ledger, machine) = (
         steps::loads::channel(pipeline.machine),
         pipeline.machine.name(),
     );
-    let per_period = LEDGER_RATE * LEDGER_PERIOD;
-    all.push(of(Kind::Ledger, "ledger", ledger, machine, per_period, 0));
+    all.push(of(
+        Kind::Ledger,
+        ledger,
+        machine,
+        LEDGER_RATE * LEDGER_PERIOD,
+    ));
     for (process, stage) in (0..).zip(pipeline.stages) {
-        all.push(of(
-            Kind::Health,
-            "health",
-            &HEALTH,
-            stage.name,
-            HEALTH_RATE,
-            process,
-        ));
-        all.push(of(
-            Kind::Events,
-            "events",
-            &HEALTH,
-            stage.name,
-            0.0,
-            process,
-        ));
+        for (kind, per_period) in [(Kind::Health, HEALTH_RATE), (Kind::Events, 0.0)] {
+            let stream = of(kind, &HEALTH, stage.name, per_period);
+            all.push(StreamInfo { process, ..stream });
+        }
     }
     all
 }
@@ -176,7 +160,6 @@ pub struct Downsampler {
 
 impl Downsampler {
     /// For the run `run` of `machine`, with estimates `hz` times a second.
-    #[must_use]
     pub fn new(
         streams: Vec<StreamInfo>,
         machine: &str,
@@ -196,13 +179,11 @@ impl Downsampler {
     }
 
     /// Number of the latest message of a stream, -1 for none.
-    #[must_use]
     pub fn head(&self, stream: usize) -> i64 {
         self.tracks.get(stream).map_or(-1, |t| t.selected)
     }
 
     /// Number of the latest sample that a stream was selected from, -1 for none.
-    #[must_use]
     pub fn seen(&self, stream: usize) -> i64 {
         self.tracks.get(stream).map_or(-1, |t| t.seen)
     }
@@ -317,7 +298,6 @@ impl Downsampler {
 }
 
 /// Number of a report of health in its streams: a process that was started again counts from 0.
-#[must_use]
 pub fn health_number(health: &Health) -> u64 {
     u64::from(health.restarts & 0xffff) << 40 | health.stamp.sequence & 0xff_ffff_ffff
 }

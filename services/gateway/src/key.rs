@@ -28,7 +28,6 @@ pub struct MachineId {
 
 impl MachineId {
     /// A machine whose names can stand in a key: 1 to 64 of `a-z A-Z 0-9 . _ -` each.
-    #[must_use]
     pub fn new(site: &str, machine: &str) -> Option<Self> {
         let is_name = |text: &str| {
             (1..=64).contains(&text.len())
@@ -43,13 +42,11 @@ impl MachineId {
     }
 
     /// The key of something of this machine.
-    #[must_use]
     pub fn key(&self, what: &str) -> String {
         format!("{ROOT}/{}/{}/{what}", self.site, self.machine)
     }
 
     /// The machine that `key` names, and what of it.
-    #[must_use]
     pub fn of(key: &str) -> Option<(Self, &str)> {
         let rest = key.strip_prefix(ROOT)?.strip_prefix('/')?;
         let (site, rest) = rest.split_once('/')?;

@@ -20,7 +20,6 @@ pub struct Label {
 
 impl Label {
     /// Reads an attachment.
-    #[must_use]
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let text = std::str::from_utf8(bytes).ok().filter(|t| t.len() < 200)?;
         let mut words = text.split(' ');
@@ -56,7 +55,6 @@ impl fmt::Display for Label {
 /// How many messages at least are missing between a message `before` (-1: the beginning of the run) and the
 /// next one that there is; `per_period`: samples between two messages of the stream, 0 for one without a
 /// period. Both ends count with this.
-#[must_use]
 pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
     if next.after.is_some_and(|after| after <= before) {
         return 0;
@@ -76,7 +74,6 @@ pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
 }
 
 /// How many messages are missing behind `before`, where one of the number `upto` is known to have been there.
-#[must_use]
 pub fn lost_behind(before: i64, upto: i64, per_period: f64) -> u64 {
     if upto <= before {
         return 0;

@@ -27,8 +27,14 @@ pub mod site;
 pub mod status;
 mod track;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a mutex holds, also after a thread that held it has panicked.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// An error in heft's three lines: what, where, what to do.
-#[must_use]
 pub fn error(
     what: impl std::fmt::Display,
     place: impl std::fmt::Display,
@@ -38,10 +44,8 @@ pub fn error(
 }
 
 /// The wall clock [ms since 1970].
-#[must_use]
 pub fn wall_ms() -> u64 {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    now.map_or(0, |d| d.as_millis() as u64)
+    runtime::since_1970().as_millis() as u64
 }
 
 /// What the programs of a fleet say on standard error, unless the environment chooses otherwise: what they do, and errors of
@@ -74,7 +78,6 @@ pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result
 }
 
 /// Tells the error of a program, if any, and how it ends: 2, wrong use or bad input.
-#[must_use]
 pub fn exit(program: &str, result: Result<(), String>) -> std::process::ExitCode {
     match result {
         Ok(()) => std::process::ExitCode::SUCCESS,

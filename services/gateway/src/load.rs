@@ -9,7 +9,7 @@ const PAUSE: f64 = 0.3;
 const SHORTEST: f64 = 1.0;
 
 /// Finds the stretches of motion in a stream of estimates.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Loads<E> {
     open: Option<Stretch<E>>,
     /// The beginning of this motion was not seen: it is left to the recording.
@@ -21,15 +21,6 @@ struct Stretch<E> {
     start: f64,
     end: f64,
     reported: E,
-}
-
-impl<E> Default for Loads<E> {
-    fn default() -> Self {
-        Self {
-            open: None,
-            skips: false,
-        }
-    }
 }
 
 impl<E: Estimate> Loads<E> {

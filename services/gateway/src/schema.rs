@@ -24,7 +24,6 @@ impl Visitor for Describe {
 }
 
 /// Name of the message that a channel carries: `heft.Health`.
-#[must_use]
 pub fn name(channel: &Channel) -> String {
     channel.payload.visit(Describe).0
 }

@@ -67,7 +67,6 @@ pub struct Counts {
 
 impl Status {
     /// Reads a status; `None` if it is none, or beyond every bound.
-    #[must_use]
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let status: Self = (bytes.len() <= LARGEST)
             .then(|| serde_json::from_slice(bytes).ok())

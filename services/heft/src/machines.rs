@@ -117,7 +117,7 @@ impl Entry {
             simulated_mass: M::SIMULATED_MASS,
             simulated_cylinders: M::simulated_cylinders,
             scenarios: M::scenarios,
-            quantities: || headlines::<M::Estimate>().map(|p| p.label).collect(),
+            quantities: || M::Estimate::headlines().map(|p| p.label).collect(),
             check_source: |plan| sources::check::<M::Sensors, _>(plan, || M::simulator(plan)),
             serve_source: |worker, plan| {
                 sources::serve::<M::Sensors, _>(worker, plan, || M::simulator(plan))
@@ -143,7 +143,7 @@ trait MachineKind {
     /// What its sensors measure.
     type Sensors: Sensors;
     /// What is estimated of it.
-    type Estimate: Estimate + csv::Estimate;
+    type Estimate: Estimate;
     const USUAL: &'static str;
     const SHOWN: &'static str;
     /// What the demonstration states beside the defaults.
@@ -221,7 +221,7 @@ fn play<M: MachineKind>(
     signals: &Signals,
 ) -> Result<Played, Failure> {
     let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
-    let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
+    let flags = M::Estimate::headlines().map(|p| p.trusted).collect();
     let rows = Rows::begin(out, Form::Table, &header, flags)?;
     let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
     serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
@@ -233,13 +233,7 @@ fn estimate<M: MachineKind>(
     output: &Path,
     description: &Description,
 ) -> Result<(), Failure> {
-    let map = sources::map(args.with.map.as_deref())?;
-    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-    hint_at_names::<M::Sensors>(file, map.as_ref());
-    let method = method(description.machine(), args.with.method.as_deref());
-    if let Some((first, _)) = samples.rows()?.next() {
-        M::check(description, method, &first)?;
-    }
+    let (samples, method) = opened::<M>(&args.with, file, description)?;
     samples.check()?;
     let doubts = Doubts::<M::Look>::of(description);
     if !args.smooth {
@@ -256,13 +250,7 @@ fn follow<M: MachineKind>(
     description: &Description,
     see: See<'_>,
 ) -> Result<(), Failure> {
-    let map = sources::map(with.map.as_deref())?;
-    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-    hint_at_names::<M::Sensors>(file, map.as_ref());
-    let method = method(description.machine(), with.method.as_deref());
-    if let Some((first, _)) = samples.rows()?.next() {
-        M::check(description, method, &first)?;
-    }
+    let (samples, method) = opened::<M>(with, file, description)?;
     let mut stages = way(description, method)?;
     let mut doubts = Doubts::<M::Look>::of(description);
     for (sample, truth) in samples.rows()? {
@@ -282,6 +270,24 @@ fn follow<M: MachineKind>(
     doubts.judge(&samples.lacks())
 }
 
+/// The samples of an input that the method can use, and the method.
+fn opened<'a, M: MachineKind>(
+    with: &'a EstimationArgs,
+    file: &Path,
+    description: &Description,
+) -> Result<(SamplesOf<M::Sensors>, &'a str), Failure> {
+    let map = sources::map(with.map.as_deref())?;
+    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    hint_at_names::<M::Sensors>(file, map.as_ref());
+    let method = method(description.machine(), with.method.as_deref());
+    if let Some((first, _)) = samples.rows()?.next() {
+        M::check(description, method, &first)?;
+    }
+    Ok((samples, method))
+}
+
+type SamplesOf<S> = recording::Samples<S, <S as Sensors>::Truth>;
+
 /// Speaks of columns of a table that are left out and look like signals that it lacks.
 fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
     let is_table = recording::Kind::by_name(file) == Some(recording::Kind::Table);
@@ -292,12 +298,6 @@ fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
         let column = recording::OneLine(column);
         eprintln!("the column {column} is not used; did you mean {signal}?");
     }
-}
-
-/// The parameters of an estimate that have a verdict.
-fn headlines<E: view::estimate::Estimate>()
--> impl Iterator<Item = &'static view::estimate::Parameter<E, E::Truth>> {
-    E::PARAMETERS.iter().filter(|p| p.headline())
 }
 
 /// The scenarios of a machine, a line each.

@@ -15,11 +15,12 @@ use std::fs;
 use std::io::Write;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use config::{Description, widened};
 use messages::channels::Channel;
 use messages::{Machine, Message};
+use runtime::since_1970;
 use steps::stages::Pipeline;
 
 use self::file::{FORMAT, Refusal, Remembered, State, read, sealed, set_aside, stated};
@@ -70,7 +71,7 @@ impl Memory {
         let place = file.display();
         let (state, line) = match read(file, description, methods) {
             Ok(Some(parameters)) => {
-                let said = restore(&parameters, now(), description);
+                let said = restore(&parameters, since_1970().as_secs(), description);
                 (
                     State {
                         parameters,
@@ -122,7 +123,7 @@ impl Memory {
             };
             let trusted = message.bits_of("flags") & row.trusted != 0;
             if trusted && std > 0.0 && value.is_finite() && std.is_finite() {
-                let learnt = now();
+                let learnt = since_1970().as_secs();
                 let remembered = Remembered { value, std, learnt };
                 self.state.parameters.insert(key.into(), remembered);
             }
@@ -217,11 +218,6 @@ fn restore_one(
     let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
     description.set_all(&set).map_err(|error| error.what)?;
     Ok(std)
-}
-
-fn now() -> u64 {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    since.map_or(0, |d| d.as_secs())
 }
 
 #[cfg(test)]

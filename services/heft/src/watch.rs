@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use estimation::loads::Stage;
 use messages::channels::Channel;
-use messages::{Carries, Envelope, Machine, Message, Value, Words, fault};
+use messages::{Carries, Envelope, Machine, Message, Value, Words};
 use runtime::{Sink, Teller, Window};
 use view::live::{Feed, SharedLoads};
 
@@ -315,14 +315,4 @@ impl Sink for Watch {
     fn overwritten(&mut self, channel: &'static Channel, samples: u64) {
         self.carried.entry(channel.name).or_default().unseen += samples;
     }
-
-    fn has_room(&self) -> bool {
-        true
-    }
-
-    fn fault(&self) -> u32 {
-        fault::NONE
-    }
-
-    fn drain(&mut self) {}
 }

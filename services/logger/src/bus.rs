@@ -46,7 +46,6 @@ const MOST_HEARD: usize = 64;
 
 impl BusWriter {
     /// Sends `outgoing` on `interface`, which is opened when it is there.
-    #[must_use]
     pub fn new(interface: &str, outgoing: Outgoing) -> Self {
         let node = outgoing.node(rustix::system::uname().nodename().to_bytes());
         Self {
@@ -240,10 +239,6 @@ impl Sink for BusWriter {
         }
     }
 
-    fn has_room(&self) -> bool {
-        true
-    }
-
     fn fault(&self) -> u32 {
         if self.has_failed {
             fault::SEND
@@ -251,8 +246,6 @@ impl Sink for BusWriter {
             fault::NONE
         }
     }
-
-    fn drain(&mut self) {}
 
     fn visit(&self) -> Duration {
         VISIT

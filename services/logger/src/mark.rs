@@ -25,7 +25,6 @@ pub struct Mark {
 
 impl Mark {
     /// Reads the mark that a dead logger of the recording `first` may have left in `file`, and goes on from it.
-    #[must_use]
     pub fn open(file: &Path, first: &Path) -> Self {
         let text = fs::read_to_string(file).unwrap_or_default();
         let recorded = read(&text, first).unwrap_or_default();
@@ -37,7 +36,6 @@ impl Mark {
     }
 
     /// What the recording holds.
-    #[must_use]
     pub fn recorded(&self) -> &Next {
         &self.recorded
     }

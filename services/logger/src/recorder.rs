@@ -1,7 +1,7 @@
 //! What is recorded where: parts of a bounded length, old ones removed, room left on the disk.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
@@ -87,8 +87,7 @@ impl Recorder {
         let mut metadata = self.metadata.clone();
         let number = recording::part_number(&self.part);
         metadata.insert(recording::PART.into(), number.to_string());
-        let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-        let seconds = wall.map_or(0, |d| d.as_secs());
+        let seconds = runtime::since_1970().as_secs();
         metadata.insert("wall_clock.start".into(), recording::date_and_time(seconds));
         metadata.insert(
             "wall_clock.minus_monotonic_ns".into(),

@@ -30,6 +30,13 @@ pub struct Channel {
     pub rate: Rate,
 }
 
+impl Channel {
+    /// Its name behind the last slash.
+    pub fn last_name(&self) -> &'static str {
+        self.name.rsplit('/').next().unwrap_or(self.name)
+    }
+}
+
 /// A channel that knows its message type: a step on the wrong one does not compile.
 #[derive(Debug)]
 pub struct ChannelOf<M> {
@@ -53,7 +60,6 @@ impl<M: Message> ChannelOf<M> {
 
 impl<M> ChannelOf<M> {
     /// The same channel with its message type put aside.
-    #[must_use]
     pub const fn any(&self) -> &Channel {
         &self.channel
     }
@@ -101,7 +107,6 @@ macro_rules! channels_of_machines {
 crate::machines!(channels_of_machines);
 
 /// The channel called `name`.
-#[must_use]
 pub fn find(name: &str) -> Option<&'static Channel> {
     all().find(|c| c.name == name)
 }

@@ -13,7 +13,6 @@ pub enum Words {
 
 impl Words {
     /// The entry of a code; `None` for bits, and for a code that this version does not know.
-    #[must_use]
     pub fn of(&self, code: u32) -> Option<&'static Entry> {
         match self {
             Self::Bits(_) => None,
@@ -27,13 +26,11 @@ pub const UNKNOWN: &str = "unknown";
 
 impl Words {
     /// The words of the field called `name`.
-    #[must_use]
     pub fn of_field(all: &'static [(&'static str, Self)], name: &str) -> Option<&'static Self> {
         all.iter().find(|(field, _)| *field == name).map(|(_, w)| w)
     }
 
     /// Name of a code.
-    #[must_use]
     pub fn name(&self, code: u32) -> &'static str {
         self.of(code).map_or(UNKNOWN, |entry| entry.name)
     }

@@ -26,7 +26,6 @@ pub enum Value {
 
 impl Value {
     /// The value as a double, for plots. Counts above 2^53 lose their last bits.
-    #[must_use]
     pub fn as_f64(self) -> f64 {
         match self {
             Self::U32(v) => f64::from(v),
@@ -36,7 +35,6 @@ impl Value {
     }
 
     /// Whether both have the same type and the same bits (NaN equals itself, 0 differs from -0).
-    #[must_use]
     pub fn same_bits(self, other: Self) -> bool {
         match (self, other) {
             (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),

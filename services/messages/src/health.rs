@@ -35,7 +35,6 @@ pub mod fault {
     pub const DISK: u32 = 4;
 
     /// The fault in words.
-    #[must_use]
     pub fn text(code: u32) -> &'static str {
         match code {
             NONE => "none",

@@ -27,7 +27,6 @@ macro_rules! names {
             pub const ALL: [Self; [$( stringify!($module) ),*].len()] = [$( Self::$machine ),*];
 
             /// Name on the command line, in channels and in `machine.kind`.
-            #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
                     $( Self::$machine => stringify!($module), )*
@@ -35,7 +34,6 @@ macro_rules! names {
             }
 
             /// The numbers of its estimates.
-            #[must_use]
             pub const fn quantities(self) -> &'static [sheet::Quantity] {
                 match self {
                     $( Self::$machine => sheet::$module::QUANTITIES, )*
@@ -55,7 +53,6 @@ impl Machine {
     }
 
     /// The machine called `name`.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|machine| machine.name() == name)
     }

@@ -45,25 +45,21 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     fn inside(envelope: &crate::Envelope) -> Option<&Self>;
 
     /// Position of the field called `name`.
-    #[must_use]
     fn index(name: &str) -> Option<usize> {
         Self::FIELDS.iter().position(|f| f.name == name)
     }
 
     /// Value of the field called `name`.
-    #[must_use]
     fn field(&self, name: &str) -> Option<Value> {
         self.get(Self::index(name)?)
     }
 
     /// The number in the field called `name`.
-    #[must_use]
     fn number(&self, name: &str) -> Option<f64> {
         self.field(name).map(Value::as_f64)
     }
 
     /// The bits in the field called `name`; none where there is no such field.
-    #[must_use]
     fn bits_of(&self, name: &str) -> u32 {
         match self.field(name) {
             Some(Value::U32(bits)) => bits,
@@ -127,7 +123,6 @@ macro_rules! payloads {
 
         impl Payload {
             /// What it is to its machine.
-            #[must_use]
             pub const fn carries(self) -> Carries {
                 match self {
                     $( Self::$name => Carries::$carries, )*
@@ -158,7 +153,6 @@ macro_rules! payloads {
             }
 
             /// Which payload is inside.
-            #[must_use]
             pub const fn payload(&self) -> Payload {
                 match self {
                     $( Self::$name(_) => Payload::$name, )*
@@ -166,7 +160,6 @@ macro_rules! payloads {
             }
 
             /// Identity of the sample.
-            #[must_use]
             pub fn stamp(&self) -> &Stamp {
                 match self {
                     $( Self::$name(m) => m.stamp(), )*
@@ -181,7 +174,6 @@ macro_rules! payloads {
             }
 
             /// Publish times.
-            #[must_use]
             pub fn hops(&self) -> &Hops {
                 match self {
                     $( Self::$name(m) => m.hops(), )*
@@ -189,7 +181,6 @@ macro_rules! payloads {
             }
 
             /// All fields, those of stamp and hops first.
-            #[must_use]
             pub fn fields(&self) -> &'static [Field] {
                 match self {
                     $( Self::$name(m) => fields(m), )*
@@ -197,7 +188,6 @@ macro_rules! payloads {
             }
 
             /// Value of field `index`; `None` past the end.
-            #[must_use]
             pub fn get(&self, index: usize) -> Option<Value> {
                 match self {
                     $( Self::$name(m) => m.get(index), )*

@@ -55,7 +55,6 @@ impl Hops {
     }
 
     /// How often a stage had been restarted when it published this.
-    #[must_use]
     pub fn restarts(&self, hop: Hop) -> u32 {
         match hop {
             Hop::Filter => self.filter_restarts,

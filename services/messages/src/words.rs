@@ -30,7 +30,6 @@ pub struct Presence {
 
 impl Presence {
     /// Of a message; `None` where all numbers are always there.
-    #[must_use]
     pub fn of<M: Message>() -> Option<Self> {
         let of = |field, is_estimate| match Words::of_field(M::WORDS, field) {
             Some(Words::Bits(entries)) => Some(Self {
@@ -44,7 +43,6 @@ impl Presence {
     }
 
     /// The bit of a number or of its standard deviation; 0 for one that is always there.
-    #[must_use]
     pub fn bit(&self, field: &str) -> u32 {
         let name = field.strip_suffix("_std").unwrap_or(field);
         let entry = self.entries.iter().find(|entry| entry.name == name);
@@ -52,7 +50,6 @@ impl Presence {
     }
 
     /// Whether a number with this bit is not there, where these bits are set.
-    #[must_use]
     pub fn is_missing(&self, value: Value, bit: u32, set: u32) -> bool {
         bit & !set != 0 && (!self.is_estimate || value == Value::F64(0.0))
     }

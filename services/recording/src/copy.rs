@@ -11,7 +11,6 @@ use crate::scan::{Damage, Unpacked};
 
 impl Reader {
     /// How many messages each channel has.
-    #[must_use]
     pub fn counts(&self) -> BTreeMap<String, u64> {
         let mut counts = BTreeMap::new();
         // What is damaged is noted when a channel is read.

@@ -22,7 +22,6 @@ pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.
-#[must_use]
 pub fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", cell.replace('"', "\"\""))

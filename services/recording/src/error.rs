@@ -68,7 +68,6 @@ impl Error {
     }
 
     /// What to do where there is no such file; `-` stands for a pipe elsewhere.
-    #[must_use]
     pub fn where_to_look(path: &Path) -> &'static str {
         match path == Path::new("-") {
             true => "name a file; `heft serve` and `heft run --input -` read pipes",
@@ -77,7 +76,6 @@ impl Error {
     }
 
     /// Whether the disk is full.
-    #[must_use]
     pub fn is_disk_full(&self) -> bool {
         use io::ErrorKind as Kind;
         matches!(

@@ -59,7 +59,6 @@ impl Gaps {
     }
 
     /// Words on them.
-    #[must_use]
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);
         // A time that no clock says would fill three lines with its digits.
@@ -97,7 +96,6 @@ impl Gaps {
     }
 
     /// Why the times are no seconds, and what to do.
-    #[must_use]
     pub fn fault(&self) -> Option<String> {
         (self.count > 1 && self.at_minutes == self.count).then(|| {
             format!(

@@ -127,7 +127,6 @@ const CAN: &str =
 
 impl Kind {
     /// What a name says; nothing where it says nothing.
-    #[must_use]
     pub fn by_name(path: &Path) -> Option<Self> {
         if path.is_dir() {
             return Some(Self::Recording);

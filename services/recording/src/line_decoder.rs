@@ -236,7 +236,6 @@ impl<S: Sensors> LineDecoder<S> {
     }
 
     /// Words on columns of a table that held no value in any row.
-    #[must_use]
     pub fn empty(&self) -> Vec<String> {
         match &self.kind {
             Kind::Table(columns, _) => columns.empty().collect(),
@@ -263,7 +262,6 @@ impl<S: Sensors> LineDecoder<S> {
     }
 
     /// Lines that said nothing and were left out.
-    #[must_use]
     pub fn refused(&self) -> u64 {
         self.refused
     }
@@ -381,7 +379,6 @@ pub enum NamedLine {
 
 impl NameColumn {
     /// The column of this name in an input.
-    #[must_use]
     pub fn new(name: &'static str, input: Arc<str>) -> Self {
         Self {
             name,
@@ -393,13 +390,11 @@ impl NameColumn {
     }
 
     /// What stood above the rows: a line that tells the separator, a comment that may be the header, the header, units.
-    #[must_use]
     pub fn above(&self) -> &[Vec<u8>] {
         &self.above
     }
 
     /// Whether the header has come.
-    #[must_use]
     pub fn is_found(&self) -> bool {
         self.found.is_some()
     }

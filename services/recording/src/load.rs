@@ -40,8 +40,10 @@ pub struct Samples<S, T> {
     error: RefCell<Option<Error>>,
     progress: Option<Box<dyn Fn(f64)>>,
     /// What of a file of others cannot be read; of a table it is known at its end.
-    lacks: Rc<RefCell<Lacks>>,
+    lacks: Noted,
 }
+
+type Noted = Rc<RefCell<Lacks>>;
 
 enum Source<S, T> {
     File(Box<dyn Fn() -> Result<FileRows<S, T>, Error>>, u64),
@@ -114,14 +116,12 @@ impl<S: Message, T: Message> Samples<S, T> {
     }
 
     /// What of the file cannot be given, as far as the rows were read.
-    #[must_use]
     pub fn lacks(&self) -> Lacks {
         self.recording()
             .map_or_else(|| self.lacks.borrow().clone(), Reader::lacks)
     }
 
     /// The recording that they come from, if they do.
-    #[must_use]
     pub fn recording(&self) -> Option<&Reader> {
         match &self.source {
             Source::File(..) => None,
@@ -175,14 +175,10 @@ pub fn open<S: Sensors>(
 }
 
 fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Truth>, Error> {
-    let (path, map) = (path.to_owned(), map.cloned());
-    let length = length(&path);
-    let lacks = Rc::<RefCell<Lacks>>::default();
-    let found = Rc::clone(&lacks);
-    let open = move || {
-        let mut rows = csv::TableRows::<S>::open(&path, map.as_ref())?;
-        let found = Rc::clone(&found);
-        let next = move || {
+    let (its_path, map) = (path.to_owned(), map.cloned());
+    of_file(path, move |found| {
+        let mut rows = csv::TableRows::<S>::open(&its_path, map.as_ref())?;
+        Ok(Box::new(move || {
             let row = rows.row()?;
             if row.is_none() {
                 let mut found = found.borrow_mut();
@@ -190,53 +186,46 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
                 found.empty = rows.empty();
             }
             Ok(row.map(|row| (row, rows.read())))
-        };
-        Ok(Box::new(next) as FileRows<S, S::Truth>)
-    };
-    // What is wrong with the header is reported at once.
-    drop(open()?);
-    Ok(Samples {
-        lacks,
-        ..Samples::of(Source::File(Box::new(open), length))
+        }))
     })
 }
 
 fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
-    let length = length(path);
-    let (its_path, its_map) = (path.to_owned(), map.clone());
-    let open = move || {
-        let mut rows = TopicRows::<S>::open(&its_path, &its_map)?;
-        let next = move || Ok(rows.row().map(|row| (row, length)));
-        Ok(Box::new(next) as FileRows<S, S::Truth>)
-    };
-    let lacks = TopicRows::<S>::open(path, map)?.lacks;
-    Ok(Samples {
-        lacks: Rc::new(RefCell::new(lacks)),
-        ..Samples::of(Source::File(Box::new(open), length))
+    let (its_path, map, length) = (path.to_owned(), map.clone(), length(path));
+    of_file(path, move |found| {
+        let mut rows = TopicRows::<S>::open(&its_path, &map)?;
+        found.borrow_mut().clone_from(&rows.lacks);
+        Ok(Box::new(move || Ok(rows.row().map(|row| (row, length)))))
     })
 }
 
 fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
-    let (path, map) = (path.to_owned(), map.clone());
-    let length = length(&path);
-    let lacks = Rc::<RefCell<Lacks>>::default();
-    let found = Rc::clone(&lacks);
-    let open = move || {
-        let mut log = can::Log::<S>::open(&path, &map)?;
-        let found = Rc::clone(&found);
-        let next = move || {
+    let (its_path, map) = (path.to_owned(), map.clone());
+    of_file(path, move |found| {
+        let mut log = can::Log::<S>::open(&its_path, &map)?;
+        Ok(Box::new(move || {
             let row = log.row()?;
             if row.is_none() {
                 found.borrow_mut().clone_from(&log.lacks);
             }
             Ok(row.map(|row| (row, log.read)))
-        };
-        Ok(Box::new(next) as FileRows<S, S::Truth>)
-    };
+        }))
+    })
+}
+
+/// The samples of a file that `open` opens; whoever reads it notes there what it lacks.
+fn of_file<S: Message, T: Message>(
+    path: &Path,
+    open: impl Fn(Noted) -> Result<FileRows<S, T>, Error> + 'static,
+) -> Result<Samples<S, T>, Error> {
+    let lacks = Noted::default();
+    let noted = Rc::clone(&lacks);
+    let open = move || open(Rc::clone(&noted));
+    // What is wrong with the header is reported at once.
     drop(open()?);
     Ok(Samples {
         lacks,
-        ..Samples::of(Source::File(Box::new(open), length))
+        ..Samples::of(Source::File(Box::new(open), length(path)))
     })
 }
 

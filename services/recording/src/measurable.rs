@@ -10,7 +10,6 @@ pub type Measured = (usize, u32, f64);
 const LIMIT: f64 = 1e9;
 
 /// What is said of a signal that was too large to be measured in so many rows.
-#[must_use]
 pub fn words(signal: &str, count: usize) -> String {
     format!(
         "{signal} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
@@ -18,7 +17,6 @@ pub fn words(signal: &str, count: usize) -> String {
 }
 
 /// The signals of a machine that are numbers; `largest` says where one's estimators take a larger value for missing.
-#[must_use]
 pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measured> {
     let measured = crate::measured::<S>().map(|(index, bit)| {
         let limit = largest(S::FIELDS[index].name).map_or(LIMIT, |limit| limit.min(LIMIT));
@@ -28,7 +26,6 @@ pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measur
 }
 
 /// Bits of the numbers of a sample that are larger than any measurement.
-#[must_use]
 pub fn beyond<S: Sensors>(sample: &S, measured: &[Measured]) -> u32 {
     let valid = sample.bits_of("valid");
     let large = measured.iter().filter(|(index, _, limit)| {

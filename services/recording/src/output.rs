@@ -148,14 +148,12 @@ impl Beside {
     }
 
     /// Its name.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.0.0
     }
 }
 
 /// Whether a result goes to standard output, which then holds nothing else.
-#[must_use]
 pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .map(Path::new)

@@ -23,7 +23,6 @@ fn name(path: &Path) -> Option<(String, Option<u32>)> {
 }
 
 /// The name of part `n` of the recording `first`.
-#[must_use]
 pub fn part(first: &Path, n: u32) -> PathBuf {
     if n < 2 {
         return first.to_owned();
@@ -32,7 +31,6 @@ pub fn part(first: &Path, n: u32) -> PathBuf {
 }
 
 /// The first part of `first` whose name is still free.
-#[must_use]
 pub fn next_part(first: &Path) -> PathBuf {
     let taken = folder_of(first).filter_map(|p| name(&p));
     let stem = name(first).map_or_else(String::new, |n| n.0);
@@ -79,20 +77,17 @@ pub fn reserve(folder: &Path) -> Result<PathBuf, Error> {
 }
 
 /// Whether `file` is a part of the recording `first`.
-#[must_use]
 pub fn is_part_of(first: &Path, file: &Path) -> bool {
     first.parent() == file.parent() && name(first).map(|n| n.0) == name(file).map(|n| n.0)
 }
 
 /// Number of a part, 1 for the first.
-#[must_use]
 pub fn part_number(file: &Path) -> u32 {
     name(file).and_then(|n| n.1).unwrap_or(1)
 }
 
 /// The files that runs have recorded into a folder (`run.mcap`, `run-2.part3.mcap`...) with the time
 /// when they were last written and their size \[bytes\], the oldest first.
-#[must_use]
 pub fn files_by_age(folder: &Path) -> Vec<(PathBuf, SystemTime, u64)> {
     let is_ours = |stem: &str| {
         let number = stem.strip_prefix("run-").map(|n| n.parse::<u32>().is_ok());
@@ -111,14 +106,12 @@ pub fn files_by_age(folder: &Path) -> Vec<(PathBuf, SystemTime, u64)> {
 }
 
 /// Whether somebody writes the file at this moment.
-#[must_use]
 pub fn is_being_written(file: &Path) -> bool {
     Bytes::open(file).is_ok_and(|bytes| bytes.is_being_written())
 }
 
 /// The first part of each recording of a folder, the newest last; copies that `recover` has made and
 /// unfinished joins are left out.
-#[must_use]
 pub fn recordings(folder: &Path) -> Vec<PathBuf> {
     let mut found: Vec<(SystemTime, PathBuf)> = Vec::new();
     for file in folder_of(&folder.join("x")) {
@@ -178,13 +171,11 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// Whether there is something to read under this name: of a recording the first part may have been removed for its age.
-#[must_use]
 pub fn exists(path: &Path) -> bool {
     path.exists() || changed(path).is_some()
 }
 
 /// When the latest of the files that this name stands for was written.
-#[must_use]
 pub fn changed(path: &Path) -> Option<SystemTime> {
     let files = files(path).unwrap_or_default();
     let written = |file: &PathBuf| std::fs::metadata(file).and_then(|m| m.modified()).ok();

@@ -13,7 +13,6 @@ pub fn encode<M: Message>(message: &M, out: &mut Vec<u8>) {
 
 /// The message that `bytes` encode; fields that this version does not know are left out. `None` if the
 /// bytes are no message. The numbers in it may be anything, NaN too.
-#[must_use]
 pub fn decode<M: Message>(bytes: &[u8]) -> Option<M> {
     let mut message = M::default();
     wire::decode(bytes, |number, scalar| {
@@ -71,13 +70,11 @@ pub fn read_delimited(
 }
 
 /// Name of the protobuf message: `heft.Health`.
-#[must_use]
 pub fn name<M: Message>() -> String {
     schema::name::<M>()
 }
 
 /// Its schema: a serialised `FileDescriptorSet` with meaning and unit as comments.
-#[must_use]
 pub fn schema<M: Message>() -> Vec<u8> {
     schema::bytes::<M>()
 }

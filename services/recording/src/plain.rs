@@ -4,7 +4,6 @@ use std::fmt::{self, Display, Formatter, Write};
 
 /// Whether a character is not seen where it stands but changes what is seen around it: control characters, marks of
 /// direction, and what has no width.
-#[must_use]
 pub fn steers(c: char) -> bool {
     c.is_control()
         || matches!(

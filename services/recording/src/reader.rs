@@ -50,7 +50,6 @@ pub struct Lacks {
 
 impl Lacks {
     /// All that was there and cannot be given, the cut end last; nothing where the recording is whole.
-    #[must_use]
     pub fn all(&self) -> Vec<&str> {
         let damage = self.damage.iter().map(String::as_str);
         damage
@@ -191,13 +190,11 @@ impl Reader {
     }
 
     /// What the recording says of its run.
-    #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
 
     /// The machine whose run heft recorded; none for a recording of others.
-    #[must_use]
     pub fn machine(&self) -> Option<Machine> {
         let stated = self.metadata.get("machine");
         // Where the metadata are damaged, the channels tell it.
@@ -216,32 +213,27 @@ impl Reader {
     }
 
     /// Its size \[bytes\].
-    #[must_use]
     pub fn size(&self) -> u64 {
         self.parts.iter().map(|p| p.bytes.len).sum()
     }
 
     /// Whether every part was finished, or else cut off (or is still being written).
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.parts.iter().all(|p| p.scan.complete)
     }
 
     /// Whether somebody writes it at this moment.
-    #[must_use]
     pub fn is_being_written(&self) -> bool {
         self.parts.iter().any(|p| p.bytes.is_being_written())
     }
 
     /// Bytes at the ends of cut parts that belong to nothing whole.
-    #[must_use]
     pub fn lost_bytes(&self) -> u64 {
         self.parts.iter().map(|p| p.scan.lost_bytes).sum()
     }
 
     /// What was found damaged so far, in words with its place: missing parts, and files that are none, and between the
     /// chunks when the recording was opened; within them when they were read.
-    #[must_use]
     pub fn damage(&self) -> Vec<String> {
         let found = self.found.borrow();
         let line = |(i, d): &(usize, Damage)| format!("{}: {d}", self.parts[*i].path.display());
@@ -250,7 +242,6 @@ impl Reader {
     }
 
     /// What of the recording cannot be given: what was found damaged so far, and what was cut off.
-    #[must_use]
     pub fn lacks(&self) -> Lacks {
         let is_cut = !self.is_complete() && !self.is_being_written();
         Lacks {
@@ -267,7 +258,6 @@ impl Reader {
     }
 
     /// Names of the recorded channels, in alphabetical order.
-    #[must_use]
     pub fn channels(&self) -> Vec<&str> {
         let channels = self.parts.iter().flat_map(|p| p.scan.channels.values());
         let mut names: Vec<&str> = channels.map(|c| c.topic.as_str()).collect();
@@ -311,7 +301,6 @@ impl Reader {
     }
 
     /// Fields of a channel as its own schema tells them; none if the channel was not recorded.
-    #[must_use]
     pub fn fields(&self, channel: &str) -> Vec<RecordedField> {
         let found = self.parts.iter().find_map(|part| {
             let mut found = part.scan.channels.values().filter(|c| c.topic == channel);

@@ -377,7 +377,6 @@ fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
 }
 
 /// Whether a whole chunk begins at byte `at` of a file.
-#[must_use]
 pub fn has_chunk_at(file: &Path, at: u64) -> bool {
     let Ok(bytes) = Bytes::open(file) else {
         return false;

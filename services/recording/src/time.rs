@@ -324,7 +324,6 @@ fn days(year: i64, month: i64, day: i64) -> Option<i64> {
 }
 
 /// Seconds since 1970 as date and time: `2026-11-22T04:44:17Z` (the inverse of reading one, after H. Hinnant).
-#[must_use]
 pub fn date_and_time(seconds: u64) -> String {
     let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let (era, day) = (days / 146_097, days % 146_097);

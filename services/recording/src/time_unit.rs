@@ -7,7 +7,6 @@ const UNITS: [&str; 6] = ["ms", "us", "100ns", "ns", "min", "day"];
 
 /// The usual step of these times \[s\] and the unit that they seem to be in: the rows are as much further apart, or closer,
 /// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
-#[must_use]
 pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let step = middle(times)?;
     let apart = step * rate;
@@ -20,7 +19,6 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
 }
 
 /// The usual step of times \[s\], with three digits.
-#[must_use]
 pub fn usual_step(times: &[f64]) -> Option<f64> {
     middle(times).map(rounded)
 }

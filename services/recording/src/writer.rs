@@ -141,19 +141,16 @@ impl Writer {
     }
 
     /// Bytes of messages with their heads since the last flush, not yet compressed.
-    #[must_use]
     pub fn unflushed(&self) -> u64 {
         self.unflushed
     }
 
     /// Bytes in the file.
-    #[must_use]
     pub fn size(&self) -> u64 {
         self.file.metadata().map_or(0, |m| m.len())
     }
 
     /// Whether its file was deleted meanwhile: what is written is gone with it.
-    #[must_use]
     pub fn is_deleted(&self) -> bool {
         let about = self.file.metadata();
         about.is_ok_and(|about| std::os::unix::fs::MetadataExt::nlink(&about) == 0)
@@ -249,7 +246,6 @@ pub(crate) fn failure(path: &Path, error: mcap::McapError) -> Error {
 }
 
 /// SHA-256 of a text in hexadecimal digits, by which a recording names its description.
-#[must_use]
 pub fn sha256(data: impl AsRef<[u8]>) -> String {
     use sha2::Digest;
     let digest = sha2::Sha256::digest(data);

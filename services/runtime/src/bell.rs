@@ -28,7 +28,6 @@ impl Bell {
     }
 
     /// A bell received from the supervisor.
-    #[must_use]
     pub fn from_fd(fd: OwnedFd) -> Self {
         Self(fd)
     }
@@ -45,12 +44,7 @@ impl Bell {
 
     /// Like [`wait`](Self::wait), but not for longer than `limit`.
     pub fn wait_at_most(&self, limit: Duration) {
-        let timeout = Timespec {
-            tv_sec: limit.as_secs() as i64,
-            tv_nsec: limit.subsec_nanos().into(),
-        };
-        let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
-        if poll(&mut fds, Some(&timeout)).is_ok_and(|n| n > 0) {
+        if comes(&self.0, limit) {
             self.wait();
         }
     }
@@ -65,6 +59,13 @@ impl Bell {
             .map(Self)
             .map_err(|e| Error::os("copy a bell", "eventfd, limit of open files", e))
     }
+}
+
+/// Whether something comes to be read within this time.
+pub(crate) fn comes(fd: &impl AsFd, limit: Duration) -> bool {
+    // No time that is waited here is too long for it.
+    let limit = Timespec::try_from(limit).ok();
+    poll(&mut [PollFd::new(fd, PollFlags::IN)], limit.as_ref()).is_ok_and(|n| n > 0)
 }
 
 impl AsFd for Bell {

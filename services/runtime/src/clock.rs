@@ -1,15 +1,20 @@
 //! The host's monotonic clock, and processor time.
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
 /// Nanoseconds on the host's monotonic clock; the same for every process.
-#[must_use]
 pub fn now_ns() -> u64 {
     let t = clock_gettime(ClockId::Monotonic);
     // The monotonic clock counts from boot: never negative, 584 years until it overflows.
     t.tv_sec as u64 * 1_000_000_000 + t.tv_nsec as u64
+}
+
+/// The time of day, since 1970; 0 where the clock stands before that.
+pub fn since_1970() -> Duration {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    now.unwrap_or_default()
 }
 
 /// Sleeps until `deadline_ns` on the same clock; returns early on a signal.
@@ -23,7 +28,6 @@ pub fn sleep_until(deadline_ns: u64) {
 }
 
 /// Processor time of this process.
-#[must_use]
 pub fn processor_time() -> Duration {
     let t = clock_gettime(ClockId::ProcessCPUTime);
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
@@ -31,7 +35,6 @@ pub fn processor_time() -> Duration {
 
 /// Processor time of another process whose only thread is the first, also when it has ended and nobody waited for it yet;
 /// zero where the system does not tell.
-#[must_use]
 pub fn processor_time_of(pid: u32) -> Duration {
     Duration::from_nanos(thread_ns(&format!("/proc/{pid}")))
 }

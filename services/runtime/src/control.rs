@@ -19,15 +19,16 @@
 use std::io::{IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::time::Duration;
 
 use messages::keyframe::{LONGEST, Owner};
 use messages::{Snapshot, Stamp};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
     SendAncillaryMessage, SendFlags, SocketFlags, SocketType, recvmsg, sendmsg, socketpair,
 };
 
+use crate::bell::comes;
 use crate::{Bell, Error};
 
 /// A worker's bell, those of at most seven readers, and an input.
@@ -172,13 +173,8 @@ impl Control {
     /// The next word within `timeout_ms`; `ControlWord::Nothing` on time-out, `ControlWord::Gone` if the
     /// other side has died.
     pub fn hear(&self, timeout_ms: u32) -> ControlWord {
-        let timeout = Timespec {
-            tv_sec: i64::from(timeout_ms / 1000),
-            tv_nsec: i64::from(timeout_ms % 1000) * 1_000_000,
-        };
-        match poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&timeout)) {
-            Ok(0) | Err(_) => return ControlWord::Nothing,
-            Ok(_) => {}
+        if !comes(&self.0, Duration::from_millis(timeout_ms.into())) {
+            return ControlWord::Nothing;
         }
         let mut buffer = [0u8; MAX_WORD];
         match rustix::net::recv(&self.0, &mut buffer, RecvFlags::empty()) {

@@ -74,32 +74,27 @@ impl Domain {
     }
 
     /// Its name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Its folder.
-    #[must_use]
     pub fn folder(&self) -> PathBuf {
         let nowhere = || Path::new(SHARED_MEMORY).join(format!("heft-{}", home::user()));
         self.home.clone().unwrap_or_else(nowhere).join(&self.name)
     }
 
     /// The iceoryx2 configuration that every process of this domain uses.
-    #[must_use]
     pub fn config_file(&self) -> PathBuf {
         self.folder().join(CONFIG)
     }
 
     /// The plan of the run, written by the supervisor for its workers.
-    #[must_use]
     pub fn plan_file(&self) -> PathBuf {
         self.folder().join(PLAN)
     }
 
     /// Where the logger marks how far it is, for the one that is started in its place.
-    #[must_use]
     pub fn mark_file(&self) -> PathBuf {
         self.folder().join(MARK)
     }
@@ -200,7 +195,6 @@ impl Domain {
     }
 
     /// Whether a supervisor holds it.
-    #[must_use]
     pub fn is_alive(&self) -> bool {
         self.folder().join(LOCK).exists() && self.open_lock().is_ok_and(|lock| !try_lock(&lock))
     }
@@ -241,7 +235,6 @@ impl Domain {
     }
 
     /// All domains of this user, alive or left behind.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = home::all()
             .into_iter()
@@ -269,7 +262,6 @@ impl Domain {
     }
 
     /// Objects of this user in shared memory that belong to no domain there is.
-    #[must_use]
     pub fn strays() -> Vec<PathBuf> {
         let of_domain = |d: &Self| [d.prefix(), format!("heft-{}_", d.name)];
         let known: Vec<String> = Self::all().iter().flat_map(of_domain).collect();
@@ -281,7 +273,6 @@ impl Domain {
 
 impl Owner {
     /// The domain.
-    #[must_use]
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
@@ -379,7 +370,6 @@ fn objects(is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
 }
 
 /// Free shared memory \[bytes\].
-#[must_use]
 pub fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHARED_MEMORY).map_or(0, |s| s.f_bavail.saturating_mul(s.f_frsize))
 }

@@ -35,7 +35,6 @@ impl Error {
     }
 
     /// A thread could not be started.
-    #[must_use]
     pub fn thread(error: std::io::Error) -> Self {
         Self::new(
             format!("cannot start a thread: {error}"),

@@ -43,7 +43,7 @@ mod worker;
 
 pub use bell::Bell;
 pub use cleaner::Cleaner;
-pub use clock::{now_ns, processor_time, processor_time_of, sleep_until};
+pub use clock::{now_ns, processor_time, processor_time_of, since_1970, sleep_until};
 pub use control::{Control, ControlWord};
 pub use domain::{Domain, Owner, free_shared_memory};
 pub use error::Error;

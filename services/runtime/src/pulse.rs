@@ -87,7 +87,6 @@ pub(crate) fn state(path: &str) -> Option<char> {
 }
 
 /// Whether a process is stopped, by a signal or a debugger.
-#[must_use]
 pub fn is_stopped(pid: u32) -> bool {
     matches!(state(&format!("/proc/{pid}/stat")), Some('T' | 't'))
 }

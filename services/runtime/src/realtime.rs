@@ -71,14 +71,12 @@ pub fn enter(priority: u8, core: Option<usize>) -> Realtime {
 }
 
 /// The cores that this process may run on, in ascending order; empty if the system does not tell.
-#[must_use]
 pub fn cores() -> Vec<usize> {
     let set = sched_getaffinity(None).unwrap_or_default();
     (0..CpuSet::MAX_CPU).filter(|&c| set.is_set(c)).collect()
 }
 
 /// The cores that the kernel keeps free of everything that is not put there (`isolcpus`), in ascending order.
-#[must_use]
 pub fn isolated_cores() -> Vec<usize> {
     let list = std::fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
     core_list(&list)
@@ -104,7 +102,6 @@ pub fn keep_to(cores: &[usize]) -> std::io::Result<()> {
 }
 
 /// Whether SCHED_FIFO would be permitted; the calling thread stays as it is.
-#[must_use]
 pub fn permitted() -> bool {
     let body = || {
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);

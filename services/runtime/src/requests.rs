@@ -46,7 +46,6 @@ impl Default for Requests {
 
 impl Requests {
     /// Where to begin, once asked to.
-    #[must_use]
     pub fn begin(&self) -> Option<Begin> {
         self.go.load(Ordering::Acquire).then(|| Begin {
             first: self.first.load(Ordering::Relaxed),
@@ -56,7 +55,6 @@ impl Requests {
     }
 
     /// How many samples the supervisor has seen in every channel; the largest number where it says nothing of it.
-    #[must_use]
     pub fn seen(&self) -> u64 {
         self.seen.load(Ordering::Relaxed)
     }
@@ -67,13 +65,11 @@ impl Requests {
     }
 
     /// Whether a drain is asked for.
-    #[must_use]
     pub fn wants_drain(&self) -> bool {
         self.drain.load(Ordering::Relaxed)
     }
 
     /// Whether to end.
-    #[must_use]
     pub fn wants_exit(&self) -> bool {
         self.exit.load(Ordering::Relaxed)
     }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use messages::Message;
 use messages::channels::Channel;
+use messages::{Message, fault};
 
 /// Longest time between two visits. The logger is not on the path of any estimate, so no sample wakes
 /// it; a wish of the supervisor does.
@@ -27,11 +27,15 @@ pub trait Sink {
     /// Is called at every visit, whether there was something to take or not.
     fn look(&mut self) {}
     /// Whether it can take more without losing any.
-    fn has_room(&self) -> bool;
+    fn has_room(&self) -> bool {
+        true
+    }
     /// Its fault, see [`messages::fault`].
-    fn fault(&self) -> u32;
+    fn fault(&self) -> u32 {
+        fault::NONE
+    }
     /// Makes everything that it has taken permanent.
-    fn drain(&mut self);
+    fn drain(&mut self) {}
     /// Longest time between two visits to the channels.
     fn visit(&self) -> Duration {
         VISIT

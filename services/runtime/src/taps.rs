@@ -76,7 +76,6 @@ impl<S: Sink + 'static> Taps<S> {
     }
 
     /// How many samples have passed through every channel that carries each of them.
-    #[must_use]
     pub fn through(&self) -> u64 {
         self.0
             .iter()

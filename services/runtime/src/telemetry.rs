@@ -80,7 +80,6 @@ struct Shared {
 impl Reporter {
     /// Starts the telemetry thread, which is silent until [`Reporter::run_begins`]; the calling thread is the one that
     /// works, at a sample in every `period_ns`.
-    #[must_use]
     pub fn start(identity: Identity, period_ns: u64) -> Self {
         let (looks, least, most) = RING;
         let events = looks * PERIOD.as_nanos() as f64 / period_ns.max(1) as f64;

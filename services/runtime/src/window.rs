@@ -220,7 +220,6 @@ pub struct GroupView {
 
 impl GroupView {
     /// The windows that other users open to a group of this one, of runs that go on.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         let groups = rustix::process::getgroups().unwrap_or_default();
         let own = rustix::process::getegid();
@@ -271,19 +270,16 @@ impl GroupView {
     }
 
     /// Name of the run's domain.
-    #[must_use]
     pub fn domain(&self) -> &str {
         &self.domain
     }
 
     /// The machine of the run.
-    #[must_use]
     pub fn machine(&self) -> Machine {
         self.machine
     }
 
     /// Whether the run goes on.
-    #[must_use]
     pub fn is_alive(&self) -> bool {
         let taken = rustix::fs::flock(&self.file, FlockOperation::NonBlockingLockShared);
         let _ = taken.map(|()| rustix::fs::flock(&self.file, FlockOperation::Unlock));

@@ -69,7 +69,6 @@ impl Worker {
     }
 
     /// The ports of this process.
-    #[must_use]
     pub fn ports(&self) -> &Ports {
         &self.ports
     }

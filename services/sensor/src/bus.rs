@@ -1,10 +1,10 @@
 //! A CAN bus as a source: frames from SocketCAN, with the times at which the kernel received them.
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use recording::can::Decoder;
 use recording::{Error, Map, Sensors};
-use runtime::{Live, Polled, now_ns};
+use runtime::{Live, Polled, now_ns, since_1970};
 
 use crate::socket::{BusRead, CanSocket};
 
@@ -166,8 +166,7 @@ impl<S: Sensors> Live for CanBus<S> {
 fn offset() -> (i64, i64) {
     let read = || {
         let before = now_ns();
-        let day = SystemTime::now().duration_since(UNIX_EPOCH);
-        let day = i64::try_from(day.unwrap_or_default().as_nanos()).unwrap_or(0);
+        let day = i64::try_from(since_1970().as_nanos()).unwrap_or(0);
         let after = now_ns();
         (signed(after - before), signed(before) - day)
     };

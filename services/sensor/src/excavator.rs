@@ -51,7 +51,6 @@ impl Simulator {
     }
 
     /// A machine at work, which does not end by itself.
-    #[must_use]
     pub fn at_work(work: Work) -> Self {
         Self {
             rows: Rows::Work(Box::new(work)),

@@ -12,7 +12,6 @@ pub struct Recorded<S, T> {
 
 impl<S, T> Recorded<S, T> {
     /// Plays `rows`.
-    #[must_use]
     pub fn new(rows: impl Iterator<Item = (S, T)> + 'static) -> Self {
         Self {
             rows: Box::new(rows),

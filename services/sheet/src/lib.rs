@@ -198,7 +198,6 @@ const fn frame(name: &'static str, group: u16, scale: f64, offset: f64) -> Optio
 }
 
 /// The bits and names of flags.
-#[must_use]
 pub const fn flag_entries<const N: usize>(flags: &[Flag]) -> [Entry; N] {
     let mut entries = [Entry::NONE; N];
     let mut i = 0;
@@ -210,7 +209,6 @@ pub const fn flag_entries<const N: usize>(flags: &[Flag]) -> [Entry; N] {
 }
 
 /// How many quantities people see.
-#[must_use]
 pub const fn count_shown(quantities: &[Quantity]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
@@ -221,7 +219,6 @@ pub const fn count_shown(quantities: &[Quantity]) -> usize {
 }
 
 /// How many quantities have a CAN frame.
-#[must_use]
 pub const fn count_framed(quantities: &[Quantity]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
@@ -232,7 +229,6 @@ pub const fn count_framed(quantities: &[Quantity]) -> usize {
 }
 
 /// How many flags the frame of the verdict has, that of simulated samples among them.
-#[must_use]
 pub const fn count_framed_flags(flags: &[Flag]) -> usize {
     let (mut count, mut i) = (1, 0);
     while i < flags.len() {
@@ -243,7 +239,6 @@ pub const fn count_framed_flags(flags: &[Flag]) -> usize {
 }
 
 /// The quantities that people see, in their order.
-#[must_use]
 pub const fn shown<const N: usize>(quantities: &'static [Quantity]) -> [&'static Quantity; N] {
     let mut all = [&Quantity::NONE; N];
     let mut i = 0;
@@ -257,7 +252,6 @@ pub const fn shown<const N: usize>(quantities: &'static [Quantity]) -> [&'static
 }
 
 /// Bits of the signals of this presence.
-#[must_use]
 pub const fn bits(signals: &[Signal], presence: Presence) -> u32 {
     let (mut bits, mut i) = (0, 0);
     while i < signals.len() {

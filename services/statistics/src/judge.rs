@@ -8,13 +8,11 @@ use std::collections::BTreeMap;
 pub const FAR: f64 = 0.10;
 
 /// Whether the 95 % interval of a value holds the truth.
-#[must_use]
 pub fn is_covered(value: f64, std: f64, truth: f64) -> bool {
     estimation::Quantity { value, std }.holds(truth)
 }
 
 /// Whether a value is wrong: its 95 % interval does not hold the truth, or the truth is further away than [`FAR`].
-#[must_use]
 pub fn is_wrong(value: f64, std: f64, truth: f64) -> bool {
     !is_covered(value, std, truth) || (value - truth).abs() > FAR * truth.abs()
 }
@@ -93,31 +91,26 @@ impl Tally {
     }
 
     /// Share of the rows in motion that say trusted.
-    #[must_use]
     pub fn trusted(&self) -> f64 {
         share(self.trusted_moving, self.moving)
     }
 
     /// Share of the trusted rows that are wrong; 0 where none is trusted.
-    #[must_use]
     pub fn wrong(&self) -> f64 {
         share(self.wrong, self.trusted)
     }
 
     /// Root mean square of the relative error of the trusted rows [%].
-    #[must_use]
     pub fn rms(&self) -> f64 {
         100.0 * (self.square / self.trusted.max(1) as f64).sqrt()
     }
 
     /// Share of all rows whose interval holds the truth.
-    #[must_use]
     pub fn covered(&self) -> f64 {
         share(self.covered, self.rows)
     }
 
     /// The reason most often given, and the share of all rows that give it.
-    #[must_use]
     pub fn reason(&self) -> Option<(&'static str, f64)> {
         let most = self.reasons.iter().max_by_key(|(_, count)| **count)?;
         Some((most.0, share(*most.1, self.rows)))

@@ -6,7 +6,6 @@ pub mod judge;
 use estimation::HALF_WIDTH_95;
 
 /// Arithmetic mean; 0 of nothing.
-#[must_use]
 pub fn mean(values: &[f64]) -> f64 {
     if values.is_empty() {
         0.0
@@ -16,7 +15,6 @@ pub fn mean(values: &[f64]) -> f64 {
 }
 
 /// Population standard deviation; 0 of nothing.
-#[must_use]
 pub fn deviation(values: &[f64]) -> f64 {
     let centre = mean(values);
     let squares: Vec<f64> = values.iter().map(|v| (v - centre).powi(2)).collect();
@@ -24,13 +22,11 @@ pub fn deviation(values: &[f64]) -> f64 {
 }
 
 /// Largest absolute value; 0 of nothing.
-#[must_use]
 pub fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, v| v.abs().max(largest))
 }
 
 /// The percentile `share` (0 to 1), interpolated between neighbours; 0 of nothing.
-#[must_use]
 pub fn percentile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -42,33 +38,28 @@ pub fn percentile(values: &[f64], share: f64) -> f64 {
 }
 
 /// The median; 0 of nothing.
-#[must_use]
 pub fn median(values: &[f64]) -> f64 {
     percentile(values, 0.5)
 }
 
 /// The 95th percentile; 0 of nothing.
-#[must_use]
 pub fn p95(values: &[f64]) -> f64 {
     percentile(values, 0.95)
 }
 
 /// Standard error of [`mean`]; 0 of nothing.
-#[must_use]
 pub fn mean_error(values: &[f64]) -> f64 {
     deviation(values) / (values.len().max(1) as f64).sqrt()
 }
 
 /// Standard error of [`p95`]: half the distance between the percentiles one standard deviation of the rank
 /// below and above, without a law of distribution.
-#[must_use]
 pub fn p95_error(values: &[f64]) -> f64 {
     let rank = (0.95 * 0.05 / values.len().max(1) as f64).sqrt();
     0.5 * (percentile(values, 0.95 + rank) - percentile(values, 0.95 - rank))
 }
 
 /// The percentage of true values; 0 of nothing.
-#[must_use]
 pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
     let hits: Vec<f64> = values
         .into_iter()
@@ -80,7 +71,6 @@ pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
 /// How far each of several values, with its standard deviation, stands from their median: the modified z-score of Iglewicz and
 /// Hoaglin (1993), with the value's own uncertainty beside the scatter of all. Several that are off do not hide one another.
 /// None of fewer than four values: there is no telling then which one is the odd one.
-#[must_use]
 pub fn standing(values: &[(f64, f64)]) -> Option<Vec<f64>> {
     if values.len() < 4 {
         return None;
@@ -119,7 +109,6 @@ pub struct Summary {
 
 impl Summary {
     /// Summary of the finite ones among `values`; `None` where there is none.
-    #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         let finite = || values.iter().copied().filter(|v| v.is_finite());
         let count = finite().count();
@@ -139,7 +128,6 @@ impl Summary {
 }
 
 /// Quantile `q` (0 to 1) of sorted values, linearly interpolated; NaN for none.
-#[must_use]
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
@@ -150,7 +138,6 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
 }
 
 /// Density of the normal distribution.
-#[must_use]
 pub fn normal_density(x: f64, mean: f64, std: f64) -> f64 {
     let z = (x - mean) / std;
     (-0.5 * z * z).exp() / (std * (2.0 * std::f64::consts::PI).sqrt())
@@ -167,7 +154,6 @@ pub struct Histogram {
 
 impl Histogram {
     /// Histogram over mean ± 4 standard deviations; what lies outside counts in the outermost bins.
-    #[must_use]
     pub fn of(values: &[f64], bins: usize) -> Option<Self> {
         let summary = Summary::of(values)?;
         let half = if summary.std > 0.0 {
@@ -188,7 +174,6 @@ impl Histogram {
 }
 
 /// Autocorrelation of `values` about their mean at lags 0 to `lags`; empty for a constant.
-#[must_use]
 pub fn autocorrelation(values: &[f64], lags: usize) -> Vec<f64> {
     let Some(summary) = Summary::of(values) else {
         return Vec::new();
@@ -208,7 +193,6 @@ pub fn autocorrelation(values: &[f64], lags: usize) -> Vec<f64> {
 
 /// Central 95 % interval of a chi-square variable with `freedom` degrees, divided by `freedom`
 /// (Wilson and Hilferty's approximation, better than 1 % from 10 degrees on).
-#[must_use]
 pub fn mean_chi_square_95(freedom: f64) -> (f64, f64) {
     let variance = 2.0 / (9.0 * freedom);
     let bound = |z: f64| (1.0 - variance + z * variance.sqrt()).max(0.0).powi(3);
@@ -216,7 +200,6 @@ pub fn mean_chi_square_95(freedom: f64) -> (f64, f64) {
 }
 
 /// Mean over the last `window` values, at each value.
-#[must_use]
 pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
     let mut sum = 0.0;
     let mut out = Vec::with_capacity(values.len());

@@ -21,7 +21,6 @@ macro_rules! idle_keys {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// The keys of a description that differ from the defaults of a machine of its size and do nothing under any of `methods`.
         /// Only what is certain: a key that is not stated may still do nothing.
-        #[must_use]
         pub fn idle_keys(description: &Description, methods: &[&str]) -> Vec<Idle> {
             let mut keys = match description {
                 $( Description::$machine(d) => {

@@ -66,7 +66,6 @@ pub struct LoadCounter {
 
 impl LoadCounter {
     /// A counter for the machine of a description.
-    #[must_use]
     pub fn new(description: &Description, options: Options) -> Self {
         let (rated, empty, common) = match description {
             Description::Excavator(d) => (d.prior.full_load(), 0.0, d.loads_common()),
@@ -101,20 +100,17 @@ impl LoadCounter {
     }
 
     /// A counter for the machine of a written description; `None` where it cannot be read.
-    #[must_use]
     pub fn of_text(description: &str, options: Options) -> Option<Self> {
         let description = Description::parse(description, "the recording", None).ok()?;
         Some(Self::new(&description, options))
     }
 
     /// The machine.
-    #[must_use]
     pub fn machine(&self) -> Machine {
         self.machine
     }
 
     /// The ledger: what the bucket, the truck and the day hold.
-    #[must_use]
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
     }
@@ -130,7 +126,6 @@ impl LoadCounter {
     }
 
     /// What would weigh a load and is not there, and what to do, in words.
-    #[must_use]
     pub fn lacks(&self) -> Option<&'static str> {
         match self.machine {
             Machine::Loader => match self.measured {
@@ -150,7 +145,6 @@ impl LoadCounter {
     }
 
     /// That pressures were measured and weigh nothing, and what to do, in words.
-    #[must_use]
     pub fn unused(&self) -> Option<&'static str> {
         let is_unused = !self.is_described && self.measured[0];
         is_unused.then_some(match self.machine {
@@ -164,7 +158,6 @@ impl LoadCounter {
     }
 
     /// What the machine file leaves to a guess, see [`guessed`].
-    #[must_use]
     pub fn guessed(&self) -> Option<&str> {
         self.guessed.as_deref()
     }

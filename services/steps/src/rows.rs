@@ -8,7 +8,6 @@ macro_rules! sample_of_message {
         switches { $( $bit3:literal $const3:ident $name3:ident ($($place3:tt)*) $unit3:tt $doc3:tt $presence3:ident; )* }
     ) => {
         /// The sample in a message; a signal without its bit is missing.
-        #[must_use]
         pub fn sample(m: &SensorsMessage) -> Sample {
             let valid = |bit: u32, value: f64| (m.valid & (1 << bit) != 0).then_some(value);
             let mut sample = Sample {

@@ -188,7 +188,6 @@ impl<S: Step + Clone + Send + Sync + std::fmt::Debug + 'static> Row for RowOf<S>
 
 impl Stage {
     /// What answers messages here, if this stage does.
-    #[must_use]
     pub fn row(&self) -> Option<&'static dyn Row> {
         match self.role {
             Role::Step(row) => Some(row),
@@ -197,7 +196,6 @@ impl Stage {
     }
 
     /// Channel that it reads; the source reads none, the sink all.
-    #[must_use]
     pub fn input(&self) -> Option<&'static Channel> {
         match self.role {
             Role::Step(row) => Some(row.input()),
@@ -207,7 +205,6 @@ impl Stage {
     }
 
     /// Channel that it writes.
-    #[must_use]
     pub fn output(&self) -> Option<&'static Channel> {
         match self.role {
             Role::Step(row) => Some(row.output()),
@@ -217,7 +214,6 @@ impl Stage {
     }
 
     /// Methods that it offers, the first by default; none where there is no choice.
-    #[must_use]
     pub fn methods(&self) -> &'static [&'static str] {
         self.row().map_or(&[], Row::methods)
     }
@@ -227,7 +223,6 @@ macro_rules! pipelines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         impl Pipeline {
             /// The pipeline of a machine.
-            #[must_use]
             pub fn of(machine: Machine) -> &'static Self {
                 match machine {
                     $( Machine::$machine => &crate::$module::PIPELINE, )*
@@ -241,19 +236,16 @@ messages::machines!(pipelines);
 
 impl Pipeline {
     /// The process of that name.
-    #[must_use]
     pub fn stage(&self, process: &str) -> Option<&'static Stage> {
         self.stages.iter().find(|s| s.name == process)
     }
 
     /// The process that offers this method.
-    #[must_use]
     pub fn with_method(&self, method: &str) -> Option<&'static Stage> {
         self.stages.iter().find(|s| s.methods().contains(&method))
     }
 
     /// The channel of its sensors.
-    #[must_use]
     pub fn sensors(&self) -> Option<&'static Channel> {
         self.stages.iter().find_map(|s| match s.role {
             Role::Source { sensors, .. } => Some(sensors),
@@ -262,7 +254,6 @@ impl Pipeline {
     }
 
     /// The process that writes this channel.
-    #[must_use]
     pub fn writer(&self, channel: &Channel) -> Option<&'static Stage> {
         let writes = |s: &&Stage| s.output().is_some_and(|o| o.name == channel.name);
         self.stages.iter().find(writes)
@@ -281,13 +272,11 @@ impl Pipeline {
     }
 
     /// The channel of the headline estimate.
-    #[must_use]
     pub fn main_output(&self) -> Option<&'static Channel> {
         self.stage(self.main)?.output()
     }
 
     /// What a sample passes on its way to the output of a stage, that stage last.
-    #[must_use]
     pub fn way_to(&self, stage: &'static Stage) -> Vec<&'static dyn Row> {
         let Some(row) = stage.row() else {
             return Vec::new();
@@ -299,14 +288,12 @@ impl Pipeline {
     }
 
     /// Hops from the source to this stage.
-    #[must_use]
     pub fn hops_before(&self, stage: &Stage) -> usize {
         let writer = stage.input().and_then(|input| self.writer(input));
         writer.map_or(0, |writer| 1 + self.hops_before(writer))
     }
 
     /// Name of process `index`, as `health` messages tell it.
-    #[must_use]
     pub fn process_name(&self, index: u32) -> &'static str {
         let index = usize::try_from(index).ok();
         index
@@ -339,7 +326,6 @@ impl Pipeline {
     }
 
     /// The error that names a method that no process offers.
-    #[must_use]
     pub fn unknown(&self, name: &str) -> Error {
         let known = self.stages.iter().flat_map(|s| s.methods()).copied();
         Error::UnknownMethod {

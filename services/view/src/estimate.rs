@@ -10,13 +10,11 @@ use crate::judgement::Judgement;
 use crate::panels::Panel;
 
 /// An estimate message of one machine.
-pub trait Estimate: Message {
+pub trait Estimate: recording::csv::Estimate {
     /// The truth that belongs to it.
     type Truth: Message;
     /// Whose.
     const MACHINE: Machine;
-    /// Names of the methods, indexed by [`Estimate::method`].
-    const METHODS: &'static [&'static str];
     /// Its parameters, those that the machine is about first.
     const PARAMETERS: &'static [Parameter<Self, Self::Truth>];
     /// How its normalised innovations are judged.
@@ -33,10 +31,6 @@ pub trait Estimate: Message {
 
     /// How fast the machine moves [rad/s, m/s].
     fn motion(&self) -> f64;
-    /// Index of the method.
-    fn method(&self) -> u32;
-    /// Verdict bits.
-    fn flags(&self) -> u32;
     /// Normalised innovation squared, 0 where no measurement was accepted.
     fn nis(&self) -> f64;
     /// What heft says of each headline parameter.
@@ -50,21 +44,25 @@ pub trait Estimate: Message {
         Vec::new()
     }
 
+    /// The parameters that heft gives a verdict on, in the order of the judgements.
+    fn headlines() -> impl Iterator<Item = &'static Parameter<Self, Self::Truth>> {
+        Self::PARAMETERS.iter().filter(|p| p.headline())
+    }
+
+    /// Verdict bits.
+    fn flags(&self) -> u32 {
+        self.codes().flags
+    }
+
     /// Name of the method.
     fn method_name(&self) -> &'static str {
-        usize::try_from(self.method())
-            .ok()
-            .and_then(|i| Self::METHODS.get(i))
-            .copied()
-            .unwrap_or("unknown method")
+        let method = Self::METHODS.get(self.codes().method as usize);
+        method.copied().unwrap_or("unknown method")
     }
 
     /// Whether every headline parameter is trusted.
     fn trusted(&self) -> bool {
-        Self::PARAMETERS
-            .iter()
-            .filter(|p| p.headline())
-            .all(|p| self.flags() & p.trusted != 0)
+        Self::headlines().all(|p| self.flags() & p.trusted != 0)
     }
 }
 

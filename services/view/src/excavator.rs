@@ -8,9 +8,7 @@ mod words;
 pub(crate) use words::REMEDIES;
 pub(crate) use words::load_advice;
 
-use messages::{
-    EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
-};
+use messages::{ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits};
 
 use sheet::count_shown;
 use sheet::excavator::QUANTITIES;
@@ -22,7 +20,6 @@ use crate::panels::Panel;
 impl Estimate for ExcavatorEstimate {
     type Truth = ExcavatorTruth;
     const MACHINE: Machine = Machine::Excavator;
-    const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
     const INNOVATION: InnovationRule = InnovationRule {
         window: 50,
         measurements: 1.0,
@@ -44,14 +41,6 @@ impl Estimate for ExcavatorEstimate {
 
     fn motion(&self) -> f64 {
         self.velocity.abs()
-    }
-
-    fn method(&self) -> u32 {
-        self.method
-    }
-
-    fn flags(&self) -> u32 {
-        self.flags
     }
 
     fn nis(&self) -> f64 {

@@ -15,7 +15,6 @@ pub struct Judgement {
 
 impl Judgement {
     /// Verdict and reasons: "heft trusts it: ...", "heft does not trust it, because ...".
-    #[must_use]
     pub fn verdict(&self) -> String {
         let reasons = list(&self.reasons);
         if self.trusted {
@@ -26,7 +25,6 @@ impl Judgement {
     }
 
     /// What to do, as a sentence; empty where it is trusted.
-    #[must_use]
     pub fn what_to_do(&self) -> String {
         if self.advice.is_empty() {
             return String::new();
@@ -35,7 +33,6 @@ impl Judgement {
     }
 
     /// Value, verdict, reasons, and what to do.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let text = format!("{}. {} {}", self.value, self.verdict(), self.what_to_do());
         text.trim_end().to_owned()

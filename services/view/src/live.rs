@@ -24,7 +24,7 @@ use messages::channels::Channel;
 use crate::monitor::Monitor;
 
 pub use loads::SharedLoads;
-pub use server::{MAX_VIEWERS, Server, serve};
+pub use server::{MAX_VIEWERS, Server, ServerThread, names_this_host, serve};
 
 /// Where `--view` listens unless stated otherwise: this host only.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";
@@ -38,7 +38,6 @@ pub struct Feed {
 
 impl Feed {
     /// A feed that calls the processes by `names`, in the order of the table of processes.
-    #[must_use]
     pub fn new(names: Vec<String>) -> Self {
         Self {
             monitor: Arc::new(Mutex::new(Monitor::new(names))),

@@ -7,7 +7,7 @@ mod words;
 pub(crate) use words::REMEDIES;
 pub(crate) use words::load_advice;
 
-use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
+use messages::{LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
 use sheet::count_shown;
 use sheet::loader::QUANTITIES;
@@ -18,7 +18,6 @@ use crate::judgement::Judgement;
 impl Estimate for LoaderEstimate {
     type Truth = LoaderTruth;
     const MACHINE: Machine = Machine::Loader;
-    const METHODS: &'static [&'static str] = LOADER_METHODS;
     const INNOVATION: InnovationRule = InnovationRule {
         window: 400,
         measurements: 3.0,
@@ -43,14 +42,6 @@ impl Estimate for LoaderEstimate {
 
     fn motion(&self) -> f64 {
         self.speed.abs()
-    }
-
-    fn method(&self) -> u32 {
-        self.method
-    }
-
-    fn flags(&self) -> u32 {
-        self.flags
     }
 
     fn nis(&self) -> f64 {

@@ -64,13 +64,11 @@ impl Truths {
     }
 
     /// Time \[s\] and content \[kg\] of the last that is known.
-    #[must_use]
     pub fn last(&self) -> Option<(f64, f64)> {
         self.last
     }
 
     /// The most that was in the bucket while a load was carried \[kg\].
-    #[must_use]
     pub fn of(&self, load: &Load) -> Option<f64> {
         let ends = self.changes.iter().skip(1).map(|change| change.0);
         let ends = ends.chain([f64::INFINITY]);
@@ -86,7 +84,6 @@ impl Truths {
 
 impl Account {
     /// An account of what a counter has seen; `trucks`: those that are complete.
-    #[must_use]
     pub fn of(name: &str, counter: &LoadCounter, trucks: Vec<Truck>, truths: &Truths) -> Self {
         let dumped = counter.loads().copied().filter(|l| l.dumped.is_some());
         let (loads, carried): (Vec<_>, _) = (dumped.collect(), counter.ledger().carried());
@@ -107,7 +104,6 @@ impl Account {
     }
 
     /// For each reason why loads are not trusted: the reason and what to do, once.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
         for load in self
@@ -129,7 +125,6 @@ impl Account {
     }
 
     /// What else holds of all loads: that pressures weigh none of them, and what the machine file leaves to a guess.
-    #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let unused = self
             .unused
@@ -138,13 +133,11 @@ impl Account {
     }
 
     /// Whether no load was found.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.loads.is_empty() && self.carried.is_none()
     }
 
     /// How many intervals of the trusted loads hold the truth, in words; nothing where it is known of none.
-    #[must_use]
     pub fn covered_words(&self) -> Option<String> {
         let (held, known) = self.covered();
         let words =
@@ -185,7 +178,6 @@ pub const HEADER: &str = "recording,load,truck,day,filled,dumped,kg,kg_std,kg_lo
     carry_back_weighed,delivered,delivered_std,common_std,witness,trusted,reason,stage";
 
 /// A line of the table.
-#[must_use]
 pub fn csv_line(name: &str, machine: Machine, load: &Load) -> String {
     let [low, high] = load.weight.interval();
     let delivered = load.delivered();
@@ -213,7 +205,6 @@ pub fn csv_line(name: &str, machine: Machine, load: &Load) -> String {
 }
 
 /// The table of all accounts.
-#[must_use]
 pub fn csv(accounts: &[Account]) -> String {
     let mut out = format!("{HEADER}\n");
     for account in accounts {
@@ -227,7 +218,6 @@ pub fn csv(accounts: &[Account]) -> String {
 }
 
 /// Whether a file that begins like this is such a table.
-#[must_use]
 pub fn is_csv(head: &[u8]) -> bool {
     head.starts_with(FIRST.as_bytes())
 }
@@ -238,7 +228,6 @@ fn weight_json(weight: &Weight) -> Value {
 }
 
 /// A load as JSON.
-#[must_use]
 pub fn load_json(machine: Machine, load: &Load) -> Value {
     json!({
         "load": load.number, "truck": load.truck, "day": load.day, "stage": load.stage.name(),
@@ -252,7 +241,6 @@ pub fn load_json(machine: Machine, load: &Load) -> Value {
 }
 
 /// A sum as JSON.
-#[must_use]
 pub fn total_json(total: &Total) -> Value {
     let half = HALF_WIDTH_95 * total.std();
     json!({
@@ -263,7 +251,6 @@ pub fn total_json(total: &Total) -> Value {
 }
 
 /// A truck as JSON.
-#[must_use]
 pub fn truck_json(truck: &Truck) -> Value {
     json!({
         "truck": truck.number, "signal": truck.signal, "day": truck.day, "from": truck.from, "to": truck.to,
@@ -272,14 +259,12 @@ pub fn truck_json(truck: &Truck) -> Value {
 }
 
 /// What the bucket holds now, as JSON.
-#[must_use]
 pub fn now_json(now: &Now) -> Value {
     let half = HALF_WIDTH_95 * now.std;
     json!({"kg": now.kg, "std": now.std, "low": now.kg - half, "high": now.kg + half, "age": now.age})
 }
 
 /// An account as JSON.
-#[must_use]
 pub fn json(account: &Account) -> Value {
     let load = |load: &Load| load_json(account.machine, load);
     json!({
@@ -292,7 +277,6 @@ pub fn json(account: &Account) -> Value {
 }
 
 /// A run so far, as the live page shows it.
-#[must_use]
 pub fn live_json(counter: &LoadCounter) -> Value {
     let machine = counter.machine();
     let load = |load: &Load| load_json(machine, load);
@@ -312,14 +296,12 @@ pub fn live_json(counter: &LoadCounter) -> Value {
 const LATEST: usize = 12;
 
 /// "1 121 kg, 95 %: 872 to 1 370".
-#[must_use]
 pub fn weight_words(weight: &Weight) -> String {
     let (kg, _) = value_and_std(weight.kg, weight.std);
     format!("{kg} kg, 95 %: {}", interval_95(weight.kg, weight.std))
 }
 
 /// A load in a line.
-#[must_use]
 pub fn line(machine: Machine, load: &Load) -> String {
     let why = why_words(machine, load);
     let doubt = if load.trusted {
@@ -347,7 +329,6 @@ pub fn line(machine: Machine, load: &Load) -> String {
 }
 
 /// A truck in a line.
-#[must_use]
 pub fn truck_line(truck: &Truck) -> String {
     let total = &truck.total;
     let mut text = format!("truck {}: {}", truck.number, total_words(total));
@@ -364,7 +345,6 @@ pub fn truck_line(truck: &Truck) -> String {
 }
 
 /// A sum in words.
-#[must_use]
 pub fn total_words(total: &Total) -> String {
     let (kg, _) = value_and_std(total.kg, total.std().max(1.0));
     let plural = if total.loads == 1 { "" } else { "s" };
@@ -380,7 +360,6 @@ pub fn total_words(total: &Total) -> String {
 }
 
 /// Seconds of a recording as people read them: "1:02:03", or the time of day in UTC where they count from 1970.
-#[must_use]
 pub fn clock(time: f64) -> String {
     const DAY: f64 = 86_400.0;
     const SINCE_1970: f64 = 1e9;

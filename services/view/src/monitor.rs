@@ -59,7 +59,6 @@ pub struct ChannelState {
 
 impl ChannelState {
     /// Messages a second.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         self.meter.rate
     }
@@ -77,7 +76,6 @@ pub struct ProcessState {
 
 impl ProcessState {
     /// Samples a second.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         self.meter.rate
     }
@@ -102,11 +100,7 @@ impl<E: Estimate> Tracked<E> {
         let mut tracked = Self {
             last: *estimate,
             nis_mean: 1.0,
-            trusted: E::PARAMETERS
-                .iter()
-                .filter(|p| p.headline())
-                .map(|_| None)
-                .collect(),
+            trusted: E::headlines().map(|_| None).collect(),
             trend: VecDeque::new(),
             trend_time: now,
         };
@@ -116,8 +110,7 @@ impl<E: Estimate> Tracked<E> {
     }
 
     fn trust(&mut self, estimate: &E) {
-        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-        for (last, parameter) in self.trusted.iter_mut().zip(headline) {
+        for (last, parameter) in self.trusted.iter_mut().zip(E::headlines()) {
             if estimate.flags() & parameter.trusted != 0 {
                 *last = Some(*estimate);
             }
@@ -140,29 +133,19 @@ impl<E: Estimate> Tracked<E> {
         if self.trend.len() == TREND {
             self.trend.pop_front();
         }
-        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
         self.trend
-            .push_back(headline.map(|p| p.value(&self.last)).collect());
+            .push_back(E::headlines().map(|p| p.value(&self.last)).collect());
         self.trend_time = now;
     }
 }
 
 /// The estimators and the truth of one machine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MachineState<E: Estimate> {
     /// By the name of the channel.
     pub estimators: BTreeMap<&'static str, Tracked<E>>,
     /// The last truth, where it is known.
     pub truth: Option<E::Truth>,
-}
-
-impl<E: Estimate> Default for MachineState<E> {
-    fn default() -> Self {
-        Self {
-            estimators: BTreeMap::new(),
-            truth: None,
-        }
-    }
 }
 
 impl<E: Estimate> MachineState<E> {
@@ -233,7 +216,6 @@ pub struct Monitor {
 
 impl Monitor {
     /// A monitor that calls the processes by `names`.
-    #[must_use]
     pub fn new(names: Vec<String>) -> Self {
         Self {
             names,
@@ -258,7 +240,6 @@ impl Monitor {
     }
 
     /// Name of process `index`.
-    #[must_use]
     pub fn name(&self, index: u32) -> String {
         let known = usize::try_from(index).ok().and_then(|i| self.names.get(i));
         known.cloned().unwrap_or_else(|| format!("process {index}"))

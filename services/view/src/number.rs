@@ -8,7 +8,6 @@ pub const GROUP: char = '\u{a0}';
 const PLACES: i32 = 17;
 
 /// `value` with `decimals` places and grouped thousands; negative `decimals` round to tens, hundreds...
-#[must_use]
 pub fn grouped(value: f64, decimals: i32) -> String {
     if !value.is_finite() {
         return "–".into();
@@ -53,7 +52,6 @@ fn group(text: &str) -> String {
 }
 
 /// Decimal places that show `resolution` with two digits.
-#[must_use]
 pub fn decimals(resolution: f64) -> i32 {
     if !resolution.is_finite() || resolution <= 0.0 {
         return 3;
@@ -65,7 +63,6 @@ pub fn decimals(resolution: f64) -> i32 {
 }
 
 /// `value` with `digits` significant digits.
-#[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return grouped(value, 0);
@@ -75,14 +72,12 @@ pub fn significant(value: f64, digits: i32) -> String {
 }
 
 /// Value and standard deviation, both with the places that the standard deviation deserves.
-#[must_use]
 pub fn value_and_std(value: f64, std: f64) -> (String, String) {
     let places = decimals(std);
     (grouped(value, places), grouped(std, places))
 }
 
 /// "5 873 ± 61 kg m²".
-#[must_use]
 pub fn with_std(value: f64, std: f64, unit: &str) -> String {
     let (value, std) = value_and_std(value, std);
     if unit.is_empty() {
@@ -93,7 +88,6 @@ pub fn with_std(value: f64, std: f64, unit: &str) -> String {
 }
 
 /// A number to be read from afar, and its 95 % interval, both with their unit; a share in percent.
-#[must_use]
 pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
     let (factor, name) = if of.is_empty() {
         (100.0, "%".to_owned())
@@ -110,7 +104,6 @@ pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
 }
 
 /// "5 753 to 5 993": the 95 % interval of a quantity that is not negative; of its normal distribution what is above zero.
-#[must_use]
 pub fn interval_95(value: f64, std: f64) -> String {
     let places = decimals(std);
     let half = estimation::HALF_WIDTH_95 * std;
@@ -120,13 +113,11 @@ pub fn interval_95(value: f64, std: f64) -> String {
 }
 
 /// A unit as printed: "kg m^2" becomes "kg m²".
-#[must_use]
 pub fn unit(text: &str) -> String {
     text.replace("^2", "²").replace(' ', "\u{a0}")
 }
 
 /// A time in the unit that suits it: "1.2 µs".
-#[must_use]
 pub fn nanoseconds(ns: f64) -> String {
     let (factor, unit) = match ns {
         v if v < 1e3 => (1.0, "ns"),

@@ -80,7 +80,6 @@ pub struct Plot {
 
 impl Plot {
     /// An empty plot; `title` names the ordinate with its unit, `x_label` the abscissa.
-    #[must_use]
     pub fn new(title: impl Into<String>, x_label: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -173,25 +172,21 @@ impl Plot {
     }
 
     /// The title.
-    #[must_use]
     pub fn title(&self) -> &str {
         &self.title
     }
 
     /// Label of the abscissa.
-    #[must_use]
     pub fn x_label(&self) -> &str {
         &self.x_label
     }
 
     /// The marks for the script of the report; bars and logarithmic axes are left out.
-    #[must_use]
     pub fn data(&self) -> serde_json::Value {
         data::of(self)
     }
 
     /// The plot as an `<svg>` element for a page that holds [`STYLE`].
-    #[must_use]
     pub fn svg(&self, width: u32, height: u32) -> String {
         draw::svg(self, f64::from(width), f64::from(height))
     }
@@ -247,13 +242,11 @@ fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)], (least, most
 
 /// Plots one below the other in a file of their own, with `caption` and the `source` of the data
 /// above them.
-#[must_use]
 pub fn file(caption: &str, source: &str, plots: &[Plot], width: u32, height: u32) -> String {
     draw::file(caption, source, plots, f64::from(width), f64::from(height))
 }
 
 /// Text made safe for HTML and SVG.
-#[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -40,7 +40,6 @@ pub fn take<M: Message>(posture: &mut Posture, sensors: &M) {
 }
 
 /// Where a machine stood at `time` \[s\], by what was measured last before it; `None` if no joint was measured.
-#[must_use]
 pub fn at(inputs: &[Input], time: f64) -> Option<Posture> {
     let angle = |name: &&str| {
         let input = inputs.iter().find(|input| input.name == *name)?;
@@ -82,7 +81,6 @@ impl Joint {
 }
 
 /// The drawing of a machine as SVG.
-#[must_use]
 pub fn svg(machine: Machine, posture: &Posture) -> String {
     let mut out = format!(
         "<svg class=\"posture\" viewBox=\"0 0 640 350\" role=\"img\" aria-label=\"posture of the {0}\" data-machine=\"{0}\">\

@@ -38,7 +38,6 @@ struct Page {
 }
 
 /// The report on `run`.
-#[must_use]
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
@@ -54,7 +53,6 @@ pub fn report(run: &Run) -> String {
 
 /// The headline estimate, over time, with its interval, the truth where it is known, and the stretches that heft
 /// trusts: one SVG file that follows the reader's light or dark setting.
-#[must_use]
 pub fn picture(run: &Run) -> String {
     let panels = part::all(run).into_iter().flat_map(|part| part.history());
     let plots: Vec<Plot> = panels.filter(|p| p.wide).map(|p| p.plot).collect();
@@ -68,7 +66,6 @@ pub fn picture(run: &Run) -> String {
 }
 
 /// A page in the style of the report around a `body` that is HTML already.
-#[must_use]
 pub fn page(title: &str, body: &str) -> String {
     html::page(title, body)
 }

@@ -20,14 +20,13 @@ pub struct Estimator<E> {
 
 impl<E: Estimate> Estimator<E> {
     /// The method of the last estimate.
-    #[must_use]
     pub fn method(&self) -> &'static str {
         method(&self.estimates)
     }
 }
 
 /// The part of a run that concerns one machine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MachineRun<E: Estimate> {
     /// Its estimators, those without an estimate left out.
     pub estimators: Vec<Estimator<E>>,
@@ -35,26 +34,15 @@ pub struct MachineRun<E: Estimate> {
     pub truth: Vec<E::Truth>,
 }
 
-impl<E: Estimate> Default for MachineRun<E> {
-    fn default() -> Self {
-        Self {
-            estimators: Vec::new(),
-            truth: Vec::new(),
-        }
-    }
-}
-
 impl<E: Estimate> MachineRun<E> {
     /// The estimator to tell about first: the one that trusted its estimates longest, of equals
     /// the last.
-    #[must_use]
     pub fn primary(&self) -> Option<&Estimator<E>> {
         let trusted = |e: &&Estimator<E>| e.estimates.iter().filter(|e| e.trusted()).count();
         self.estimators.iter().max_by_key(trusted)
     }
 
     /// The truth of each estimate, by the number of the sample.
-    #[must_use]
     pub fn truth_of<'a>(&'a self, estimates: &[E]) -> Vec<Option<&'a E::Truth>> {
         let mut rest = self.truth.as_slice();
         let mut find = |estimate: &E| {
@@ -155,14 +143,12 @@ impl Run {
     }
 
     /// Metadata value called `name`.
-    #[must_use]
     pub fn metadata(&self, name: &str) -> Option<&str> {
         let mut pairs = self.metadata.iter();
         pairs.find(|(n, _)| n == name).map(|(_, v)| v.as_str())
     }
 
     /// Name of process `index`.
-    #[must_use]
     pub fn process_name(&self, index: u32) -> String {
         let known = usize::try_from(index)
             .ok()
@@ -299,10 +285,7 @@ fn machine<E: Estimate>(
 
 /// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest.
 fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E> {
-    let value = |e: &E| {
-        let mut headline = E::PARAMETERS.iter().filter(|p| p.headline());
-        headline.next().map_or(f64::NAN, |p| p.value(e))
-    };
+    let value = |e: &E| E::headlines().next().map_or(f64::NAN, |p| p.value(e));
     let in_order = |ends: [Option<(u64, E)>; 2]| {
         let mut both: Vec<(u64, E)> = ends.into_iter().flatten().collect();
         both.sort_by_key(|(n, _)| *n);
@@ -331,7 +314,6 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
 }
 
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.
-#[must_use]
 pub fn lost<M: Message>(messages: &[M]) -> u64 {
     let mut lost = Losses::default();
     messages.iter().for_each(|m| lost.add(m));

@@ -23,7 +23,6 @@ pub struct Score {
 
 impl Score {
     /// Scores `estimator`; without truth only the trusted share is known.
-    #[must_use]
     pub fn of<E: Estimate>(
         run: &MachineRun<E>,
         estimator: &Estimator<E>,
@@ -56,7 +55,6 @@ impl Score {
     }
 
     /// Mean, standard deviation and largest error while excited [%].
-    #[must_use]
     pub fn summary(&self) -> Option<Summary> {
         Summary::of(&self.errors)
     }

@@ -24,7 +24,6 @@ pub struct Stretch {
 }
 
 /// The stretches in which the machine moves: `speed` is at least `least`, pauses left out of account.
-#[must_use]
 pub fn stretches<E: Estimate>(
     estimates: &[E],
     speed: impl Fn(&E) -> f64,

@@ -27,7 +27,6 @@ pub struct TopState {
 
 impl TopState {
     /// Nothing seen yet of `domain`, whose processes are called by `names`.
-    #[must_use]
     pub fn new(domain: &str, names: Vec<String>) -> Self {
         Self {
             domain: domain.to_owned(),
@@ -189,7 +188,7 @@ impl Each for Verdicts {
 
 /// "8 020 ± 160 kg m², 3.2 s ago".
 fn last_trusted<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Option<String> {
-    let parameter = E::PARAMETERS.iter().filter(|p| p.headline()).nth(index)?;
+    let parameter = E::headlines().nth(index)?;
     let last = tracked.trusted.get(index)?.as_ref()?;
     let age = tracked.last.stamp().time - last.stamp().time;
     let value = with_std(
@@ -203,7 +202,7 @@ fn last_trusted<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Option<Strin
 /// Headline parameter `index` over the last seconds.
 fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Trend {
     let values = tracked.trend.iter().filter_map(|v| v.get(index).copied());
-    let headline = E::PARAMETERS.iter().filter(|p| p.headline()).nth(index);
+    let headline = E::headlines().nth(index);
     Trend {
         values: values.filter(|v| v.is_finite()).collect(),
         unit: headline.map_or(String::new(), |p| unit(p.unit)),

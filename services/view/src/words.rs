@@ -5,7 +5,6 @@ use crate::estimate::Estimate;
 use crate::judgement::Judgement;
 
 /// The verdict on the estimate of any machine.
-#[must_use]
 pub fn verdict<E: Estimate>(estimate: &E) -> String {
     let sentences: Vec<_> = estimate
         .judgements()
@@ -47,12 +46,10 @@ pub struct RunJudgement {
 
 /// What a whole run says of each headline quantity: a machine that stands still at the end has
 /// not lost what it learnt while it moved. Empty without an estimate.
-#[must_use]
 pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
     let Some(last) = estimates.last() else {
         return Vec::new();
     };
-    let headline = E::PARAMETERS.iter().filter(|p| p.headline());
     let over_the_run = |(i, bit): (usize, u32)| {
         let trusted = |e: &&E| e.flags() & bit != 0;
         let index = estimates.iter().rposition(|e| trusted(&e));
@@ -66,7 +63,7 @@ pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
             index: at,
         }
     };
-    headline
+    E::headlines()
         .map(|p| p.trusted)
         .enumerate()
         .map(over_the_run)
@@ -75,7 +72,6 @@ pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
 
 /// A text in lines of at most `width` characters, broken between words; a longer word has a line of
 /// its own.
-#[must_use]
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {

@@ -273,8 +273,7 @@ impl Cell {
             }
             if sample.stamp().time >= from {
                 let estimate = E::inside(&message).ok_or("no estimate of this machine")?;
-                let judged = E::PARAMETERS.iter().filter(|p| p.headline());
-                judged.for_each(|p| share.take(p, estimate, truth));
+                E::headlines().for_each(|p| share.take(p, estimate, truth));
             }
         }
         Ok(share)

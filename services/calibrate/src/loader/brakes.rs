@@ -19,7 +19,6 @@ const WORTH: f64 = 0.04;
 const SURE: f64 = 5.0;
 
 /// Says that braking and driving differ.
-#[must_use]
 pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
     let points = points(model, place);
     let matrix = Mat::from_fn(points.len(), 3, |i, j| {

@@ -61,7 +61,6 @@ pub struct Drive {
 
 impl Drive {
     /// Makes a recording ready; `weight` \[N\] tells what is digging, `wheelbase` \[m\] what is a curve.
-    #[must_use]
     pub fn new(name: &str, samples: &[Sample], weight: f64, wheelbase: f64) -> Self {
         let mut rows: Vec<Sample> = Vec::with_capacity(samples.len());
         for sample in samples.iter().filter(|s| s.time.is_finite()) {
@@ -119,7 +118,6 @@ impl Drive {
     }
 
     /// Time of driving \[s\].
-    #[must_use]
     pub fn driving_time(&self) -> f64 {
         let blocks = self.blocks.iter();
         blocks
@@ -128,13 +126,11 @@ impl Drive {
     }
 
     /// Fastest that it goes, but for a hundredth of the rows [m/s].
-    #[must_use]
     pub fn fastest(&self) -> f64 {
         percentile(self.speed.iter().map(|v| v.abs()).collect(), 0.99)
     }
 
     /// Where the time `late` after that of row `k` lies: the row before it, and how far on the way to the next.
-    #[must_use]
     pub fn place(&self, k: usize, late: f64) -> (usize, f64) {
         let (time, last) = (&self.time, self.time.len().saturating_sub(2));
         let wanted = time[k] + late;

@@ -49,7 +49,6 @@ const OTHER_LOAD: f64 = 0.08;
 impl Drives {
     /// The model of recordings under a description; `stated` is what is known of the load of each, and `empty`
     /// what scales say of the machine as described.
-    #[must_use]
     pub fn new(
         drives: Vec<Drive>,
         stated: &[StatedLoad],
@@ -75,7 +74,6 @@ impl Drives {
     }
 
     /// The index of a parameter.
-    #[must_use]
     pub fn index(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|r| *r == role)
     }
@@ -116,7 +114,6 @@ impl Drives {
     }
 
     /// Time of driving with a load \[s\].
-    #[must_use]
     pub fn driving_time(&self, load: usize) -> f64 {
         let drives = self.drives.iter().zip(&self.load_of);
         drives
@@ -126,7 +123,6 @@ impl Drives {
     }
 
     /// Sum of the axle torques that would lift the described machine straight up [N m].
-    #[must_use]
     pub fn torque_of_weight(&self) -> f64 {
         self.fixed.mass * super::GRAVITY * self.fixed.radius
     }

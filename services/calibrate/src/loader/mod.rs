@@ -76,7 +76,6 @@ pub struct Options<'a> {
 
 impl<'a> Options<'a> {
     /// The usual keys of a machine that was not weighed, and a fit that nobody stops or hears of.
-    #[must_use]
     pub fn of(description: &'a Description) -> Self {
         Self {
             description,
@@ -115,7 +114,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// To look at.
-    #[must_use]
     pub fn summary(&self) -> Summary<'_> {
         let drives = &self.drives.drives;
         Summary {
@@ -144,7 +142,6 @@ impl Outcome {
     }
 
     /// A parameter: value and standard deviation.
-    #[must_use]
     pub fn quantity(&self, role: Role) -> Option<Quantity> {
         self.summary().quantity(self.drives.index(role)?)
     }

@@ -47,7 +47,6 @@ pub struct Noises {
 
 impl Noises {
     /// The noises of recordings of one machine.
-    #[must_use]
     pub fn of(inputs: &[&Input], described: &Description) -> Self {
         let mut noises = Self::default();
         for (key, name, of) in CHANNELS {

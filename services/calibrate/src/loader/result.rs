@@ -23,7 +23,6 @@ const LOADED: f64 = 0.5;
 
 impl Outcome {
     /// The description with what was found, and its text with `origin` as comments above; none where nothing was.
-    #[must_use]
     pub fn description(
         &self,
         before: &Description,

@@ -66,7 +66,6 @@ pub enum Role {
 
 impl Role {
     /// The load it belongs to, if it does.
-    #[must_use]
     pub fn load(self) -> Option<usize> {
         match self {
             Self::Mass(load)
@@ -79,7 +78,6 @@ impl Role {
     }
 
     /// Whether it is only about noise.
-    #[must_use]
     pub fn is_noise(self) -> bool {
         use Role::{ForceScatter, MotionScatter, SpeedScatter, WayScatter, WheelScatter};
         matches!(
@@ -99,7 +97,6 @@ impl Role {
 
     /// Whether it only takes part with what is known of it, so that its tolerance counts in the others: lags and limits that
     /// means over half a second hardly show, where the load lies, and the marks of a way.
-    #[must_use]
     pub fn is_nuisance(self) -> bool {
         use Role::{Friction, Lift, Mark, Reach, Relaxation, TorqueDelay};
         matches!(
@@ -122,7 +119,6 @@ pub struct StatedLoad {
 
 impl StatedLoad {
     /// What axle scales say; `scale_std` is the accuracy of one, relative, and it may be common to all readings.
-    #[must_use]
     pub fn weighed(reference: &Reference, scale_std: f64) -> Self {
         let ratio = reference.cg_ratio;
         let common = core::f64::consts::SQRT_2 * scale_std * ratio.value * (1.0 - ratio.value);

@@ -23,13 +23,11 @@ fn has_wheels(drive: &Drive) -> bool {
 }
 
 /// Whether a recording says nothing of driving: the machine stands, or its wheels are not measured.
-#[must_use]
 pub fn stands(drive: &Drive) -> bool {
     !has_wheels(drive) || drive.fastest() < STANDS
 }
 
 /// What the recordings lack before any fit.
-#[must_use]
 pub fn before(model: &Drives) -> Vec<String> {
     let mut faults = Vec::new();
     for drive in &model.drives {
@@ -55,7 +53,6 @@ pub fn before(model: &Drives) -> Vec<String> {
 }
 
 /// What these recordings cannot tell, by what their drives are like.
-#[must_use]
 pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
     let mut faults = Vec::new();
     if model.loads.len() < 2 && free.contains(&Role::LoadSensitivity) {
@@ -81,7 +78,6 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
 }
 
 /// What was found far from what the description lets expect.
-#[must_use]
 pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
         // Stated masses are asked for one by one.
@@ -105,7 +101,6 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
 }
 
 /// What was found at the limit of its range, and whether it is written: there its interval means nothing.
-#[must_use]
 pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, bool)> {
     let found = (0..place.len()).filter(|&i| !fixed[i]);
     found
@@ -141,7 +136,6 @@ fn pulls(model: &Drives) -> [f64; 2] {
 
 /// Whether a direction that the data leave open makes the result one not to be believed; what the estimator's own
 /// tolerances carry does not.
-#[must_use]
 pub fn matters(model: &Drives, direction: &Direction) -> bool {
     share(model, direction, |role| {
         matches!(
@@ -161,7 +155,6 @@ pub fn matters(model: &Drives, direction: &Direction) -> bool {
 }
 
 /// Whether a direction is about what has no use beyond the fit.
-#[must_use]
 pub fn is_nuisance(model: &Drives, direction: &Direction) -> bool {
     share(model, direction, Role::is_nuisance) > 0.5
 }
@@ -177,7 +170,6 @@ fn share(model: &Drives, direction: &Direction, of: impl Fn(Role) -> bool) -> f6
 const EACH_AXLE: &str = "drive for a while with the torque on one axle, and then on the other";
 
 /// A direction that the data do not determine, and what to record.
-#[must_use]
 pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     let members = direction.members();
     let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));

@@ -23,9 +23,9 @@ use serde_json::{Map, Value, json};
 use sim::loader::{Row, Run, Scenario, Simulation};
 use sim::noise::Noise;
 
-use machine::{Truth, described, input, way, weighed};
+use machine::{Truth, input, way, weighed};
 
-use super::candidate::sample;
+use super::candidate::{described, sample};
 use super::score::{Score, Summary};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};

@@ -135,12 +135,7 @@ impl Candidate {
 
     /// The settings that follow from what is stated.
     pub fn settings(&self, nominal: &Nominal, first: &Row) -> Settings {
-        let mut prior = Prior {
-            slip_stiffness: nominal.slip_stiffness,
-            cg_height: nominal.cg_height.max(0.3),
-            cg_ratio: nominal.cg_ratio,
-            ..self.settings.prior
-        };
+        let mut prior = prior(nominal, &self.settings.prior);
         if self.start_at_truth {
             prior.slip_stiffness = first.truth.slip_stiffness;
             prior.cg_height = first.truth.cg_height;
@@ -157,12 +152,11 @@ impl Candidate {
     }
 
     /// A filter that waits for the first row.
-    pub fn estimator(&self, nominal: &Nominal, first: &Row) -> Result<CgEstimator, SettingsError> {
-        self.started(&self.settings(nominal, first), first)
-    }
-
-    /// The same with settings of its own.
-    pub fn started(&self, settings: &Settings, first: &Row) -> Result<CgEstimator, SettingsError> {
+    pub fn estimator(
+        &self,
+        settings: &Settings,
+        first: &Row,
+    ) -> Result<CgEstimator, SettingsError> {
         let columns = Columns {
             acceleration: true,
             mass: first.mass.is_some(),
@@ -240,6 +234,25 @@ const WEIGHED: Settings = Settings {
 
 /// How well the tables' makers know the load sensitivity of their tyres.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
+
+/// What a competent user states of the machine.
+pub(super) fn described(nominal: &Nominal) -> config::Loader {
+    config::Loader {
+        machine: machine(nominal, &Machine::DEFAULT),
+        sensors: sensors(nominal.grade),
+        prior: prior(nominal, &Prior::DEFAULT),
+        ..config::Loader::default()
+    }
+}
+
+fn prior(nominal: &Nominal, known: &Prior) -> Prior {
+    Prior {
+        slip_stiffness: nominal.slip_stiffness,
+        cg_height: nominal.cg_height.max(0.3),
+        cg_ratio: nominal.cg_ratio,
+        ..*known
+    }
+}
 
 fn machine(nominal: &Nominal, known: &Machine) -> Machine {
     Machine {

@@ -7,7 +7,7 @@
 
 use estimation::loader::{Estimate, Prior};
 use serde_json::{Value, json};
-use sim::loader::{Run, Scenario, Simulation, Tier};
+use sim::loader::{Run, Scenario, Tier};
 
 use super::candidate::Candidate;
 use super::score::{Score, Summary};
@@ -96,35 +96,21 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
             tyres_seed: (tyres == "others").then_some(seed + DAY / 2),
             ..day(Scenario::AccelDecel, 2)
         };
-        scores.push(score(&later, is_restored.then_some(learnt))?);
+        scores.extend(trial::scores_told(
+            &later,
+            &[Candidate::COLD],
+            |settings| {
+                if is_restored {
+                    restore(&mut settings.prior, &learnt);
+                }
+            },
+        )?);
     }
     Ok(scores)
 }
 
 /// The latest estimates whose ratio, and whose height, was trusted.
 type Learnt = (Option<Estimate>, Option<Estimate>);
-
-fn score(run: &Run, learnt: Option<Learnt>) -> Result<Score, Error> {
-    let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let nominal = *simulation.nominal();
-    let mut score = Score::default();
-    let Some(first) = simulation.next() else {
-        return Ok(score);
-    };
-    let filter = Candidate::COLD;
-    let mut settings = filter.settings(&nominal, &first);
-    if let Some(learnt) = learnt {
-        restore(&mut settings.prior, &learnt);
-    }
-    let mut estimator = filter.started(&settings, &first).map_err(Error::refused)?;
-    for row in std::iter::once(first).chain(simulation) {
-        let estimate = estimator.step(&filter.sample(&nominal, &row));
-        if row.time >= run.scenario.evaluated_from() {
-            score.take(&row, &estimate);
-        }
-    }
-    Ok(score)
-}
 
 /// As `heft run --state` restores them. Neither rolling radii and slope bias, nor a narrower floor, nor so the covariance
 /// between them, make the later run better (160 machines, floors of 0.4 to 0.2 of the prior: 2.3 to 2.4 % in the median);

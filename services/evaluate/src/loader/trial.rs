@@ -1,6 +1,6 @@
 //! One simulated run through several filters at once.
 
-use estimation::loader::Estimate;
+use estimation::loader::{Estimate, Settings};
 use sim::loader::{Row, Run, Simulation};
 
 use super::candidate::Candidate;
@@ -14,6 +14,16 @@ use crate::Error;
 pub(super) fn each_row(
     run: &Run,
     candidates: &[Candidate],
+    look: impl FnMut(usize, &Row, &Estimate),
+) -> Result<(), Error> {
+    each_row_told(run, candidates, |_| {}, look)
+}
+
+/// The same; `tell` changes what the candidates begin with.
+fn each_row_told(
+    run: &Run,
+    candidates: &[Candidate],
+    tell: impl Fn(&mut Settings),
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
@@ -23,7 +33,12 @@ pub(super) fn each_row(
     };
     let mut filters = candidates
         .iter()
-        .map(|candidate| candidate.estimator(&candidate.nominal(&nominal, &machine), &first))
+        .map(|candidate| {
+            let known = candidate.nominal(&nominal, &machine);
+            let mut settings = candidate.settings(&known, &first);
+            tell(&mut settings);
+            candidate.estimator(&settings, &first)
+        })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::refused)?;
     for row in std::iter::once(first).chain(simulation) {
@@ -39,9 +54,18 @@ pub(super) fn each_row(
 
 /// The scores of every candidate over the scenario's window of evaluation.
 pub(super) fn scores(run: &Run, candidates: &[Candidate]) -> Result<Vec<Score>, Error> {
+    scores_told(run, candidates, |_| {})
+}
+
+/// The same; `tell` changes what the candidates begin with.
+pub(super) fn scores_told(
+    run: &Run,
+    candidates: &[Candidate],
+    tell: impl Fn(&mut Settings),
+) -> Result<Vec<Score>, Error> {
     let from = run.scenario.evaluated_from();
     let mut scores = vec![Score::default(); candidates.len()];
-    each_row(run, candidates, |k, row, estimate| {
+    each_row_told(run, candidates, tell, |k, row, estimate| {
         if row.time >= from {
             scores[k].take(row, estimate);
         }

@@ -4,7 +4,7 @@
 //! that the collector's thread alone empties. That thread calls nothing of Zenoh while it works.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use zenoh::cancellation::CancellationToken;
@@ -13,6 +13,7 @@ use zenoh::{Session, Wait};
 
 use super::intake::{Answer, Event, Intake};
 use crate::key::MachineId;
+use crate::lock;
 use crate::question::{AnswerSummary, END, OVER};
 
 /// Questions at a time.
@@ -102,7 +103,7 @@ struct UnderWay {
 
 impl UnderWay {
     fn is_silent(&self) -> bool {
-        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        let heard = lock(&self.heard);
         heard.elapsed() > self.patience
     }
 }
@@ -149,7 +150,7 @@ struct Open {
 
 impl Open {
     fn take(&self, reply: &zenoh::query::Reply) {
-        *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+        *lock(&self.heard) = Instant::now();
         let said = match reply.result() {
             Ok(sample) if sample.attachment().is_some_and(|a| a.to_bytes() == END) => {
                 let served = serde_json::from_slice::<AnswerSummary>(&sample.payload().to_bytes());
@@ -159,13 +160,13 @@ impl Open {
             Err(error) if error.payload().to_bytes().starts_with(OVER.as_bytes()) => Answer::Over,
             Err(_) => Answer::None,
         };
-        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = said;
+        *lock(&self.answer) = said;
     }
 }
 
 impl Drop for Open {
     fn drop(&mut self) {
-        let answer = *self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = *lock(&self.answer);
         self.intake.say(Event::Answered(self.stream, answer));
     }
 }

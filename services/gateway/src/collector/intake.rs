@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex};
 use std::time::Instant;
 
 use messages::channels::{Channel, Visitor};
@@ -16,6 +16,7 @@ use super::strangers::{Contact, MACHINES, leave};
 use crate::downsample::{health_number, streams};
 use crate::key::{ESTIMATE, MachineId, SITE_ESTIMATE};
 use crate::label::Label;
+use crate::lock;
 use crate::question::AnswerSummary;
 use crate::status::Status;
 
@@ -161,7 +162,7 @@ impl Intake {
         check: impl FnOnce(&MachineId) -> Result<Event, &'static str>,
     ) -> Option<Event> {
         {
-            let mut rates = self.rates.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut rates = lock(&self.rates);
             if !rates.contains_key(id) && rates.len() >= MACHINES {
                 for other in leave(rates.iter().map(|(id, b)| (id, b.heard)), MACHINES) {
                     rates.remove(&other);
@@ -266,9 +267,8 @@ fn channel(stream: &str) -> Option<&'static Channel> {
         let machines = Machine::ALL.into_iter().map(Pipeline::of);
         let streams = machines.flat_map(|pipeline| {
             // What a site makes of a machine's samples has the names of what the machine makes itself.
-            let last = |c: &Channel| c.name.rsplit('/').next().unwrap_or_default().to_owned();
             let site = pipeline.estimates();
-            let site = site.map(move |c| (format!("{SITE_ESTIMATE}/{}", last(c)), c));
+            let site = site.map(move |c| (format!("{SITE_ESTIMATE}/{}", c.last_name()), c));
             let own = streams(pipeline, 1.0, 1.0).into_iter();
             own.map(|s| (s.name, s.channel)).chain(site)
         });

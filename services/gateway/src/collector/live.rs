@@ -71,26 +71,22 @@ pub struct Machine {
 
 impl Machine {
     /// Whether it was heard for a moment only.
-    #[must_use]
     pub fn is_stranger(&self) -> bool {
         self.times.is_some_and(|t| t.is_stranger())
     }
 
     /// Whether it is here: it speaks, and its token has not gone.
-    #[must_use]
     pub fn is_here(&self) -> bool {
         self.heard.is_some_and(|h| h.elapsed() < SILENT)
     }
 
     /// The headline message of a kind: that of the stream of the loads where there is one.
-    #[must_use]
     pub fn main(&self, kind: &str) -> Option<&(Label, Envelope)> {
         let main = shown::main_channel(&self.kind)?;
         self.latest.get(&format!("{kind}/{main}"))
     }
 
     /// The quantity that it is about, as of its latest estimate; of the site's where it sends none itself.
-    #[must_use]
     pub fn headline(&self) -> Option<Quantity> {
         let estimate = self.main("estimate").or_else(|| self.main(SITE_ESTIMATE));
         shown::headline(&estimate?.1)
@@ -185,7 +181,6 @@ impl Fleet {
     }
 
     /// The machines that are here, in order.
-    #[must_use]
     pub fn here(&self) -> Vec<MachineId> {
         let here = self.machines.iter().filter(|(_, m)| m.is_here());
         here.map(|(id, _)| id.clone()).collect()

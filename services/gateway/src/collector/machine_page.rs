@@ -28,7 +28,6 @@ pub struct Head {
 
 impl Head {
     /// Of the machine as it is now.
-    #[must_use]
     pub fn of(id: &MachineId, machine: &live::Machine) -> Self {
         let mut metadata = vec![
             ("machine".to_owned(), machine.kind.clone()),
@@ -96,7 +95,6 @@ impl Head {
 }
 
 /// The page; `None` if nothing can be read of the machine.
-#[must_use]
 pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
     let sql = open(db).ok()?;
     let mut query = sql

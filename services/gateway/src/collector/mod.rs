@@ -27,7 +27,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use zenoh::Wait;
@@ -40,6 +40,7 @@ pub(crate) use intake::decode;
 use crate::key::MachineId;
 use crate::key::{ESTIMATES, STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
+use crate::lock;
 use intake::{Event, Intake};
 use live::Fleet;
 use store::{Store, StoreOutcome};
@@ -94,8 +95,9 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
             "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
         ));
     }
-    let store = Store::open(&args.db)?;
-    let fleet = Arc::new(Mutex::new(store.fleet()?));
+    let store = Store::open(&args.db).map_err(|e| store::failed(&e))?;
+    let fleet = store.fleet().map_err(|e| store::failed(&e))?;
+    let fleet = Arc::new(Mutex::new(fleet));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
     let stops = || stop.load(Ordering::Relaxed);
@@ -193,7 +195,7 @@ impl Collector<'_> {
                 done = self.store.forget(self.args.keep);
             }
             if let Err(why) = done {
-                self.wait_for_the_disk(&why, events, stop);
+                self.wait_for_the_disk(store::failed(&why), events, stop);
             }
         }
         Ok(())
@@ -201,10 +203,10 @@ impl Collector<'_> {
 
     /// Goes on showing what comes while the disk takes nothing. What is missing then is asked for, as after a cut: the
     /// history is read again as it is in the file.
-    fn wait_for_the_disk(&mut self, why: &str, events: &Receiver<Event>, stop: &AtomicBool) {
+    fn wait_for_the_disk(&mut self, why: String, events: &Receiver<Event>, stop: &AtomicBool) {
         tracing::error!("nothing is kept until the disk takes it again: {why}");
         self.store.roll_back();
-        self.fleet().unkept = Some((why.to_owned(), Instant::now()));
+        lock(self.fleet).unkept = Some((why, Instant::now()));
         let mut tried = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             for event in events
@@ -212,7 +214,7 @@ impl Collector<'_> {
                 .into_iter()
                 .chain(events.try_iter())
             {
-                let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut fleet = lock(self.fleet);
                 match event {
                     Event::Status(id, status) => {
                         let run = fleet.machines.get(&id).map_or(0, |m| m.run);
@@ -230,20 +232,16 @@ impl Collector<'_> {
             let again = Store::open(&self.args.db).and_then(|s| s.probe().map(|()| s));
             if let Ok(store) = again {
                 self.store = store;
-                self.fleet().unkept = None;
+                lock(self.fleet).unkept = None;
                 tracing::warn!("the disk takes the history again; what is missing is asked for");
                 return;
             }
         }
     }
 
-    fn fleet(&self) -> std::sync::MutexGuard<'_, Fleet> {
-        self.fleet.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn take(&mut self, events: impl Iterator<Item = Event>) -> Result<(), String> {
+    fn take(&mut self, events: impl Iterator<Item = Event>) -> rusqlite::Result<()> {
         self.store.begin()?;
-        let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut fleet = lock(self.fleet);
         let mut refused = |fleet: &mut Fleet, id: MachineId, why| {
             fleet.refused(&id, why, 1);
             *self.refused.entry((id, why)).or_default() += 1;
@@ -272,8 +270,8 @@ impl Collector<'_> {
     }
 
     /// Once a second: what is missing, what is wrong.
-    fn look(&mut self) -> Result<(), String> {
-        let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+    fn look(&mut self) -> rusqlite::Result<()> {
+        let mut fleet = lock(self.fleet);
         let raised = alarm::look(&mut fleet, &self.args.alarms);
         fleet.turned_away = self.intake.turned_away();
         self.refused

@@ -5,8 +5,7 @@ use std::fmt::Write;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::{Arc, Mutex};
 
 use axum::Router;
 use axum::extract::{Path, State};
@@ -14,11 +13,13 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
 use tokio::sync::oneshot;
+use view::live::{ServerThread, names_this_host};
 use view::plot::escape;
 
 use super::live::{Fleet, Machine};
 use super::{machine_page, shown};
 use crate::key::MachineId;
+use crate::lock;
 
 /// Time after which the page asks for itself again [s].
 const REFRESH: &str = "2";
@@ -29,26 +30,13 @@ const ROWS: usize = 2000;
 /// The page; it is there until this is dropped.
 pub struct Server {
     address: SocketAddr,
-    stop: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    _thread: ServerThread,
 }
 
 impl Server {
     /// Where it listens.
-    #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        if let Some(stop) = self.stop.take() {
-            let _ = stop.send(());
-        }
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
     }
 }
 
@@ -95,23 +83,8 @@ pub fn serve(address: SocketAddr, fleet: Arc<Mutex<Fleet>>, db: PathBuf) -> Resu
     });
     Ok(Server {
         address,
-        stop: Some(stop),
-        thread: Some(thread),
+        _thread: ServerThread::new(stop, thread),
     })
-}
-
-/// A page on this host answers only to a name of this host, or any site could read it through a name that
-/// it points here.
-fn admits(headers: &HeaderMap) -> bool {
-    let host = headers
-        .get(header::HOST)
-        .and_then(|h| h.to_str().ok())
-        .unwrap_or("");
-    let name = match host.rsplit_once(':') {
-        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
-        _ => host,
-    };
-    ["localhost", "127.0.0.1", "[::1]"].contains(&name)
 }
 
 fn answer(
@@ -119,7 +92,7 @@ fn answer(
     refresh: &'static str,
     page: impl FnOnce() -> Option<String>,
 ) -> Response {
-    if !admits(headers) {
+    if !names_this_host(headers) {
         return StatusCode::FORBIDDEN.into_response();
     }
     let Some(page) = page() else {
@@ -137,7 +110,7 @@ fn answer(
 
 async fn table(State(shared): State<Shared>, headers: HeaderMap) -> Response {
     answer(&headers, REFRESH, || {
-        let fleet = shared.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+        let fleet = lock(&shared.fleet);
         Some(view::page("heft fleet", &body(&fleet)))
     })
 }
@@ -150,7 +123,7 @@ async fn machine(
     answer(&headers, "10", || {
         let id = MachineId::new(&site, &machine)?;
         let head = {
-            let fleet = shared.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+            let fleet = lock(&shared.fleet);
             machine_page::Head::of(&id, fleet.machines.get(&id)?)
         };
         machine_page::page(&shared.db, &id, &head)

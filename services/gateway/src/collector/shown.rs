@@ -28,20 +28,17 @@ pub struct Quantity {
 
 impl Quantity {
     /// "5 873 ± 61 kg m²".
-    #[must_use]
     pub fn text(&self) -> String {
         number::with_std(self.value, self.std, &number::unit(self.unit))
     }
 
     /// "5 753 to 5 993".
-    #[must_use]
     pub fn interval(&self) -> String {
         number::interval_95(self.value, self.std)
     }
 }
 
 /// What is learnt of a kind of machine.
-#[must_use]
 pub fn learnt(machine: Machine) -> Vec<&'static str> {
     let rows = machine.shown().filter(|row| row.is_of_machine);
     rows.map(|row| row.name).collect()
@@ -68,7 +65,6 @@ fn of<E: Estimate>(estimate: &E) -> Vec<Quantity> {
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// The quantities of an estimate that have an interval, those that the machine is about first.
-        #[must_use]
         pub fn quantities(envelope: &Envelope) -> Vec<Quantity> {
             match envelope {
                 $( Envelope::$estimate(e) => of(e), )*
@@ -77,7 +73,6 @@ macro_rules! machines {
         }
 
         /// The verdict in words.
-        #[must_use]
         pub fn verdict(envelope: &Envelope) -> String {
             match envelope {
                 $( Envelope::$estimate(e) => view::words::verdict(e), )*
@@ -86,7 +81,6 @@ macro_rules! machines {
         }
 
         /// The machine whose estimate this is; empty for other messages.
-        #[must_use]
         pub fn kind_of(envelope: &Envelope) -> &'static str {
             match envelope {
                 $( Envelope::$estimate(_) => Machine::$machine.name(), )*
@@ -99,13 +93,11 @@ macro_rules! machines {
 messages::machines!(machines);
 
 /// The first of them.
-#[must_use]
 pub fn headline(envelope: &Envelope) -> Option<Quantity> {
     quantities(envelope).into_iter().next()
 }
 
 /// What reports a load: the payload where there is one.
-#[must_use]
 pub fn load(envelope: &Envelope) -> Option<Quantity> {
     let all = quantities(envelope);
     let payload = all.iter().find(|q| q.is_load).cloned();
@@ -113,8 +105,7 @@ pub fn load(envelope: &Envelope) -> Option<Quantity> {
 }
 
 /// Name of the channel that a kind of machine reports on.
-#[must_use]
 pub fn main_channel(kind: &str) -> Option<&'static str> {
     let machine = Machine::from_name(kind)?;
-    Pipeline::of(machine).main_output()?.name.rsplit('/').next()
+    Some(Pipeline::of(machine).main_output()?.last_name())
 }

@@ -96,7 +96,8 @@ struct Owner {
     reported: (String, String),
 }
 
-fn failed(error: rusqlite::Error) -> String {
+/// What is said of a history that cannot be read or written.
+pub fn failed(error: &rusqlite::Error) -> String {
     crate::error(
         format!("the history: {error}"),
         "--db",
@@ -109,17 +110,13 @@ impl Store {
     ///
     /// # Errors
     /// It cannot be written, or is no history.
-    pub fn open(file: &Path) -> Result<Self, String> {
-        let sql = Connection::open(file).map_err(failed)?;
-        sql.busy_timeout(Duration::from_secs(10)).map_err(failed)?;
-        sql.execute_batch(SCHEMA).map_err(failed)?;
+    pub fn open(file: &Path) -> rusqlite::Result<Self> {
+        let sql = Connection::open(file)?;
+        sql.busy_timeout(Duration::from_secs(10))?;
+        sql.execute_batch(SCHEMA)?;
         let old = "SELECT count(*) FROM pragma_table_info('stream') WHERE name = 'epoch'";
-        if sql
-            .query_row(old, [], |row| row.get::<_, i64>(0))
-            .map_err(failed)?
-            > 0
-        {
-            sql.execute_batch(OLD).map_err(failed)?;
+        if sql.query_row(old, [], |row| row.get::<_, i64>(0))? > 0 {
+            sql.execute_batch(OLD)?;
         }
         let mut store = Self {
             sql,
@@ -129,8 +126,8 @@ impl Store {
             runs: Runs::new(),
             begun: HashMap::new(),
         };
-        store.load_runs().map_err(failed)?;
-        store.load().map_err(failed)?;
+        store.load_runs()?;
+        store.load()?;
         Ok(store)
     }
 
@@ -169,7 +166,7 @@ impl Store {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn fleet(&self) -> Result<Fleet, String> {
+    pub fn fleet(&self) -> rusqlite::Result<Fleet> {
         let mut fleet = Fleet::default();
         let mut latest: HashMap<i64, i64> = HashMap::new();
         for ((machine, _), run) in &self.runs {
@@ -178,8 +175,7 @@ impl Store {
         }
         let mut query = self
             .sql
-            .prepare("SELECT after, wall_ms, payload, received_ms FROM message WHERE stream = ? AND number = ?")
-            .map_err(failed)?;
+            .prepare("SELECT after, wall_ms, payload, received_ms FROM message WHERE stream = ? AND number = ?")?;
         let now = wall_ms() as i64;
         for (id, stream) in &self.streams {
             let machine = &self.machines[&stream.machine];
@@ -192,8 +188,7 @@ impl Store {
                 let message: (i64, Vec<u8>) = (row.get(1)?, row.get(2)?);
                 Ok((after, message.0, message.1, row.get::<_, i64>(3)?))
             });
-            let Some((after, wall_ms, payload, received)) = found.optional().map_err(failed)?
-            else {
+            let Some((after, wall_ms, payload, received)) = found.optional()? else {
                 continue;
             };
             // Who was silent for days, and names that have never said what they are, are in the history alone.
@@ -228,13 +223,11 @@ impl Store {
         }
         drop(query);
         let refused = "SELECT m.site, m.name, r.why, r.messages FROM refused r JOIN machine m ON m.id = r.machine";
-        let mut query = self.sql.prepare(refused).map_err(failed)?;
-        let mut rows = query.query([]).map_err(failed)?;
-        while let Some(row) = rows.next().map_err(failed)? {
-            let texts: rusqlite::Result<[String; 3]> =
-                (|| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))();
-            let [site, machine, why] = texts.map_err(failed)?;
-            let messages: i64 = row.get(3).map_err(failed)?;
+        let mut query = self.sql.prepare(refused)?;
+        let mut rows = query.query([])?;
+        while let Some(row) = rows.next()? {
+            let [site, machine, why]: [String; 3] = [row.get(0)?, row.get(1)?, row.get(2)?];
+            let messages: i64 = row.get(3)?;
             let id = MachineId { site, machine };
             if fleet.machines.contains_key(&id) {
                 fleet.refused(&id, &why, messages as u64);
@@ -249,28 +242,25 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn begin(&mut self) -> Result<(), String> {
-        self.sql.execute_batch("BEGIN").map_err(failed)
+    pub fn begin(&mut self) -> rusqlite::Result<()> {
+        self.sql.execute_batch("BEGIN")
     }
 
     /// Ends it.
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn commit(&mut self) -> Result<(), String> {
-        let mut update = self
-            .sql
-            .prepare_cached(
-                "UPDATE stream SET good = ?, head = ?, lost = ?, per_period = ? WHERE id = ?",
-            )
-            .map_err(failed)?;
+    pub fn commit(&mut self) -> rusqlite::Result<()> {
+        let mut update = self.sql.prepare_cached(
+            "UPDATE stream SET good = ?, head = ?, lost = ?, per_period = ? WHERE id = ?",
+        )?;
         for (id, s) in self.streams.iter_mut().filter(|(_, s)| !s.is_written) {
             s.is_written = true;
             let values = params![s.good, s.head, s.lost, s.per_period, id];
-            update.execute(values).map_err(failed)?;
+            update.execute(values)?;
         }
         drop(update);
-        self.sql.execute_batch("COMMIT").map_err(failed)
+        self.sql.execute_batch("COMMIT")
     }
 
     /// Takes back a transaction that was not ended, if there is one.
@@ -282,16 +272,16 @@ impl Store {
     ///
     /// # Errors
     /// It does not.
-    pub fn probe(&self) -> Result<(), String> {
+    pub fn probe(&self) -> rusqlite::Result<()> {
         let probe = "BEGIN IMMEDIATE; CREATE TABLE probe (bytes BLOB); INSERT INTO probe VALUES (zeroblob(65536)); ROLLBACK";
         let tried = self.sql.execute_batch(probe);
         if tried.is_err() {
             self.roll_back();
         }
-        tried.map_err(failed)
+        tried
     }
 
-    fn owner(&mut self, id: &MachineId) -> Result<i64, String> {
+    fn owner(&mut self, id: &MachineId) -> rusqlite::Result<i64> {
         if let Some(owner) = self.machines.get(id) {
             return Ok(owner.id);
         }
@@ -299,7 +289,7 @@ impl Store {
         let number = self
             .sql
             .query_row(insert, [&id.site, &id.machine], |row| row.get(0));
-        let number = number.map_err(failed)?;
+        let number = number?;
         let owner = Owner {
             id: number,
             reported: Default::default(),
@@ -309,7 +299,13 @@ impl Store {
     }
 
     /// The stream of a run.
-    fn stream(&mut self, id: &MachineId, number: i64, run: i64, name: &str) -> Result<i64, String> {
+    fn stream(
+        &mut self,
+        id: &MachineId,
+        number: i64,
+        run: i64,
+        name: &str,
+    ) -> rusqlite::Result<i64> {
         let key = (number, run, name.to_owned());
         if let Some(stream) = self.ids.get(&key) {
             return Ok(*stream);
@@ -318,7 +314,7 @@ impl Store {
         let stream = self
             .sql
             .query_row(insert, params![number, run, name], |row| row.get(0));
-        let stream: i64 = stream.map_err(failed)?;
+        let stream: i64 = stream?;
         self.ids.insert(key, stream);
         self.streams
             .insert(stream, Stream::new(id.clone(), name.to_owned(), run));
@@ -329,7 +325,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn insert(&mut self, taken: &StreamMessage) -> Result<StoreOutcome, String> {
+    pub fn insert(&mut self, taken: &StreamMessage) -> rusqlite::Result<StoreOutcome> {
         let label = &taken.label;
         let (owner, run) = (self.owner(&taken.id)?, label.run as i64);
         let Some(order) = self.run(owner, run)? else {
@@ -343,8 +339,7 @@ impl Store {
             .prepare_cached(
                 "INSERT INTO message VALUES (?1, ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO UPDATE SET after = excluded.after
                  WHERE after IS NULL AND excluded.after IS NOT NULL",
-            )
-            .map_err(failed)?;
+            )?;
         let received = wall_ms() as i64;
         let values = params![
             id,
@@ -354,7 +349,7 @@ impl Store {
             received,
             taken.payload
         ];
-        let changed = insert.execute(values).map_err(failed)?;
+        let changed = insert.execute(values)?;
         drop(insert);
         if let Some(stream) = self.streams.get_mut(&id) {
             let is_newest = number > stream.newest;
@@ -379,7 +374,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn status(&mut self, id: &MachineId, status: &Status) -> Result<Option<i64>, String> {
+    pub fn status(&mut self, id: &MachineId, status: &Status) -> rusqlite::Result<Option<i64>> {
         let (owner, run) = (self.owner(id)?, status.run as i64);
         let Some(order) = self.run(owner, run)? else {
             return Ok(None);
@@ -405,7 +400,7 @@ impl Store {
             owner.reported = (status.kind.clone(), status.version.clone());
             let update = "UPDATE machine SET kind = ?, version = ? WHERE id = ?";
             let values = params![status.kind, status.version, owner.id];
-            self.sql.execute(update, values).map_err(failed)?;
+            self.sql.execute(update, values)?;
         }
         Ok(Some(order))
     }
@@ -414,7 +409,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn alarm(&self, alarm: &Alarm) -> Result<(), String> {
+    pub fn alarm(&self, alarm: &Alarm) -> rusqlite::Result<()> {
         let values = params![
             wall_ms() as i64,
             alarm.id.site,
@@ -423,37 +418,37 @@ impl Store {
             alarm.text
         ];
         let insert = "INSERT INTO alarm VALUES (?, ?, ?, ?, ?)";
-        self.sql.execute(insert, values).map_err(failed).map(|_| ())
+        self.sql.execute(insert, values).map(|_| ())
     }
 
     /// Adds what was refused of a machine.
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) -> Result<(), String> {
+    pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) -> rusqlite::Result<()> {
         let Some(owner) = self.machines.get(id) else {
             return Ok(());
         };
         let add = "INSERT INTO refused VALUES (?1, ?2, ?3) ON CONFLICT DO UPDATE SET messages = messages + ?3";
         let values = params![owner.id, why, i64::try_from(messages).unwrap_or(i64::MAX)];
-        self.sql.execute(add, values).map_err(failed).map(|_| ())
+        self.sql.execute(add, values).map(|_| ())
     }
 
     /// Removes what came more than so many days ago, by our clock.
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn forget(&mut self, days: f64) -> Result<(), String> {
+    pub fn forget(&mut self, days: f64) -> rusqlite::Result<()> {
         let limit = wall_ms() as i64 - (days.max(0.0) * 86_400_000.0) as i64;
         for delete in [
             "DELETE FROM message WHERE received_ms < ?",
             "DELETE FROM alarm WHERE at_ms < ?",
         ] {
-            self.sql.execute(delete, [limit]).map_err(failed)?;
+            self.sql.execute(delete, [limit])?;
         }
-        self.sql.execute_batch(FORGET_NAMES).map_err(failed)?;
+        self.sql.execute_batch(FORGET_NAMES)?;
         (self.machines, self.ids) = (HashMap::new(), HashMap::new());
         (self.runs, self.begun, self.streams) = (Runs::new(), HashMap::new(), BTreeMap::new());
-        self.load_runs().and_then(|()| self.load()).map_err(failed)
+        self.load_runs().and_then(|()| self.load())
     }
 }

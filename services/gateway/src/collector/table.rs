@@ -25,7 +25,6 @@ pub struct Table {
 
 impl Table {
     /// An empty one.
-    #[must_use]
     pub fn new(format: Format) -> Self {
         Self {
             format,

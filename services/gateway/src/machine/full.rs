@@ -82,7 +82,7 @@ impl Full {
     pub(super) fn send(&self, queue: &mut Consumer<Sample>) {
         let mut batches: BTreeMap<&str, Vec<u8>> = BTreeMap::new();
         while let Ok((channel, sample)) = queue.pop() {
-            let name = channel.name.rsplit('/').next().unwrap_or_default();
+            let name = channel.last_name();
             let batch = batches.entry(name).or_default();
             put_delimited(&sample, batch);
             if batch.len() > BATCH {

@@ -283,14 +283,4 @@ impl Sink for Reader {
             full::push(&mut self.full, channel, message);
         }
     }
-
-    fn has_room(&self) -> bool {
-        true
-    }
-
-    fn fault(&self) -> u32 {
-        messages::fault::NONE
-    }
-
-    fn drain(&mut self) {}
 }

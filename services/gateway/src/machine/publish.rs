@@ -112,7 +112,6 @@ fn publish(
 }
 
 /// The keys below which a machine publishes.
-#[must_use]
 pub fn publishes(id: &MachineId) -> [String; 2] {
     // Of the keys of advanced publishers a wild card says nothing by itself.
     ["**", "*/*/@adv/**"].map(|keys| id.key(keys))

@@ -32,8 +32,7 @@ const LOOK: Duration = Duration::from_secs(60);
 
 /// The stream of a site's estimates.
 pub(super) fn stream(channel: &Channel) -> String {
-    let last = channel.name.rsplit('/').next().unwrap_or_default();
-    format!("{SITE_ESTIMATE}/{last}")
+    format!("{SITE_ESTIMATE}/{}", channel.last_name())
 }
 
 /// Says the last answers again that may not have arrived.

@@ -2,8 +2,8 @@
 //! names, that samples go forward. A hostile machine can lie about itself only, and not loudly.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::sync::mpsc::{SyncSender, TrySendError};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Visitor};
@@ -14,6 +14,7 @@ use zenoh::sample::Sample;
 use super::machine::{Counts, Machine, One, forget, name};
 use crate::key::MachineId;
 use crate::label::Label;
+use crate::lock;
 
 /// Largest message [bytes]: what a gateway sends, with room.
 const LARGEST: usize = 80_000;
@@ -36,10 +37,6 @@ pub struct Intake {
     channel: &'static Channel,
     batches: Mutex<Option<SyncSender<Vec<u8>>>>,
     machines: Mutex<BTreeMap<String, Machine>>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Intake {

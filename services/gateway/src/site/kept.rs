@@ -6,7 +6,7 @@
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use zenoh::query::Query;
@@ -14,6 +14,7 @@ use zenoh::{Session, Wait};
 
 use crate::key::{MachineId, ROOT};
 use crate::label::{Label, lost};
+use crate::lock;
 use crate::question::{AnswerSummary, Asked, MOST, OVER, WAITING, end};
 
 /// Bytes that are kept of all machines: some minutes of a thousand at an estimate a second.
@@ -54,7 +55,7 @@ struct Last {
 
 impl Kept {
     fn state(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
 
     /// Keeps an answer; the oldest ones make way.

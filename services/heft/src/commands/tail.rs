@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
 use messages::words::{Said, said};
-use messages::{Message, Value, fault};
+use messages::{Message, Value};
 use recording::can::Outgoing;
 use runtime::Sink;
 
@@ -167,7 +167,7 @@ impl Sink for Writer {
             }
             Format::Influx => {
                 let stamp = message.stamp();
-                let name = channel.name.rsplit('/').next().unwrap_or(channel.name);
+                let name = channel.last_name();
                 let measurement = channel.name.replace('/', "_");
                 let _ = write!(out, "{measurement}{}", self.tags);
                 let _ = write!(out, ",channel={name},unit={} ", stamp.machine);
@@ -184,16 +184,6 @@ impl Sink for Writer {
             }
         }
     }
-
-    fn has_room(&self) -> bool {
-        true
-    }
-
-    fn fault(&self) -> u32 {
-        fault::NONE
-    }
-
-    fn drain(&mut self) {}
 }
 
 fn join(
@@ -223,8 +213,7 @@ fn put_said(out: &mut String, value: Said) {
 
 /// The Unix time \[ns\] of a time of the host's monotonic clock.
 fn unix_ns(monotonic: u64) -> u64 {
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    let now = now.map_or(0, |now| u64::try_from(now.as_nanos()).unwrap_or(0));
+    let now = u64::try_from(runtime::since_1970().as_nanos()).unwrap_or(0);
     now.saturating_sub(runtime::now_ns().saturating_sub(monotonic))
 }
 
@@ -260,8 +249,7 @@ mod tests {
 
     #[test]
     fn a_monotonic_time_becomes_the_wall_clocks() {
-        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-        let now = now.map_or(0, |now| now.as_nanos() as u64);
+        let now = runtime::since_1970().as_nanos() as u64;
         let before = unix_ns(runtime::now_ns().saturating_sub(1_000_000_000));
         assert!(now.abs_diff(before).abs_diff(1_000_000_000) < 100_000_000);
     }

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use messages::Message;
 use messages::channels::{Channel, of_machine};
-use messages::{Message, fault};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use runtime::Sink;
 use steps::stages::Pipeline;
@@ -27,16 +27,6 @@ impl Sink for Screen {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         self.0.push(channel, message, Instant::now());
     }
-
-    fn has_room(&self) -> bool {
-        true
-    }
-
-    fn fault(&self) -> u32 {
-        fault::NONE
-    }
-
-    fn drain(&mut self) {}
 }
 
 /// `heft top`

@@ -161,7 +161,6 @@ impl Rows {
 }
 
 /// Whether a file that begins like this is such a table.
-#[must_use]
 pub fn is_table(head: &[u8]) -> bool {
     head.starts_with(format!("{NAME},t,").as_bytes())
 }

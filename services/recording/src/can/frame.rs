@@ -26,7 +26,6 @@ pub struct Frame<'a> {
 
 impl<'a> Frame<'a> {
     /// A frame; `None` if the data or the identifier are too long.
-    #[must_use]
     pub fn new(
         time_ns: i64,
         interface: &'a str,
@@ -48,7 +47,6 @@ impl<'a> Frame<'a> {
     }
 
     /// The line of `candump -L`.
-    #[must_use]
     pub fn line(&self) -> String {
         let (seconds, ns) = (
             self.time_ns.div_euclid(SECOND),
@@ -61,7 +59,6 @@ impl<'a> Frame<'a> {
     }
 
     /// The data field.
-    #[must_use]
     pub fn data(&self) -> &[u8] {
         &self.data[..self.length]
     }

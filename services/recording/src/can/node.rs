@@ -55,7 +55,6 @@ pub struct Name {
 
 impl Name {
     /// Its 64 bits; of two nodes the one with the smaller number wins.
-    #[must_use]
     pub const fn bits(&self) -> u64 {
         (self.identity as u64 & 0x1f_ffff)
             | (self.manufacturer as u64 & 0x7ff) << 21
@@ -127,7 +126,6 @@ pub struct Node {
 
 impl Node {
     /// A node that wants the address `preferred` and sends these parameter groups.
-    #[must_use]
     pub fn new(name: Name, preferred: u8, groups: Vec<u32>) -> Self {
         Self {
             name,
@@ -161,13 +159,11 @@ impl Node {
     }
 
     /// Whether it looked for an address and found none.
-    #[must_use]
     pub fn has_lost(&self) -> bool {
         self.state == State::Lost
     }
 
     /// Whether another node has the same NAME.
-    #[must_use]
     pub fn has_double(&self) -> bool {
         self.has_double
     }

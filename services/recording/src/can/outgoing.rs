@@ -113,7 +113,6 @@ impl Outgoing {
     }
 
     /// The channels that frames are made of.
-    #[must_use]
     pub fn channels(&self) -> Vec<&'static Channel> {
         let mut all: Vec<&'static Channel> = Vec::new();
         for channel in self.kinds.iter().map(|k| k.channel) {
@@ -142,7 +141,6 @@ impl Outgoing {
 
     /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. Where the map gives no
     /// identity, it follows from the name of the `computer` and the machine.
-    #[must_use]
     pub fn node(&self, computer: &[u8]) -> Option<Node> {
         let (name, own) = self.name;
         let identity = own.unwrap_or_else(|| identity(computer, self.machine));
@@ -152,7 +150,6 @@ impl Outgoing {
     }
 
     /// The same frames from another source address.
-    #[must_use]
     pub fn from(&self, source: u8) -> Self {
         let mut other = self.clone();
         for kind in other.kinds.iter_mut().filter(|k| k.extended) {

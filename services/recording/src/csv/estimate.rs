@@ -17,6 +17,25 @@ pub enum Column {
     Flag(&'static str, u32),
 }
 
+impl Column {
+    pub(crate) fn name(self) -> &'static str {
+        let (Self::Value(name, _) | Self::Flag(name, _)) = self;
+        name
+    }
+
+    /// The place of its field, where it is one.
+    pub(crate) fn index<E: Estimate>(self) -> Option<usize> {
+        match self {
+            Self::Value(name, _) => E::index(name),
+            Self::Flag(..) => None,
+        }
+    }
+
+    pub(crate) fn unit<E: Estimate>(self) -> &'static str {
+        self.index::<E>().map_or("", |i| E::FIELDS[i].unit)
+    }
+}
+
 /// How many columns the quantities of this kind have.
 pub(crate) const fn count(quantities: &[Quantity], when: sheet::Column) -> usize {
     let (mut count, mut i) = (0, 0);
@@ -168,7 +187,6 @@ pub struct EstimateRows<E: Estimate> {
 
 impl<E: Estimate> EstimateRows<E> {
     /// With the columns that an estimate of these quantities needs; all bits for every column there is.
-    #[must_use]
     pub fn new(estimated: u32) -> Self {
         let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
             &[]
@@ -177,18 +195,16 @@ impl<E: Estimate> EstimateRows<E> {
         };
         let columns = E::COLUMNS.iter().chain(extra);
         Self {
-            columns: columns.map(|c| (*c, index::<E>(*c))).collect(),
+            columns: columns.map(|c| (*c, c.index::<E>())).collect(),
             estimates: PhantomData,
         }
     }
 
     /// Names of the columns, without the end of the line.
-    #[must_use]
     pub fn header(&self) -> String {
         let mut row = String::from("t");
         for (column, _) in &self.columns {
-            let (Column::Value(name, _) | Column::Flag(name, _)) = column;
-            let _ = write!(row, ",{name}");
+            let _ = write!(row, ",{}", column.name());
         }
         row + ",method,reason"
     }
@@ -290,17 +306,9 @@ impl<E: Estimate> EstimateWriter<E> {
 }
 
 /// Whether a file that begins like this holds estimates that heft has written.
-#[must_use]
 pub fn is_estimates(head: &[u8]) -> bool {
     let named = |line: &str| line.split(',').any(|column| column == "method");
     first_line(head).is_some_and(|line| line.starts_with("t,") && named(line))
-}
-
-fn index<E: Estimate>(column: Column) -> Option<usize> {
-    match column {
-        Column::Value(name, _) => E::index(name),
-        Column::Flag(..) => None,
-    }
 }
 
 /// The shortest text that reads back to the same number; nothing for what is no number.

@@ -27,7 +27,6 @@ pub fn export(reader: &Reader, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>,
 }
 
 /// Whether a file that begins like this is a channel that heft has written, of this version or another one.
-#[must_use]
 pub fn is_export(head: &[u8]) -> bool {
     head.starts_with(b"machine,epoch,sequence,")
 }

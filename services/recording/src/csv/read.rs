@@ -349,7 +349,6 @@ pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
 
 /// Columns of a table that are no signal, each with the absent signal that its name is nearest to; none where it
 /// cannot be read.
-#[must_use]
 pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
     let header = Table::open(path).and_then(|table| Ok(table.records()?.1));
     let header = header.unwrap_or_default();

@@ -24,7 +24,7 @@ pub type NamedColumn = (&'static str, &'static str, Values);
 #[derive(Debug)]
 pub struct Table<E: Estimate> {
     times: Vec<f64>,
-    columns: Vec<(Column, Option<usize>, Filled)>,
+    columns: Vec<(Column, Option<usize>, Values)>,
     /// Whether the method has the quantities that few methods have.
     has_extra: Option<bool>,
     methods: Vec<u8>,
@@ -35,23 +35,15 @@ pub struct Table<E: Estimate> {
     estimates: PhantomData<E>,
 }
 
-#[derive(Debug)]
-enum Filled {
-    Numbers(Vec<f64>),
-    Flags(Vec<bool>),
-}
-
 impl<E: Estimate> Table<E> {
     /// An empty table with room for so many rows.
-    #[must_use]
     pub fn with_capacity(rows: usize) -> Self {
-        let column = |c: &Column| match *c {
-            Column::Flag(..) => (*c, None, Filled::Flags(Vec::with_capacity(rows))),
-            Column::Value(name, _) => (
-                *c,
-                E::index(name),
-                Filled::Numbers(Vec::with_capacity(rows)),
-            ),
+        let column = |c: &Column| {
+            let values = match c {
+                Column::Flag(..) => Values::Flags(Vec::with_capacity(rows)),
+                Column::Value(..) => Values::Numbers(Vec::with_capacity(rows)),
+            };
+            (*c, c.index::<E>(), values)
         };
         Self {
             times: Vec::with_capacity(rows),
@@ -82,8 +74,8 @@ impl<E: Estimate> Table<E> {
         self.times.push(estimate.stamp().time);
         for (column, index, cells) in &mut self.columns {
             match (cells, *column) {
-                (Filled::Flags(cells), Column::Flag(_, bit)) => cells.push(flags & bit != 0),
-                (Filled::Numbers(cells), Column::Value(_, bits)) => {
+                (Values::Flags(cells), Column::Flag(_, bit)) => cells.push(flags & bit != 0),
+                (Values::Numbers(cells), Column::Value(_, bits)) => {
                     cells.push(number(estimate, *index, estimated & bits == bits));
                 }
                 _ => {}
@@ -94,26 +86,18 @@ impl<E: Estimate> Table<E> {
     }
 
     /// Places of the rows that were refused.
-    #[must_use]
     pub fn refused(&self) -> &[u32] {
         &self.refused
     }
 
     /// The columns; those of quantities that few methods have, only where this one has them.
-    #[must_use]
     pub fn finish(self) -> Vec<NamedColumn> {
         let mut columns = vec![("t", "s", Values::Numbers(self.times))];
-        for (i, (column, index, cells)) in self.columns.into_iter().enumerate() {
-            let (Column::Flag(name, _) | Column::Value(name, _)) = column;
-            let unit = index.map_or("", |i| E::FIELDS[i].unit);
+        for (i, (column, _, values)) in self.columns.into_iter().enumerate() {
             if i >= E::COLUMNS.len() && self.has_extra != Some(true) {
                 break;
             }
-            let values = match cells {
-                Filled::Numbers(cells) => Values::Numbers(cells),
-                Filled::Flags(cells) => Values::Flags(cells),
-            };
-            columns.push((name, unit, values));
+            columns.push((column.name(), column.unit::<E>(), values));
         }
         columns.push((
             "method",
@@ -147,14 +131,13 @@ pub enum Cell {
 
 /// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
 /// the row was refused, method and reason.
-#[must_use]
 pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
-    let column = |c: &Column| match *c {
-        Column::Flag(name, _) => (name, "", Kind::Flag),
-        Column::Value(name, _) => {
-            let unit = E::index(name).map_or("", |i| E::FIELDS[i].unit);
-            (name, unit, Kind::Number)
-        }
+    let column = |c: &Column| {
+        let kind = match c {
+            Column::Flag(..) => Kind::Flag,
+            Column::Value(..) => Kind::Number,
+        };
+        (c.name(), c.unit::<E>(), kind)
     };
     let mut all = vec![("t", "s", Kind::Number)];
     all.extend(E::COLUMNS.iter().chain(E::EXTRA.0).map(column));
@@ -185,12 +168,9 @@ pub struct Cells<E: Estimate> {
 
 impl<E: Estimate> Default for Cells<E> {
     fn default() -> Self {
-        let column = |c: &Column| match *c {
-            Column::Flag(..) => (*c, None),
-            Column::Value(name, _) => (*c, E::index(name)),
-        };
+        let columns = E::COLUMNS.iter().chain(E::EXTRA.0);
         Self {
-            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            columns: columns.map(|c| (*c, c.index::<E>())).collect(),
             estimates: PhantomData,
         }
     }

@@ -63,7 +63,6 @@ pub struct NamedWords {
 }
 
 /// The codes of a recorded channel by their names, and its flags.
-#[must_use]
 pub fn verdict(channel: &str, columns: &[RecordedColumn]) -> Vec<NamedWords> {
     let known = channels::all().find(|c| c.name == channel);
     known.map_or_else(Vec::new, |c| c.payload.visit(Verdict(columns)))

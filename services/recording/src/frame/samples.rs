@@ -107,7 +107,6 @@ impl<S: Sensors> Feed<S> {
     }
 
     /// How many samples were made.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.builder.count()
     }
@@ -119,7 +118,6 @@ impl<S: Sensors> Feed<S> {
 }
 
 /// Names of the columns that samples of the machine can have; nothing for another machine.
-#[must_use]
 pub fn signals_of(machine: Machine) -> Vec<String> {
     signal::signals_of(machine)
         .into_iter()

@@ -8,7 +8,6 @@ use crate::rows::{flags_of_estimate, numbers_of_estimate};
 
 /// The message of an excavator estimate; what the method does not estimate stays 0 without its bit.
 /// `started`: a row has been accepted.
-#[must_use]
 pub fn message(e: &Estimate, started: bool) -> ExcavatorEstimate {
     ExcavatorEstimate {
         flags: flags(e),

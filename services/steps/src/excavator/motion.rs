@@ -6,7 +6,6 @@ use messages::{Stamp, SwingMotion, excavator_bits as bits};
 use crate::bits::set_bits;
 
 /// The message of a motion. `valid`: signal bits of the sample that it was made from.
-#[must_use]
 pub fn message(m: &Motion, valid: u32) -> SwingMotion {
     // A signal that the gate dropped is not valid any more.
     let signals = bits::SWING_VELOCITY | bits::SWING_ANGLE;
@@ -42,7 +41,6 @@ pub fn message(m: &Motion, valid: u32) -> SwingMotion {
 }
 
 /// The motion in a message.
-#[must_use]
 pub fn motion(m: &SwingMotion) -> Motion {
     Motion {
         time: m.stamp.time,

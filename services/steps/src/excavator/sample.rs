@@ -11,7 +11,6 @@ use crate::rows::sample_of_message;
 sheet::excavator_signals!(sample_of_message);
 
 /// The columns that the source of a message has.
-#[must_use]
 pub fn columns(m: &ExcavatorSensors) -> Columns {
     let posture = bits::BOOM_ANGLE | bits::ARM_ANGLE | bits::BUCKET_ANGLE;
     Columns {

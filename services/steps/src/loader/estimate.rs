@@ -6,7 +6,6 @@ use messages::{LoaderEstimate, LoaderEstimate as EstimateMessage};
 use crate::rows::{flags_of_estimate, numbers_of_estimate};
 
 /// The message of an estimate; what the method does not estimate stays 0 without its bit.
-#[must_use]
 pub fn message(e: &Estimate) -> LoaderEstimate {
     LoaderEstimate {
         flags: flags(e),

@@ -8,7 +8,6 @@ const TILT_CYLINDER: &str = "All loads may be too heavy or too light alike: noth
     machine.lift_arm.bucket_turn in the machine file, or lift a weighed load (heft calibrate).";
 
 /// What is open, how wide that makes the loads, and what to state; `None` where all is stated.
-#[must_use]
 pub fn guessed(description: &Description) -> Option<String> {
     match description {
         Description::Excavator(d) => guessed_lengths(d),

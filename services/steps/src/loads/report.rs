@@ -32,7 +32,6 @@ macro_rules! fill {
 sheet::loads_fields!(fill);
 
 /// What is known of the bucket, the latest load and its truck, as a message beside the estimate of this stamp.
-#[must_use]
 pub fn message(counter: &LoadCounter, stamp: &Stamp) -> Envelope {
     let mut report = LoadReport::of(counter.ledger(), counter.loads().next_back());
     report.reason &= REASON;
@@ -51,7 +50,6 @@ pub fn message(counter: &LoadCounter, stamp: &Stamp) -> Envelope {
 }
 
 /// The channel of a machine's loads.
-#[must_use]
 pub fn channel(machine: Machine) -> &'static Channel {
     match machine {
         Machine::Excavator => EXCAVATOR_LOADS.any(),

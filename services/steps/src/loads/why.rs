@@ -22,13 +22,11 @@ pub(super) fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
 }
 
 /// Reason and flags of the estimate that a load was weighed by.
-#[must_use]
 pub fn reason_and_flags(load: &Load) -> (u32, u32) {
     (load.why & REASON, load.why >> 8)
 }
 
 /// Why a load is not trusted, in words; empty where it is.
-#[must_use]
 pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";

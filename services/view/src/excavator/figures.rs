@@ -9,7 +9,6 @@ use crate::plot::{Plot, Style};
 
 /// Fig. 3: inertia by attachment and material in two working postures, normalised by the largest;
 /// each condition is its name and the inertia in posture 1 and 2 (any unit).
-#[must_use]
 pub fn attachments(conditions: &[(&str, f64, f64)]) -> String {
     let largest = conditions
         .iter()
@@ -44,7 +43,6 @@ pub fn attachments(conditions: &[(&str, f64, f64)]) -> String {
 }
 
 /// Fig. 8: angles of boom, arm and bucket, and swing angle and velocity [rad, rad/s].
-#[must_use]
 pub fn working_angles(
     t: &[f64],
     joints: [&[f64]; 3],
@@ -94,7 +92,6 @@ pub fn working_angles(
 }
 
 /// Fig. 9: the inertia that follows from the geometry, for one or more payloads [kg m²].
-#[must_use]
 pub fn analytic_inertia(t: &[f64], cases: &[Curve<'_>]) -> String {
     let plot = panel("Swing inertia [kg m²]", t, None, cases);
     figure(
@@ -119,7 +116,6 @@ pub struct Results<'a> {
 }
 
 /// Figs. 11, 14, 17: estimation results; `number` is that of the figure, `case` its material.
-#[must_use]
 pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
     let estimate = |values| {
         [Curve {
@@ -156,7 +152,6 @@ pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
 }
 
 /// Figs. 12, 15, 18: where the rule of the nominal damping and that of the forgetting factors acted.
-#[must_use]
 pub fn updates(
     number: &str,
     case: &str,
@@ -178,7 +173,6 @@ pub fn updates(
 }
 
 /// Figs. 13, 16, 19: distribution of the error of the inertia [%] with its normal fit.
-#[must_use]
 pub fn error_distribution(number: &str, case: &str, errors: &[f64]) -> String {
     let title = "Error of the swing inertia, share of samples per 1 %";
     let plot = histogram(title, "error", errors, Style::Series(0));

@@ -43,8 +43,7 @@ impl Each for Series {
             let values = E::PARAMETERS
                 .iter()
                 .map(|p| json!([number(p.value(last)), number(p.std(last))]));
-            let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-            let trusted = headline.map(|p| u8::from(last.flags() & p.trusted != 0));
+            let trusted = E::headlines().map(|p| u8::from(last.flags() & p.trusted != 0));
             json!({
                 "c": channel,
                 "m": last.method_name(),
@@ -120,7 +119,7 @@ impl Each for Judgements {
     fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Vec<Value> {
         // The product's filter, ukf, comes before the regression.
         let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
-            let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
+            let last = &tracked.last;
             let figures = |p: &Parameter<E, E::Truth>, e: &E| {
                 let (number, interval) = large(p.value(e), p.std(e), p.unit);
                 json!({"number": number, "interval": interval, "time": e.stamp().time})
@@ -128,7 +127,7 @@ impl Each for Judgements {
             let words = last
                 .judgements()
                 .into_iter()
-                .zip(headline)
+                .zip(E::headlines())
                 .zip(&tracked.trusted);
             let words = words.map(|((j, p), trusted)| {
                 json!({

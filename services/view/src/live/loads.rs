@@ -16,7 +16,6 @@ pub struct SharedLoads(Arc<Mutex<LoadCounter>>);
 
 impl SharedLoads {
     /// Shares a counter.
-    #[must_use]
     pub fn new(counter: LoadCounter) -> Self {
         Self(Arc::new(Mutex::new(counter)))
     }

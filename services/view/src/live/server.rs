@@ -10,7 +10,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use axum::Router;
-use axum::extract::State;
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
@@ -43,31 +44,44 @@ const HISTORY: usize = 1800;
 pub struct Server {
     address: SocketAddr,
     shared: Arc<Shared>,
-    stop: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    _thread: ServerThread,
 }
 
 impl Server {
     /// Where it listens; the port that was chosen where 0 was asked for.
-    #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
     /// Viewers right now.
-    #[must_use]
     pub fn viewers(&self) -> usize {
         self.shared.viewers.load(Ordering::Relaxed)
     }
 
     /// Frames that slow viewers skipped so far.
-    #[must_use]
     pub fn skipped(&self) -> u64 {
         self.shared.skipped.load(Ordering::Relaxed)
     }
 }
 
-impl Drop for Server {
+/// The thread of a server; dropping it ends the server and waits for it.
+#[derive(Debug)]
+pub struct ServerThread {
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl ServerThread {
+    /// A thread that ends when it is told by `stop`.
+    pub fn new(stop: oneshot::Sender<()>, thread: JoinHandle<()>) -> Self {
+        Self {
+            stop: Some(stop),
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for ServerThread {
     fn drop(&mut self) {
         if let Some(stop) = self.stop.take() {
             let _ = stop.send(());
@@ -143,8 +157,7 @@ pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> 
     Ok(Server {
         address,
         shared,
-        stop: Some(stop),
-        thread: Some(thread),
+        _thread: ServerThread::new(stop, thread),
     })
 }
 
@@ -238,65 +251,61 @@ impl Shared {
         let frames: Vec<&str> = history.iter().map(AsRef::as_ref).collect();
         format!("[{}]", frames.join(","))
     }
+}
 
-    /// A page on this host answers only to a name of this host, or any site could read it through
-    /// a name that it points here.
-    fn admits(&self, headers: &HeaderMap) -> bool {
-        let host = headers
-            .get(header::HOST)
-            .and_then(|h| h.to_str().ok())
-            .unwrap_or("");
-        let name = host.rsplit_once(':').map_or(host, |(name, port)| {
-            if port.bytes().all(|b| b.is_ascii_digit()) {
-                name
-            } else {
-                host
-            }
-        });
-        !self.loopback || ["localhost", "127.0.0.1", "[::1]"].contains(&name)
+/// Whether a request names this host. A page on this host answers only to that, or any site could read it through a name
+/// that it points here.
+pub fn names_this_host(headers: &HeaderMap) -> bool {
+    let host = headers
+        .get(header::HOST)
+        .and_then(|h| h.to_str().ok())
+        .unwrap_or("");
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => host,
+    };
+    ["localhost", "127.0.0.1", "[::1]"].contains(&name)
+}
+
+/// What the tasks share, for a request that may be answered.
+struct Admitted(Arc<Shared>);
+
+impl FromRequestParts<Arc<Shared>> for Admitted {
+    type Rejection = StatusCode;
+
+    async fn from_request_parts(
+        parts: &mut Parts,
+        shared: &Arc<Shared>,
+    ) -> Result<Self, StatusCode> {
+        if shared.loopback && !names_this_host(&parts.headers) {
+            return Err(StatusCode::FORBIDDEN);
+        }
+        Ok(Self(Arc::clone(shared)))
     }
 }
 
-async fn show(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn show(Admitted(shared): Admitted) -> Response {
     page::closed(page::with(&shared.status()))
 }
 
-async fn show_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn show_loads(_: Admitted) -> Response {
     loads::panel()
 }
 
-async fn show_metrics(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn show_metrics(Admitted(shared): Admitted) -> Response {
     let text = metrics::text(&shared.feed.lock(), Instant::now());
     ([(header::CONTENT_TYPE, metrics::KIND)], text).into_response()
 }
 
-async fn state_of_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn state_of_loads(Admitted(shared): Admitted) -> Response {
     loads::state(shared.feed.loads.as_ref())
 }
 
-async fn next_truck(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn next_truck(Admitted(shared): Admitted, headers: HeaderMap) -> Response {
     loads::next_truck(shared.feed.loads.as_ref(), &headers)
 }
 
-async fn events(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
-    if !shared.admits(&headers) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
+async fn events(Admitted(shared): Admitted) -> Response {
     let Some(viewer) = Viewer::admit(shared) else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many viewers").into_response();
     };

@@ -65,7 +65,6 @@ impl Series<'_> {
 
 /// Figs. 4 and 5: speed, position and height of the centre of gravity on a bumpy road, driving and
 /// spading; `number` is that of the figure, `condition` says which.
-#[must_use]
 pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
     let [distance, height] = series.centre_of_gravity();
     figure(
@@ -77,7 +76,6 @@ pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
 }
 
 /// Figs. 7 and 8: torque, speed, position and height in the two experiments, here simulated.
-#[must_use]
 pub fn experiment(number: &str, condition: &str, series: &Series<'_>) -> String {
     let torque = [Curve {
         label: "front axle torque",

@@ -12,10 +12,9 @@ use statistics::{Histogram, Summary, normal_density};
 const BINS: usize = 32;
 
 /// A histogram for each estimator and headline parameter whose truth is known.
-#[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     let mut panels = Vec::new();
-    for parameter in E::PARAMETERS.iter().filter(|p| p.headline()) {
+    for parameter in E::headlines() {
         for estimator in &run.estimators {
             let score = Score::of(run, estimator, parameter);
             let title = format!("Error of {}", parameter.label.to_lowercase());
@@ -29,7 +28,6 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
 }
 
 /// Histogram of errors in percent with the normal density of the same mean and standard deviation.
-#[must_use]
 pub fn histogram(title: &str, label: &str, errors: &[f64], style: Style) -> Option<Plot> {
     let (summary, bins) = (Summary::of(errors)?, Histogram::of(errors, BINS)?);
     let mut plot = Plot::new(title, "Relative error [%]");

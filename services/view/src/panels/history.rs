@@ -9,7 +9,6 @@ use crate::plot::{Plot, Style};
 use crate::run::{Estimator, MachineRun};
 
 /// A panel for each parameter that some estimator estimates.
-#[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     let parameters = E::PARAMETERS.iter();
     parameters.filter_map(|p| panel(run, p)).collect()

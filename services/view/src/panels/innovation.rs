@@ -16,7 +16,6 @@ const LAGS: usize = 50;
 const CAP: f64 = 16.0;
 
 /// The moving mean of the normalised innovation squared, and its autocorrelation.
-#[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>, motion: &[SwingMotion]) -> Vec<Panel> {
     let judged: Vec<_> = run
         .estimators

@@ -17,7 +17,6 @@ pub struct Hop {
 
 impl Hop {
     /// Quantile `q` \[ns\].
-    #[must_use]
     pub fn quantile_ns(&self, q: f64) -> f64 {
         quantile(&self.sorted_ns, q)
     }
@@ -25,7 +24,6 @@ impl Hop {
 
 /// The hops of an estimator, from the publish times in its messages, and the way as a whole; empty
 /// where nothing was published (a run on a file).
-#[must_use]
 pub fn hops<E: Estimate>(estimator: &Estimator<E>) -> Vec<Hop> {
     type Pick<E> = fn(&E) -> (u64, u64);
     let table: [(&'static str, Pick<E>); 5] = [
@@ -59,7 +57,6 @@ pub fn hops<E: Estimate>(estimator: &Estimator<E>) -> Vec<Hop> {
 }
 
 /// The share of samples that took longer, over the latency.
-#[must_use]
 pub fn panel(title: &str, hops: &[Hop]) -> Option<Panel> {
     let mut plot = Plot::new(title, "Latency [µs]").logarithmic();
     for (i, hop) in hops.iter().enumerate() {

@@ -6,7 +6,6 @@ use crate::plot::{Plot, Style};
 use crate::run::{Estimator, MachineRun};
 
 /// The conditions of the headline estimator, and each estimator's own panels.
-#[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     let own = run
         .estimators

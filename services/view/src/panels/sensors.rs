@@ -6,7 +6,6 @@ use crate::plot::{Plot, Style};
 use crate::run::Input;
 
 /// A panel for each unit, with a line for each signal that has a value.
-#[must_use]
 pub fn panels(inputs: &[Input]) -> Vec<Panel> {
     let mut units: Vec<&str> = Vec::new();
     for input in inputs {

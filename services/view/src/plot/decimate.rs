@@ -2,7 +2,6 @@
 
 /// At most `limit` of `points`, in order: of each stretch its first lowest and first highest.
 /// A stretch that holds a gap (a value that is not finite) keeps the gap.
-#[must_use]
 pub fn decimate(points: &[(f64, f64)], limit: usize) -> Vec<(f64, f64)> {
     if points.len() <= limit {
         return points.to_vec();

@@ -16,7 +16,6 @@ use crate::stretches::stretches;
 use crate::words::run_judgements;
 
 /// The page that compares `runs`, each with its name; a machine that only one of them has is left out.
-#[must_use]
 pub fn compared(runs: &[(String, Run)]) -> String {
     let mut page = Page::default();
     let names: Vec<String> = runs.iter().map(|(name, _)| text(name)).collect();
@@ -123,8 +122,7 @@ fn value<E: Estimate>(
     parameter: &Parameter<E, E::Truth>,
 ) -> (String, f64, f64) {
     let judgements = run_judgements(&estimator.estimates);
-    let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-    let own = headline
+    let own = E::headlines()
         .zip(&judgements)
         .find(|(p, _)| p.key == parameter.key);
     // A quantity without a verdict of its own is reported where the first of those that have one is.

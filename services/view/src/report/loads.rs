@@ -10,7 +10,6 @@ use crate::loads::{Account, clock, line, total_words, truck_line};
 use crate::number::{grouped, interval_95, value_and_std};
 
 /// The printable page: what each truck got, load by load, and the sum of the day.
-#[must_use]
 pub fn loads_page(accounts: &[Account]) -> String {
     let mut body = String::from("<h1>Loads</h1>");
     for account in accounts {

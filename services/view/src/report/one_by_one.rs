@@ -5,7 +5,6 @@ use std::fmt::Write;
 use estimation::HALF_WIDTH_95;
 
 use super::html::{row, table, text};
-use super::verdicts::headline;
 use crate::estimate::{Estimate, Parameter};
 use crate::judgement::Judgement;
 use crate::number::{decimals, grouped, unit};
@@ -48,7 +47,7 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         ];
         cells.extend(shown.iter().map(|p| interval(p, estimate)));
         let several = stretch.reported.len() > 1;
-        let verdicts = stretch.reported.iter().zip(headline::<E>()).map(|(j, p)| {
+        let verdicts = stretch.reported.iter().zip(E::headlines()).map(|(j, p)| {
             let of = if several {
                 format!("{}: ", p.label)
             } else {
@@ -75,7 +74,7 @@ fn parameter<E: Estimate>(key: &str) -> Option<&'static Parameter<E, E::Truth>> 
 
 /// "3 trusted"; "front share trusted in 3, height in 0" where the machine has several quantities with a verdict.
 fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
-    let headline: Vec<_> = headline::<E>().collect();
+    let headline: Vec<_> = E::headlines().collect();
     let count = |i: usize| {
         let reported = |s: &&Stretch| s.reported.get(i).is_some_and(|j| j.trusted);
         found.iter().filter(reported).count()

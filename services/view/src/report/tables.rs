@@ -25,7 +25,7 @@ pub(super) fn percent(share: f64) -> String {
 /// The estimators side by side.
 pub(super) fn comparison<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>) {
     let mut rows = String::new();
-    for parameter in E::PARAMETERS.iter().filter(|p| p.headline()) {
+    for parameter in E::headlines() {
         for estimator in &part.estimators {
             rows.push_str(&comparison_row(run, part, estimator, parameter));
         }

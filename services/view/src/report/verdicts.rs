@@ -18,7 +18,7 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     };
     for (judgement, parameter) in run_judgements(&primary.estimates)
         .iter()
-        .zip(headline::<E>())
+        .zip(E::headlines())
     {
         card(body, part, primary, judgement, parameter);
     }
@@ -45,11 +45,6 @@ fn sentences<E: Estimate>(estimator: &Estimator<E>) -> String {
     let judgements = run_judgements(&estimator.estimates);
     let sentences: Vec<_> = judgements.iter().map(|j| j.reported.sentence()).collect();
     sentences.join(" ")
-}
-
-/// The quantities that have a verdict, in the order of the judgements.
-pub(super) fn headline<E: Estimate>() -> impl Iterator<Item = &'static Parameter<E, E::Truth>> {
-    E::PARAMETERS.iter().filter(|p| p.headline())
 }
 
 fn card<E: Estimate>(

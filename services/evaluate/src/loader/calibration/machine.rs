@@ -101,27 +101,6 @@ pub fn input(name: &str, rows: &[Row], stated: StatedLoad) -> Input {
     }
 }
 
-/// What a competent user states of the machine before.
-pub fn described(nominal: &sim::loader::Nominal) -> config::Loader {
-    let mut d = config::Loader::default();
-    d.machine.mass = nominal.mass;
-    d.machine.wheel_radius = nominal.wheel_radius;
-    d.machine.axle_inertia = nominal.axle_inertia;
-    d.machine.wheelbase = nominal.wheelbase;
-    d.machine.bucket_reach = nominal.bucket_reach;
-    d.machine.rolling_resistance = nominal.rolling_resistance;
-    d.machine.friction = nominal.friction;
-    d.machine.radius_load_sensitivity = nominal.radius_load_sensitivity;
-    d.prior.slip_stiffness = nominal.slip_stiffness;
-    d.prior.cg_height = nominal.cg_height.max(0.3);
-    d.prior.cg_ratio = nominal.cg_ratio;
-    d.sensors.speed_std = nominal.grade.speed_std();
-    d.sensors.wheel_speed_std = nominal.grade.wheel_speed_std();
-    d.sensors.slope_std = nominal.grade.slope_std();
-    d.sensors.acceleration_std = nominal.grade.acceleration_std();
-    d
-}
-
 /// The empty machine on axle scales.
 pub fn weighed(machine: &Machine, noise: &mut Noise) -> Result<StatedLoad, Error> {
     let mut weighing = Weighing::new(machine.wheelbase, SCALE_STD).map_err(Error::refused)?;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rusqlite::params;
 
-use super::{Store, failed};
+use super::Store;
 use crate::collector::ask::Question;
 use crate::collector::intake::{Answer, is_of_site};
 use crate::collector::live::Account;
@@ -53,23 +53,20 @@ pub(super) struct Stream {
 
 impl Store {
     /// Moves `good` over everything that follows without a gap.
-    pub(super) fn advance(&mut self, id: i64) -> Result<(), String> {
+    pub(super) fn advance(&mut self, id: i64) -> rusqlite::Result<()> {
         let Some(stream) = self.streams.get_mut(&id) else {
             return Ok(());
         };
-        let mut query = self
-            .sql
-            .prepare_cached(
-                "SELECT number, after FROM message WHERE stream = ? AND number > ? ORDER BY number",
-            )
-            .map_err(failed)?;
-        let mut rows = query.query(params![id, stream.good]).map_err(failed)?;
-        while let Some(row) = rows.next().map_err(failed)? {
-            let after: Option<i64> = row.get(1).map_err(failed)?;
+        let mut query = self.sql.prepare_cached(
+            "SELECT number, after FROM message WHERE stream = ? AND number > ? ORDER BY number",
+        )?;
+        let mut rows = query.query(params![id, stream.good])?;
+        while let Some(row) = rows.next()? {
+            let after: Option<i64> = row.get(1)?;
             if !stream.follows(after) {
                 break;
             }
-            stream.good = row.get(0).map_err(failed)?;
+            stream.good = row.get(0)?;
         }
         Ok(())
     }
@@ -106,7 +103,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn settle(&mut self) -> Result<(), String> {
+    pub fn settle(&mut self) -> rusqlite::Result<()> {
         let is_due = |s: &Stream| s.is_of_site && s.unanswered >= SITE_ATTEMPTS;
         let due = self.streams.iter().filter(|(_, s)| is_due(s));
         let due: Vec<i64> = due.map(|(id, _)| *id).collect();
@@ -118,7 +115,7 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn answered(&mut self, id: i64, answer: Answer) -> Result<(), String> {
+    pub fn answered(&mut self, id: i64, answer: Answer) -> rusqlite::Result<()> {
         let Some(stream) = self.streams.get_mut(&id) else {
             return Ok(());
         };
@@ -143,11 +140,8 @@ impl Store {
         stream.is_written = false;
         let mut query = self
             .sql
-            .prepare_cached("SELECT number, after FROM message WHERE stream = ? AND number > ? AND number <= ? ORDER BY number")
-            .map_err(failed)?;
-        let mut rows = query
-            .query(params![id, stream.good, upto])
-            .map_err(failed)?;
+            .prepare_cached("SELECT number, after FROM message WHERE stream = ? AND number > ? AND number <= ? ORDER BY number")?;
+        let mut rows = query.query(params![id, stream.good, upto])?;
         let label = |number: i64, after| Label {
             machine: String::new(),
             run: 0,
@@ -155,9 +149,9 @@ impl Store {
             after,
             wall_ms: 0,
         };
-        while let Some(row) = rows.next().map_err(failed)? {
-            let number = row.get(0).map_err(failed)?;
-            let next = label(number, row.get(1).map_err(failed)?);
+        while let Some(row) = rows.next()? {
+            let number = row.get(0)?;
+            let next = label(number, row.get(1)?);
             let least = u64::from(stream.is_of_site && !stream.follows(next.after));
             stream.lose(lost(stream.good, &next, stream.per_period).max(least));
             stream.good = number;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rusqlite::params;
 
-use super::{Store, failed};
+use super::Store;
 use crate::wall_ms;
 
 /// New runs of a machine at once, and time between two of them over some time [s]: a run lasts longer.
@@ -72,7 +72,7 @@ impl Store {
     }
 
     /// The run's number here; `None` where a machine begins runs faster than any machine does.
-    pub(super) fn run(&mut self, machine: i64, run: i64) -> Result<Option<i64>, String> {
+    pub(super) fn run(&mut self, machine: i64, run: i64) -> rusqlite::Result<Option<i64>> {
         if let Some(known) = self.runs.get(&(machine, run)) {
             return Ok(Some(known.id));
         }
@@ -82,10 +82,7 @@ impl Store {
         }
         let insert = "INSERT INTO run (machine, run, first_ms) VALUES (?, ?, ?) RETURNING id";
         let values = params![machine, run, wall_ms() as i64];
-        let id: i64 = self
-            .sql
-            .query_row(insert, values, |row| row.get(0))
-            .map_err(failed)?;
+        let id: i64 = self.sql.query_row(insert, values, |row| row.get(0))?;
         let new = Run {
             id,
             count: 0,
@@ -102,7 +99,7 @@ impl Store {
         run: i64,
         count: u64,
         ahead_ms: i64,
-    ) -> Result<(), String> {
+    ) -> rusqlite::Result<()> {
         let Some(known) = self.runs.get_mut(&(machine, run)) else {
             return Ok(());
         };
@@ -116,7 +113,6 @@ impl Store {
         let update = "UPDATE run SET count = ?, clock_ms = ?, off_ms = ? WHERE id = ?";
         self.sql
             .execute(update, params![count, ahead, off, known.id])
-            .map_err(failed)
             .map(|_| ())
     }
 

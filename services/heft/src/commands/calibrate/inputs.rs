@@ -1,7 +1,6 @@
 //! The recordings of a calibration: what they are called, and how the result names them.
 
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use messages::Value;
 use recording::measurable::{self, Measured};
@@ -114,10 +113,9 @@ pub fn names(files: &[PathBuf]) -> Vec<String> {
 
 /// Where the numbers come from: version, date, files with their hashes.
 pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let mut lines = vec![format!(
         "Calibrated by heft {IDENTITY} on {} from",
-        recording::date_and_time(now.map_or(0, |since| since.as_secs()))
+        recording::date_and_time(runtime::since_1970().as_secs())
     )];
     for file in &args.files {
         let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;

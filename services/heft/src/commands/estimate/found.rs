@@ -28,13 +28,12 @@ pub struct InputSummary<E: Estimate> {
 
 impl<E: Estimate> InputSummary<E> {
     pub fn new() -> Self {
-        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
         Self {
             rows: 0,
             moving: 0,
             first_time: 0.0,
             last: E::default(),
-            tally: headlines.map(|_| HeadlineTally::default()).collect(),
+            tally: E::headlines().map(|_| HeadlineTally::default()).collect(),
         }
     }
 
@@ -47,8 +46,7 @@ impl<E: Estimate> InputSummary<E> {
         self.rows += 1;
         self.moving += usize::from(moves);
         self.last = *estimate;
-        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
-        for (tally, p) in self.tally.iter_mut().zip(headlines) {
+        for (tally, p) in self.tally.iter_mut().zip(E::headlines()) {
             if estimate.flags() & p.trusted != 0 {
                 tally.trusted[0] += 1;
                 tally.trusted[1] += usize::from(moves);
@@ -74,8 +72,7 @@ impl<E: Estimate> InputSummary<E> {
 
     fn json(&self, refused: usize, guessed: Option<&str>, doubt: Option<&str>) -> Value {
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
-        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
-        let quantities = self.tally.iter().zip(headlines).map(|(tally, p)| {
+        let quantities = self.tally.iter().zip(E::headlines()).map(|(tally, p)| {
             let [time, value, std] = tally.last.unwrap_or([f64::NAN; 3]);
             json!({
                 "key": p.key, "label": p.label, "unit": p.unit,

@@ -23,7 +23,7 @@ use crate::{page, parts, signals, summary};
 
 /// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
 /// row's estimate what later rows know.
-pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
+pub fn run<S: Message, T: Message, E: Estimate>(
     args: &EstimateArgs,
     output: &Path,
     description: &Description,

@@ -21,9 +21,7 @@ use crate::spin::{self, Spinners};
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
 fn default_folder(machine: &str) -> PathBuf {
-    let seconds = std::time::SystemTime::now()
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_or(0, |d| d.as_secs());
+    let seconds = runtime::since_1970().as_secs();
     PathBuf::from("runs").join(format!("{machine}-{seconds}-{}", std::process::id()))
 }
 
@@ -47,11 +45,6 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     }
     plan.recording = recording::reserve(&folder)?;
     Ok(plan)
-}
-
-fn now_ms() -> u64 {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    now.map_or(0, |d| d.as_millis() as u64)
 }
 
 /// What describes the machine of a run. Where nobody describes a simulated one, its cylinders are described as they are.
@@ -111,7 +104,7 @@ impl Plan {
             })?,
             restored: None,
             fleet: Fleet::of(&args.fleet)?,
-            begun_ms: now_ms(),
+            begun_ms: runtime::since_1970().as_millis() as u64,
             run: match (&args.fleet.site, &args.fleet.machine_id) {
                 (Some(site), Some(machine)) => FleetRun::draw().count(site, machine),
                 _ => FleetRun::draw(),

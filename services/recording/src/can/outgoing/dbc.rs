@@ -24,7 +24,6 @@ const WORDS: &str = r#"0 "no" 1 "yes" 2 "error" 3 "not available""#;
 
 impl Outgoing {
     /// The DBC of the frames of one machine, or of several.
-    #[must_use]
     pub fn dbc(all: &[Self]) -> String {
         let mut out = String::from("VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: heft\n");
         let kinds = || {

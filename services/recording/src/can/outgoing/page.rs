@@ -6,7 +6,6 @@ use super::{Content, Kind, Outgoing};
 
 impl Outgoing {
     /// A row a frame, in Markdown: parameter group, name, what stands in its bytes and bits.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut out = format!(
             "\n### Frames of the {}\n\n| group | frame | content |\n|---|---|---|\n",
