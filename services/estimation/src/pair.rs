@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 
 /// Two numbers that undergo the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(16))]
 pub struct Pair(pub [f64; 2]);
 
 impl Pair {

@@ -36,7 +36,7 @@ pub(in crate::loader::physics) struct Wheel<T> {
 
 impl WheelDynamics {
     /// One linearly implicit step of `dt` seconds.
-    #[inline]
+    #[inline(always)]
     pub fn step<T: Scalar>(
         &self,
         old: &Motion<T>,
@@ -105,7 +105,7 @@ impl WheelDynamics {
     }
 
     /// `parts` linearly implicit steps of `dt / parts` with the same inputs.
-    #[inline]
+    #[inline(always)]
     pub fn substeps<T: Scalar>(
         &self,
         old: &Motion<T>,
@@ -116,7 +116,11 @@ impl WheelDynamics {
         parts: u32,
     ) -> Motion<T> {
         let part = dt / f64::from(parts);
-        (0..parts).fold(*old, |motion, _| self.step(&motion, p, u, road, part))
+        let mut motion = *old;
+        for _ in 0..parts {
+            motion = self.step(&motion, p, u, road, part);
+        }
+        motion
     }
 
     #[inline(always)]
