@@ -101,7 +101,12 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
     #[inline(always)]
     pub fn accept<P: Model<N, M>>(&mut self, updated: &Prediction<P, N, M>) {
         self.state = updated.state;
-        self.root = updated.root();
+        // What lies beyond the diagonal stays zero.
+        for (k, row) in self.root.iter_mut().enumerate() {
+            for (x, column) in row.iter_mut().zip(&updated.columns).take(k + 1) {
+                *x = column[k];
+            }
+        }
     }
 
     /// One consistent step with every measurement present; returns the normalised innovation squared.
