@@ -65,12 +65,14 @@ pub(super) struct Stance {
     places: Places,
     /// Length of the cylinder, and its lever [m].
     pub rod_length: f64,
-    pub lever: f64,
+    lever: f64,
 }
 
 /// Moments about the pivot in a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shown {
+    /// Lever of the cylinder [m].
+    pub lever: f64,
     /// What the cylinders carry of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].
     pub empty: f64,
     pub per_load: f64,
@@ -201,6 +203,7 @@ impl Drawing {
             .map(|(m, turn)| m * turn)
             .sum();
         Shown {
+            lever: stance.lever,
             empty: v[MASS] * of(stance.places.arm) + (v[BUCKET] + v[EXCHANGED]) * carried + missed,
             per_load,
             lifting: self.lifted(v, stance.lever, posture),

@@ -66,7 +66,7 @@ use content::{Content, Motion};
 use doubt::Doubts;
 use drawing::Drawing;
 use drive::Drive;
-use geometry::{Empty, Posture, Shown, Stance, USUAL_ROD_PRESSURE};
+use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
@@ -300,7 +300,7 @@ impl LiftWitness {
         if !drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
-        self.take(&stance, &shown, posture.head, sample, &motion, dt);
+        self.take(&shown, posture.head, sample, &motion, dt);
         // What swings is not known, whatever comes of it.
         motion.open |= self.scale.swings();
         let posture = Posture {
@@ -309,7 +309,7 @@ impl LiftWitness {
         };
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         let shown = Shown {
-            lifting: drawing.lifted(values, stance.lever, &posture),
+            lifting: drawing.lifted(values, shown.lever, &posture),
             ..shown
         };
         let payload = self.scale.payload();
@@ -332,15 +332,7 @@ impl LiftWitness {
     }
 
     /// The payload by this row, as far as no stop and no ground carries.
-    fn take(
-        &mut self,
-        stance: &Stance,
-        shown: &Shown,
-        head: f64,
-        sample: &Sample,
-        motion: &Motion,
-        dt: f64,
-    ) {
+    fn take(&mut self, shown: &Shown, head: f64, sample: &Sample, motion: &Motion, dt: f64) {
         let lift = self.angles.map_or(0.0, |[lift, _]| lift);
         self.stops.see(lift);
         let drawing = &self.drawing;
@@ -353,28 +345,19 @@ impl LiftWitness {
         if self.saturation.see(head, moves, dt) {
             return;
         }
-        self.scale.step(
-            drawing,
-            stance.lever,
-            shown,
-            &self.seals,
-            motion,
-            self.drive.measured,
-            dt,
-        );
+        self.scale
+            .step(drawing, shown, &self.seals, motion, self.drive.measured, dt);
         let is_low = self.stops.is_at(End::Lower, lift);
         if self.stops.is_at(End::Upper, lift) && self.scale.presses(shown, motion) {
             self.scale.stop();
             self.stops.meet(End::Upper, lift);
-        } else if is_low
-            && self.scale.swings()
-            && self.is_less_than_nothing(shown.payload(), stance, shown)
+        } else if is_low && self.scale.swings() && self.is_less_than_nothing(shown.payload(), shown)
         {
             self.scale.stop();
             self.stops.meet(End::Lower, lift);
         } else if is_low
             && !motion.open
-            && self.is_less_than_nothing(self.scale.payload().value, stance, shown)
+            && self.is_less_than_nothing(self.scale.payload().value, shown)
         {
             // Nobody saw it come to rest.
             self.scale.forget(drawing);
@@ -389,10 +372,10 @@ impl LiftWitness {
     }
 
     /// The cylinders carry less than the empty arm and bucket, whatever the drawing and the seals leave open.
-    fn is_less_than_nothing(&self, payload: f64, stance: &Stance, shown: &Shown) -> bool {
+    fn is_less_than_nothing(&self, payload: f64, shown: &Shown) -> bool {
         let (drawing, v) = (&self.drawing, &self.drawing.values);
         let friction = self.seals.unknown() * v[FRICTION] * drawing.full_force(v);
-        let seals = friction * stance.lever / shown.per_load;
+        let seals = friction * shown.lever / shown.per_load;
         let off = self.doubts.off();
         payload - off.value < -CARRIED * norm(&[seals, off.std])
     }

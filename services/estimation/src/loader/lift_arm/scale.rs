@@ -119,7 +119,6 @@ impl Scale {
     pub fn step(
         &mut self,
         drawing: &Drawing,
-        lever: f64,
         shown: &Shown,
         seals: &Seals,
         motion: &Motion,
@@ -127,6 +126,7 @@ impl Scale {
         dt: f64,
     ) {
         let Shown {
+            lever,
             empty,
             per_load,
             lifting,
