@@ -125,11 +125,10 @@ fn folded_sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// Up to this argument [`per_atanh`] is a quotient of polynomials.
+/// Up to this argument [`per_atanh`] is a convergent of Gauss's continued fraction, good to 4e-15.
 pub(crate) const SHORT_ATANH: f64 = 0.5;
 
-/// u/atanh(u) for u up to [`SHORT_ATANH`]: the quotient of two polynomials of u^2 of degree 4 that is 1 at 0 and has the least largest
-/// relative error, 6.4e-16 before rounding (Remez).
+/// u/atanh(u) for u up to [`SHORT_ATANH`].
 #[inline(always)]
 pub(crate) fn short_per_atanh<T: Scalar>(u: T) -> T {
     let s = u * u;
@@ -137,20 +136,24 @@ pub(crate) fn short_per_atanh<T: Scalar>(u: T) -> T {
         s,
         [
             1.0,
-            -2.1983387065078754,
-            1.615421631414247,
-            -0.44241251589601355,
-            0.03317681398821461,
+            -3.12,
+            3.7304347826086954,
+            -2.1316770186335403,
+            0.5890160183066362,
+            -0.0692960021537219,
+            0.0023098667384573966,
         ],
     );
     let denominator = horner(
         s,
         [
             1.0,
-            -1.865005373174769,
-            1.0826420626042192,
-            -0.20074923821368826,
-            0.005853044934874649,
+            -2.7866666666666666,
+            2.8904347826086956,
+            -1.3693416149068323,
+            0.28994079401402056,
+            -0.02213105421074192,
+            0.0002685815488923002,
         ],
     );
     numerator / denominator
