@@ -17,7 +17,7 @@
 use core::array::from_mut;
 use core::marker::PhantomData;
 
-use crate::model::Model;
+use crate::model::{Model, indirect};
 use crate::prediction::Prediction;
 use crate::root::{BLOCK, Reflection, Row, triangularise_rest};
 use crate::rotations::Rotations;
@@ -55,10 +55,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
             independent: [[0.0; M]; M],
             model: PhantomData,
         };
-        for p in 0..M {
-            if P::DIRECT.contains(&p) {
-                continue;
-            }
+        for p in indirect::<P, N, M>() {
             for i in 0..N {
                 prediction.coupling[p][i] = self.noise_coupling[p][i] * process_std[i];
             }
@@ -88,10 +85,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
             let entry = reflection.apply(from_mut(even), 0.0);
             into.columns[i][k] = rotations.apply(odd, entry);
         }
-        for p in 0..M {
-            if P::DIRECT.contains(&p) {
-                continue;
-            }
+        for p in indirect::<P, N, M>() {
             let [odd, even] = &mut self.measured[p];
             let entry = reflection.apply(from_mut(even), into.coupling[p][i]);
             into.coupling[p][i] = rotations.apply(odd, entry);
@@ -121,10 +115,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
         let column = reflection.apply_lanes(&mut self.still, i);
         into.columns[i][i] = norm;
         into.columns[i][i + 1..].copy_from_slice(&column[i + 1..]);
-        for p in 0..M {
-            if P::DIRECT.contains(&p) {
-                continue;
-            }
+        for p in indirect::<P, N, M>() {
             let odd = from_mut(&mut self.measured[p][0]);
             into.coupling[p][i] = reflection.apply_leading(to, odd, into.coupling[p][i]);
         }

@@ -68,13 +68,60 @@ pub(crate) fn short_sin_cos<T: Scalar>(x: T) -> (T, T) {
     (x * sine, cosine)
 }
 
-/// Sine and cosine.
-#[inline]
+/// Sine and cosine, to 2e-16.
+#[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= SHORT_SINE {
         short_sin_cos(x)
+    } else if x.abs() <= FEW_TURNS {
+        folded_sin_cos(x)
     } else {
         ComplexField::sin_cos(x)
+    }
+}
+
+/// Up to this angle [rad] the first part of pi/2 times the number of quarter turns is exact.
+const FEW_TURNS: f64 = 1e5;
+/// pi/2 in two parts, the first with 33 bits (fdlibm, `e_rem_pio2.c`).
+const QUARTER_TURN: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
+/// Added to a number, it leaves the nearest integer in the last bits.
+const INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
+
+/// The same, folded to an eighth of a turn, by the polynomials of fdlibm (`k_sin.c`, `k_cos.c`).
+#[inline(never)]
+fn folded_sin_cos(x: f64) -> (f64, f64) {
+    let turns = x * core::f64::consts::FRAC_2_PI + INTEGER;
+    let whole = turns - INTEGER;
+    let r = (x - whole * QUARTER_TURN[0]) - whole * QUARTER_TURN[1];
+    let s = r * r;
+    let sine = horner(
+        s,
+        [
+            -0.166_666_666_666_666_32,
+            8.333_333_333_322_49e-3,
+            -1.984_126_982_985_795e-4,
+            2.755_731_370_707_006_8e-6,
+            -2.505_076_025_340_686_3e-8,
+            1.589_690_995_211_55e-10,
+        ],
+    );
+    let cosine = horner(
+        s,
+        [
+            4.166_666_666_666_66e-2,
+            -1.388_888_888_887_411e-3,
+            2.480_158_728_947_673e-5,
+            -2.755_731_435_139_066_3e-7,
+            2.087_572_321_298_175e-9,
+            -1.135_964_755_778_819_5e-11,
+        ],
+    );
+    let (sine, cosine) = (r + r * s * sine, 1.0 - (0.5 * s - s * s * cosine));
+    match turns.to_bits() % 4 {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
     }
 }
 
@@ -183,6 +230,22 @@ impl Scalar for f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sine_and_cosine_are_the_functions_through_many_turns() {
+        for k in -200_000..200_000 {
+            let near = f64::from(k) * 1e-4 + 1e-5;
+            let far = f64::from(k) * 0.49 + 1e-5;
+            let quarter = f64::from(k / 10) * core::f64::consts::FRAC_PI_2;
+            for x in [near, far, quarter] {
+                let (sine, cosine) = sin_cos(x);
+                assert!((sine - x.sin()).abs() < 2e-16, "{x} {sine}");
+                assert!((cosine - x.cos()).abs() < 2e-16, "{x} {cosine}");
+            }
+        }
+        let (sine, cosine) = sin_cos(f64::NAN);
+        assert!(sine.is_nan() && cosine.is_nan());
+    }
 
     #[test]
     fn the_short_forms_are_the_functions() {

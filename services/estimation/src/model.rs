@@ -39,3 +39,10 @@ pub trait Model<const N: usize, const M: usize> {
         [[0.0; N]; M]
     }
 }
+
+/// The measurements of a model that are no states; a loop over all with a condition is not unrolled.
+pub(crate) fn indirect<P: Model<N, M>, const N: usize, const M: usize>()
+-> impl Iterator<Item = usize> {
+    let Range { start, end } = P::DIRECT;
+    (0..M - (end - start)).map(move |q| if q < start { q } else { q + end - start })
+}

@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 
 /// Two numbers that undergo the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(16))]
 pub struct Pair(pub [f64; 2]);
 
 impl Pair {
@@ -18,10 +19,11 @@ impl Pair {
         Self([f(a), f(b)])
     }
 
+    /// Both are at most so large.
     #[inline(always)]
-    fn largest(self) -> f64 {
+    fn within(self, limit: f64) -> bool {
         let Self([a, b]) = self;
-        a.abs().max(b.abs())
+        a.abs() <= limit && b.abs() <= limit
     }
 }
 
@@ -101,7 +103,7 @@ impl Scalar for Pair {
     }
     #[inline(always)]
     fn per_atanh(self) -> Self {
-        if self.largest() <= math::SHORT_ATANH {
+        if self.within(math::SHORT_ATANH) {
             math::short_per_atanh(self)
         } else {
             self.map(math::per_atanh)
@@ -109,7 +111,7 @@ impl Scalar for Pair {
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        if self.largest() <= math::SHORT_SINE {
+        if self.within(math::SHORT_SINE) {
             return math::short_sin_cos(self);
         }
         let [a, b] = self.0.map(math::sin_cos);

@@ -148,7 +148,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         for j in P::DIRECT {
             let mut pivots = [0.0; N];
             // Row j and the rows before it have no entries beyond column j.
-            for i in (0..=j).rev() {
+            for i in (0..j + 1).rev() {
                 let (cosine, sine) = (rotations[j].cosine[i], rotations[j].sine[i]);
                 for k in 0..N {
                     let entry = self.columns[i][k];

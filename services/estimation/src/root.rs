@@ -120,15 +120,15 @@ impl<const N: usize> Reflection<N, 1> {
     fn apply_from<const FROM: usize>(&self, columns: &mut [[f64; N]; N], i: usize) -> [f64; N] {
         let [row] = &self.row;
         let mut along = [0.0; N];
-        for c in 0..=i {
+        for (column, x) in columns.iter().zip(row).take(i + 1) {
             for k in FROM..N {
-                along[k] += row[c] * columns[c][k];
+                along[k] += x * column[k];
             }
         }
         along = along.map(|sum| self.scale * sum);
-        for c in 0..=i {
+        for (column, x) in columns.iter_mut().zip(row).take(i + 1) {
             for k in FROM..N {
-                columns[c][k] -= along[k] * row[c];
+                column[k] -= along[k] * x;
             }
         }
         along.map(|along| along * self.pivot)

@@ -14,7 +14,7 @@
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
-use crate::model::Model;
+use crate::model::{Model, indirect};
 use crate::pair::Pair;
 use core::marker::PhantomData;
 
@@ -101,7 +101,12 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
     #[inline(always)]
     pub fn accept<P: Model<N, M>>(&mut self, updated: &Prediction<P, N, M>) {
         self.state = updated.state;
-        self.root = updated.root();
+        // What lies beyond the diagonal stays zero.
+        for (k, row) in self.root.iter_mut().enumerate() {
+            for (x, column) in row.iter_mut().zip(&updated.columns).take(k + 1) {
+                *x = column[k];
+            }
+        }
     }
 
     /// One consistent step with every measurement present; returns the normalised innovation squared.
@@ -155,10 +160,7 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
                 let Pair([plus, minus]) = image[k];
                 images.shift[k] += self.pair(&mut images.moving[k], i, plus, minus, center.0[k]);
             }
-            for p in 0..M {
-                if P::DIRECT.contains(&p) {
-                    continue;
-                }
+            for p in indirect::<P, N, M>() {
                 let Pair([plus, minus]) = measured[p];
                 shift_measured[p] +=
                     self.pair(&mut images.measured[p], i, plus, minus, center.1[p]);

@@ -124,12 +124,24 @@ fn weight(number: usize) -> f64 {
 }
 
 impl Doubts {
-    /// Moves the next number by its standard deviation. `empty`: the machine as it is described.
-    pub fn see(&mut self, drawing: &Drawing, posture: &Posture, payload: f64, empty: &Empty) {
-        let [moved, weighing] = drawing.off(self.next);
-        let shift = drawing.payload(&weighing, posture) - drawing.payload(&drawing.values, posture);
+    /// Moves the next number by its standard deviation. `payload`: what the pressures show of it and what the rows do; `empty`: the machine
+    /// as it is described.
+    pub fn see(
+        &mut self,
+        drawing: &Drawing,
+        posture: &Posture,
+        [shown, payload]: [f64; 2],
+        empty: &Empty,
+    ) {
+        let moved = drawing.off(self.next);
+        let stance = drawing.stance(&moved, posture);
+        let shift = if drawing.weighs_by(self.next) {
+            drawing.shown(&moved, &stance, posture).payload() - shown
+        } else {
+            0.0
+        };
         let here = empty.with(payload);
-        let there = drawing.empty_at(&moved, posture).with(payload + shift);
+        let there = drawing.empty_at(&moved, &stance).with(payload + shift);
         let effects = [shift, there.ratio - here.ratio, there.height - here.height];
         self.put(self.next, effects);
         self.next += 1;

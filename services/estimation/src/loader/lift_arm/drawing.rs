@@ -112,20 +112,22 @@ impl Drawing {
         })
     }
 
-    /// The numbers with one of them off by its deviation: as the centre of gravity depends on it, and as the payload does.
-    pub fn off(&self, number: usize) -> [[f64; NUMBERS]; 2] {
-        // In place: a map over arrays of arrays copies each some times.
-        let mut both = [self.values; 2];
+    /// The numbers with one of them off by its deviation.
+    pub fn off(&self, number: usize) -> [f64; NUMBERS] {
+        let (mut values, std) = (self.values, &self.std);
         let (beside, along) = (1.0 - self.correlation * self.correlation, self.correlation);
-        for (values, std) in both.iter_mut().zip([&self.std, &self.weighing]) {
-            match number {
-                SPAN => values[OFFSET] += along * std[OFFSET],
-                OFFSET => values[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
-                _ => {}
-            }
-            values[number] += std[number];
+        match number {
+            SPAN => values[OFFSET] += along * std[OFFSET],
+            OFFSET => values[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
+            _ => {}
         }
-        both
+        values[number] += std[number];
+        values
+    }
+
+    /// The payload depends on a number: no calibration has taken it in.
+    pub fn weighs_by(&self, number: usize) -> bool {
+        self.weighing[number] == self.std[number]
     }
 
     /// A number is known better, or otherwise.

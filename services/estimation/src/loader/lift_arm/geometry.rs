@@ -44,6 +44,7 @@ pub(super) struct Posture {
 }
 
 /// Places of the masses from the pivot [m].
+#[derive(Clone, Copy, Debug)]
 struct Places {
     arm: [f64; 2],
     pin: [f64; 2],
@@ -55,6 +56,34 @@ impl Places {
     /// The load, or what a raised arm moves of it: of the part beyond the pin as much as the bucket turns with the arm.
     fn load(&self, turn: f64) -> [f64; 2] {
         core::array::from_fn(|axis| self.pin[axis] + turn * self.beyond[axis])
+    }
+}
+
+/// Where a drawing has its masses and its cylinder in a posture: taken once a row, for all that ask for it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stance {
+    places: Places,
+    /// Length of the cylinder, and its lever [m].
+    pub rod_length: f64,
+    lever: f64,
+}
+
+/// Moments about the pivot in a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shown {
+    /// Lever of the cylinder [m].
+    pub lever: f64,
+    /// What the cylinders carry of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].
+    pub empty: f64,
+    pub per_load: f64,
+    /// What they lift by their pressures, less their friction [N m].
+    pub lifting: f64,
+}
+
+impl Shown {
+    /// The payload that the pressures show [kg].
+    pub fn payload(&self) -> f64 {
+        (self.lifting - self.empty) / self.per_load
     }
 }
 
@@ -150,18 +179,22 @@ impl Drawing {
         }
     }
 
-    /// Where the masses are, the sensors' zeros being off.
-    fn places_now(v: &[f64; NUMBERS], posture: &Posture) -> Places {
+    /// Where the masses and the cylinder are, the sensors' zeros being off.
+    pub fn stance(&self, v: &[f64; NUMBERS], posture: &Posture) -> Stance {
+        let (rod_length, lever) = self.cylinder(v, posture.arm);
         let arm = posture.arm.by(v[LIFT_ZERO]);
         let bucket = posture.bucket.by(v[LIFT_ZERO] + v[TILT_ZERO]);
-        Self::places(v, arm, bucket)
+        Stance {
+            places: Self::places(v, arm, bucket),
+            rod_length,
+            lever,
+        }
     }
 
-    /// What the cylinders of the arm carry of the empty arm and bucket, and of a kilogram of load [N m], [N m/kg].
-    pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
-        let places = Self::places_now(v, posture);
+    /// The moments of a row.
+    pub fn shown(&self, v: &[f64; NUMBERS], stance: &Stance, posture: &Posture) -> Shown {
         let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
-        let carried = of(places.load(v[TURN]));
+        let carried = of(stance.places.load(v[TURN]));
         let per_load = carried.max(LEAST_LEVER * v[LENGTH] * GRAVITY);
         let missed: f64 = self
             .missed
@@ -169,39 +202,44 @@ impl Drawing {
             .zip(turns(posture))
             .map(|(m, turn)| m * turn)
             .sum();
-        (
-            v[MASS] * of(places.arm) + (v[BUCKET] + v[EXCHANGED]) * carried + missed,
+        Shown {
+            lever: stance.lever,
+            empty: v[MASS] * of(stance.places.arm) + (v[BUCKET] + v[EXCHANGED]) * carried + missed,
             per_load,
-        )
+            lifting: self.lifted(v, stance.lever, posture),
+        }
     }
 
-    /// Moment of the cylinders less their friction [N m].
-    pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
-        let (_, lever) = self.cylinder(v, posture.arm);
+    /// Moment of the cylinders with this lever, less their friction [N m].
+    pub fn lifted(&self, v: &[f64; NUMBERS], lever: f64, posture: &Posture) -> f64 {
         let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
         let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
         let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
         lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
     }
 
+    /// What the cylinders of the arm carry of the empty arm and bucket, and of a kilogram of load [N m], [N m/kg].
+    pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
+        let shown = self.shown(v, &self.stance(v, posture), posture);
+        (shown.empty, shown.per_load)
+    }
+
+    /// Moment of the cylinders less their friction [N m].
+    pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
+        self.lifted(v, self.cylinder(v, posture.arm).1, posture)
+    }
+
     /// The cylinders carry arm and bucket, or at least a part that no description is off by.
-    pub fn carries_itself(&self, posture: &Posture) -> bool {
+    pub fn carries_itself(&self, shown: &Shown) -> bool {
         let v = &self.values;
-        let lifting = self.lifting(v, posture);
         // All of its mass at its end would ask for more than any posture does.
         let most = (v[MASS] + v[BUCKET]) * (v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY;
-        lifting > CARRIED_AT_LEAST * most || lifting > CARRIED_AT_LEAST * self.moments(v, posture).0
+        shown.lifting > CARRIED_AT_LEAST * most.min(shown.empty)
     }
 
-    /// The payload that the pressures of this row show [kg].
-    pub fn payload(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
-        let (empty, per_load) = self.moments(v, posture);
-        (self.lifting(v, posture) - empty) / per_load
-    }
-
-    /// The machine with its arm in this posture.
-    pub fn empty_at(&self, v: &[f64; NUMBERS], posture: &Posture) -> Empty {
-        let now = Self::places_now(v, posture);
+    /// The machine with its arm in this stance.
+    pub fn empty_at(&self, v: &[f64; NUMBERS], stance: &Stance) -> Empty {
+        let now = &stance.places;
         // The reference is where the arm truly stood.
         let then = Self::places(v, self.reference[0], self.reference[1]);
         let (load, stated) = (now.load(1.0), then.load(1.0));

@@ -66,7 +66,7 @@ use content::{Content, Motion};
 use doubt::Doubts;
 use drawing::Drawing;
 use drive::Drive;
-use geometry::{Empty, Posture, USUAL_ROD_PRESSURE};
+use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
@@ -284,31 +284,38 @@ impl LiftWitness {
     }
 
     fn weigh(&mut self, posture: &Posture, sample: &Sample, dt: f64) -> Weighed {
-        let rod_length = self.drawing.rod_length(posture.arm);
-        self.seals.take(rod_length, dt);
+        let stance = self.drawing.stance(&self.drawing.values, posture);
+        self.seals.take(stance.rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
         let mut motion =
             self.content
                 .motion(self.rates, [low, self.drive.pushes()], sample.speed, dt);
         self.learn(posture, &motion);
+        let (drawing, values) = (&self.drawing, &self.drawing.values);
         let posture = Posture {
             seals: self.seals.share(),
             ..*posture
         };
-        if !self.drawing.carries_itself(&posture) {
+        let shown = drawing.shown(values, &stance, &posture);
+        if !drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
-        self.take(&posture, sample, &motion, dt);
+        self.take(&shown, posture.head, sample, &motion, dt);
         // What swings is not known, whatever comes of it.
         motion.open |= self.scale.swings();
         let posture = Posture {
             rest: self.scale.rest(),
             ..posture
         };
+        let (drawing, values) = (&self.drawing, &self.drawing.values);
+        let shown = Shown {
+            lifting: drawing.lifted(values, shown.lever, &posture),
+            ..shown
+        };
         let payload = self.scale.payload();
-        let empty = self.drawing.empty_at(&self.drawing.values, &posture);
+        let empty = drawing.empty_at(values, &stance);
         self.doubts
-            .see(&self.drawing, &posture, payload.value, &empty);
+            .see(drawing, &posture, [shown.payload(), payload.value], &empty);
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, capacity);
         self.doubts.empty(tare);
@@ -325,7 +332,7 @@ impl LiftWitness {
     }
 
     /// The payload by this row, as far as no stop and no ground carries.
-    fn take(&mut self, posture: &Posture, sample: &Sample, motion: &Motion, dt: f64) {
+    fn take(&mut self, shown: &Shown, head: f64, sample: &Sample, motion: &Motion, dt: f64) {
         let lift = self.angles.map_or(0.0, |[lift, _]| lift);
         self.stops.see(lift);
         let drawing = &self.drawing;
@@ -335,30 +342,22 @@ impl LiftWitness {
             return;
         }
         let moves = motion.lifting || sample.speed.is_some_and(|v| v.abs() > DRIVING);
-        if self.saturation.see(posture.head, moves, dt) {
+        if self.saturation.see(head, moves, dt) {
             return;
         }
-        self.scale.step(
-            drawing,
-            posture,
-            &self.seals,
-            motion,
-            self.drive.measured,
-            dt,
-        );
+        self.scale
+            .step(drawing, shown, &self.seals, motion, self.drive.measured, dt);
         let is_low = self.stops.is_at(End::Lower, lift);
-        if self.stops.is_at(End::Upper, lift) && self.scale.presses(drawing, posture, motion) {
+        if self.stops.is_at(End::Upper, lift) && self.scale.presses(shown, motion) {
             self.scale.stop();
             self.stops.meet(End::Upper, lift);
-        } else if is_low
-            && self.scale.swings()
-            && self.is_less_than_nothing(drawing.payload(&drawing.values, posture), posture)
+        } else if is_low && self.scale.swings() && self.is_less_than_nothing(shown.payload(), shown)
         {
             self.scale.stop();
             self.stops.meet(End::Lower, lift);
         } else if is_low
             && !motion.open
-            && self.is_less_than_nothing(self.scale.payload().value, posture)
+            && self.is_less_than_nothing(self.scale.payload().value, shown)
         {
             // Nobody saw it come to rest.
             self.scale.forget(drawing);
@@ -373,11 +372,10 @@ impl LiftWitness {
     }
 
     /// The cylinders carry less than the empty arm and bucket, whatever the drawing and the seals leave open.
-    fn is_less_than_nothing(&self, payload: f64, posture: &Posture) -> bool {
+    fn is_less_than_nothing(&self, payload: f64, shown: &Shown) -> bool {
         let (drawing, v) = (&self.drawing, &self.drawing.values);
-        let (_, per_load) = drawing.moments(v, posture);
         let friction = self.seals.unknown() * v[FRICTION] * drawing.full_force(v);
-        let seals = friction * drawing.lever(posture.arm) / per_load;
+        let seals = friction * shown.lever / shown.per_load;
         let off = self.doubts.off();
         payload - off.value < -CARRIED * norm(&[seals, off.std])
     }

@@ -11,7 +11,7 @@
 
 use super::content::Motion;
 use super::drawing::Drawing;
-use super::geometry::Posture;
+use super::geometry::Shown;
 use super::numbers::FRICTION;
 use super::seals::Seals;
 use crate::Quantity;
@@ -119,22 +119,25 @@ impl Scale {
     pub fn step(
         &mut self,
         drawing: &Drawing,
-        posture: &Posture,
+        shown: &Shown,
         seals: &Seals,
         motion: &Motion,
         accelerated: bool,
         dt: f64,
     ) {
-        let (empty, per_load) = drawing.moments(&drawing.values, posture);
-        let lever = drawing.lever(posture.arm).abs();
-        let full = lever * drawing.full_force(&drawing.values);
+        let Shown {
+            lever,
+            empty,
+            per_load,
+            lifting,
+        } = *shown;
+        let full = lever.abs() * drawing.full_force(&drawing.values);
         // The friction that is expected is in the moment already, its rest is a state.
-        let shown = drawing.lifting(&drawing.values, posture);
         let by = [per_load, full];
-        let innovation = shown - empty - per_load * self.state[0] - full * self.state[1];
-        let carried = shown.abs() + ARM_ALONE * full;
+        let innovation = lifting - empty - per_load * self.state[0] - full * self.state[1];
+        let carried = lifting.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
-        let noise = lever * drawing.force_std();
+        let noise = lever.abs() * drawing.force_std();
         let expected = predicted / (carried * carried);
         self.listen(innovation / carried, expected, motion, dt);
         let still = !motion.settling && !motion.lifting && !motion.held;
@@ -182,12 +185,9 @@ impl Scale {
     }
 
     /// The cylinders press with more than what was lifted.
-    pub fn presses(&self, drawing: &Drawing, posture: &Posture, motion: &Motion) -> bool {
+    pub fn presses(&self, shown: &Shown, motion: &Motion) -> bool {
         self.lifted.is_some_and(|lifted| {
-            let moment = |payload: f64| {
-                let (empty, per_load) = drawing.moments(&drawing.values, posture);
-                empty + per_load * payload
-            };
+            let moment = |payload: f64| shown.empty + shown.per_load * payload;
             let known = moment(lifted.payload).abs();
             let std = moment(lifted.payload + sqrt(lifted.variance)).abs() - known;
             let moves = if motion.lifting || motion.settling {

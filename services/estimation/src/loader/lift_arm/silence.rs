@@ -35,7 +35,8 @@ impl LiftWitness {
             measured.map_or((UNKNOWN_BUCKET, TRAVEL), |(lift, tilt)| (lift + tilt, 0.0));
         let machine = |angles| {
             let posture = self.posture(angles, [0.0; 2], sample);
-            self.drawing.empty_at(&self.drawing.values, &posture)
+            let (drawing, values) = (&self.drawing, &self.drawing.values);
+            drawing.empty_at(values, &drawing.stance(values, &posture))
         };
         let (here, there) = (
             machine([arm, bucket]),

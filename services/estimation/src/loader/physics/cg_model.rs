@@ -64,6 +64,7 @@ pub struct CgModel {
 
 impl CgModel {
     /// The parameters of a state, the payload added.
+    #[inline(always)]
     fn parameters<T: Scalar, const N: usize>(&self, state: &[T; N]) -> Parameters<T> {
         let Loading {
             share,
@@ -79,6 +80,7 @@ impl CgModel {
     }
 
     /// The motion one step later, and the road.
+    #[inline(always)]
     fn advance<T: Scalar, const N: usize>(&self, state: &[T; N]) -> (Motion<T>, Road<T>) {
         let (old, parameters) = (Motion::of(state), self.parameters(state));
         let road = Road::of(-parameters.slope_bias + self.inputs.slope);
@@ -126,6 +128,8 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         None => N,
     };
 
+    // Inlined: what is the same for all sigma points is worked out once.
+    #[inline(always)]
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
         let (old, (new, road)) = (Motion::of(state), self.advance(state));
         let mut next = *state;

@@ -1,12 +1,9 @@
 //! The linearly implicit step: backward Euler with frozen loads and slip denominators, in closed form. Unconditionally stable,
-//! constant cost, any sign of v, standstill included.
+//! constant cost, any sign of v, standstill included. Loads and friction are inserted into the step twice.
 
 use super::{Inputs, Motion, Parameters, Road, WheelDynamics};
 use crate::loader::physics::axle_loads::axle_loads;
 use crate::scalar::Scalar;
-
-/// Loads and friction are inserted into the step this often.
-const PASSES: usize = 2;
 
 /// One axle in a pass of the implicit step.
 struct Axle<T> {
@@ -20,6 +17,65 @@ struct Axle<T> {
     load: T,
     stiffness: T,
     acceleration: T,
+}
+
+/// What does not change from pass to pass.
+struct Step<'a, T> {
+    machine: &'a WheelDynamics,
+    old: &'a Motion<T>,
+    p: &'a Parameters<T>,
+    u: &'a Inputs,
+    road: &'a Road<T>,
+    dt: f64,
+    drag: T,
+}
+
+impl<T: Scalar> Step<'_, T> {
+    /// The motion under the loads of an acceleration and the slips of the pass before.
+    #[inline(always)]
+    fn pass(&self, acceleration: T, before: &Motion<T>) -> Motion<T> {
+        let Self {
+            machine,
+            old,
+            p,
+            u,
+            road,
+            dt,
+            drag,
+        } = *self;
+        let (load_front, load_rear) = axle_loads(
+            machine,
+            acceleration,
+            p.cg_height,
+            p.cg_ratio,
+            u.spade_force_z,
+            road,
+        );
+        let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
+        let axle = |axle, torque, error, load| Axle {
+            axle,
+            torque,
+            error,
+            sensitivity_error: p.load_sensitivity_error,
+            load,
+            stiffness: p.slip_stiffness,
+            acceleration,
+        };
+        let front = axle(0, u.front_torque, p.front_radius_error, load_front);
+        let speeds = [before.speed, before.front_wheel_speed];
+        let front = machine.grip(&front, w_front, speeds, dt);
+        let rear = axle(1, u.rear_torque, p.rear_radius_error, load_rear);
+        let speeds = [before.speed, before.rear_wheel_speed];
+        let rear = machine.grip(&rear, w_rear, speeds, dt);
+        let push = front.grip * front.free_rim_speed + rear.grip * rear.free_rim_speed - drag;
+        let speed = (old.speed + push * (dt / machine.mass))
+            / ((front.grip + rear.grip) * (dt / machine.mass) + 1.0);
+        Motion {
+            speed,
+            front_wheel_speed: machine.wheel_speed(&front, u.front_torque, w_front, speed, dt),
+            rear_wheel_speed: machine.wheel_speed(&rear, u.rear_torque, w_rear, speed, dt),
+        }
+    }
 }
 
 /// What one wheel contributes to the implicit step.
@@ -36,7 +92,7 @@ pub(in crate::loader::physics) struct Wheel<T> {
 
 impl WheelDynamics {
     /// One linearly implicit step of `dt` seconds.
-    #[inline]
+    #[inline(always)]
     pub fn step<T: Scalar>(
         &self,
         old: &Motion<T>,
@@ -48,43 +104,19 @@ impl WheelDynamics {
         let drag = self.drag(old.speed, u, road) + p.spade_force_x + u.spade_force_x;
         let radius_front = (p.front_radius_error + 1.0) * self.wheel_radius;
         let radius_rear = (p.rear_radius_error + 1.0) * self.wheel_radius;
-        let mut acceleration = self.rigid_acceleration(radius_front, radius_rear, u, drag);
-        let mut new = *old;
-        for _ in 0..PASSES {
-            let (load_front, load_rear) = axle_loads(
-                self,
-                acceleration,
-                p.cg_height,
-                p.cg_ratio,
-                u.spade_force_z,
-                road,
-            );
-            let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
-            let axle = |axle, torque, error, load| Axle {
-                axle,
-                torque,
-                error,
-                sensitivity_error: p.load_sensitivity_error,
-                load,
-                stiffness: p.slip_stiffness,
-                acceleration,
-            };
-            let (error_front, error_rear) = (p.front_radius_error, p.rear_radius_error);
-            let front = axle(0, u.front_torque, error_front, load_front);
-            let front = self.grip(&front, w_front, [new.speed, new.front_wheel_speed], dt);
-            let rear = axle(1, u.rear_torque, error_rear, load_rear);
-            let rear = self.grip(&rear, w_rear, [new.speed, new.rear_wheel_speed], dt);
-            let push = front.grip * front.free_rim_speed + rear.grip * rear.free_rim_speed - drag;
-            let speed = (old.speed + push * (dt / self.mass))
-                / ((front.grip + rear.grip) * (dt / self.mass) + 1.0);
-            new = Motion {
-                speed,
-                front_wheel_speed: self.wheel_speed(&front, u.front_torque, w_front, speed, dt),
-                rear_wheel_speed: self.wheel_speed(&rear, u.rear_torque, w_rear, speed, dt),
-            };
-            acceleration = (speed - old.speed) / dt;
-        }
-        new
+        let acceleration = self.rigid_acceleration(radius_front, radius_rear, u, drag);
+        let step = Step {
+            machine: self,
+            old,
+            p,
+            u,
+            road,
+            dt,
+            drag,
+        };
+        // No loop over the passes: it would fetch anew what they share.
+        let first = step.pass(acceleration, old);
+        step.pass((first.speed - old.speed) / dt, &first)
     }
 
     /// What an axle contributes at the speeds of body and wheels of the pass before.
@@ -105,7 +137,7 @@ impl WheelDynamics {
     }
 
     /// `parts` linearly implicit steps of `dt / parts` with the same inputs.
-    #[inline]
+    #[inline(always)]
     pub fn substeps<T: Scalar>(
         &self,
         old: &Motion<T>,
@@ -116,7 +148,11 @@ impl WheelDynamics {
         parts: u32,
     ) -> Motion<T> {
         let part = dt / f64::from(parts);
-        (0..parts).fold(*old, |motion, _| self.step(&motion, p, u, road, part))
+        let mut motion = *old;
+        for _ in 0..parts {
+            motion = self.step(&motion, p, u, road, part);
+        }
+        motion
     }
 
     #[inline(always)]

@@ -198,12 +198,12 @@ impl WheelDynamics {
     /// Slip stiffness of an axle under its load, before it saturates.
     #[inline(always)]
     pub(super) fn axle_stiffness<T: Scalar>(&self, axle: usize, stiffness: T, load: T) -> T {
-        if self.tyres == Tyres::ALIKE {
+        let stiffness = stiffness * self.tyres.gains[axle];
+        if self.tyres.load_exponent == 0.0 {
             return stiffness;
         }
         let relative = load / (0.5 * self.mass * GRAVITY);
-        let falls = (relative.ln() * -self.tyres.load_exponent).exp();
-        stiffness * self.tyres.gains[axle] * falls
+        stiffness * (relative.ln() * -self.tyres.load_exponent).exp()
     }
 
     /// Secant slip stiffness of a tyre that saturates like mu tanh(K sigma/mu).
