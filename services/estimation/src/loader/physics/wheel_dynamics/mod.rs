@@ -189,10 +189,10 @@ impl WheelDynamics {
         (error - self.excess(load) * sensitivity + 1.0) * self.wheel_radius
     }
 
-    /// An axle's load over half the weight, less one.
+    /// An axle's load over half the weight of the empty machine, less one.
     #[inline(always)]
     pub(super) fn excess<T: Scalar>(&self, load: T) -> T {
-        load / (0.5 * self.mass * GRAVITY) - 1.0
+        load / (0.5 * self.empty_mass * GRAVITY) - 1.0
     }
 
     /// Slip stiffness of an axle under its load, before it saturates.
@@ -201,7 +201,7 @@ impl WheelDynamics {
         if self.tyres == Tyres::ALIKE {
             return stiffness;
         }
-        let relative = load / (0.5 * self.mass * GRAVITY);
+        let relative = load / (0.5 * self.empty_mass * GRAVITY);
         let falls = (relative.ln() * -self.tyres.load_exponent).exp();
         stiffness * self.tyres.gains[axle] * falls
     }
