@@ -156,7 +156,7 @@ impl Disturbance {
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
-        if drives {
+        if drives && (speed.abs() > LEAST_SPEED || !step.states_mass) {
             self.gain.see(needed, pull, dt);
         }
         let residual = needed - self.gain.value() * pull;
