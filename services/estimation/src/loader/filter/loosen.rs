@@ -67,10 +67,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
                 ratio_std,
             );
-            let loading = self.loading(settings);
-            let ratio = loading.share * state[CG_RATIO] + loading.ratio;
-            let sensitivity_std = settings.machine.radius_load_sensitivity_std;
-            radius = self.relearning.radius_std(sensitivity_std, ratio);
+            // Where the sensitivity is a state, what a load does to the radii is the model's.
+            if const { Layout::of(N) }.load_sensitivity.is_none() {
+                let loading = self.loading(settings);
+                let ratio = loading.share * state[CG_RATIO] + loading.ratio;
+                let sensitivity_std = settings.machine.radius_load_sensitivity_std;
+                radius = self.relearning.radius_std(sensitivity_std, ratio);
+            }
         }
         let learnt = prior.radius_std * share;
         let parameters = [
