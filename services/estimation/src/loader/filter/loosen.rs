@@ -128,3 +128,32 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ekf::Ekf;
+    use crate::loader::Method;
+
+    /// What a ratio that moves by .2, after it was known once, opens of the radii.
+    fn opened<const N: usize, const M: usize>() -> f64
+    where
+        Ekf<N, M>: Belief<N, M>,
+    {
+        let settings = Settings::DEFAULT;
+        let mut filter = CgFilter::<N, M, Ekf<N, M>>::new(&settings, Method::FullEkf);
+        filter.belief.separate(&[(CG_RATIO, 0.001)], &[0.0; N]);
+        filter.relearnt(&settings);
+        filter.relearnt(&settings);
+        filter.belief.state_mut()[CG_RATIO] += 0.2;
+        let radii = Layout::of(N).radii.expect("radii");
+        filter.relearnt(&settings)[radii[0]]
+    }
+
+    #[test]
+    fn a_load_opens_radii_only_where_their_sensitivity_is_no_state() {
+        let expected = 0.4 * Settings::DEFAULT.machine.radius_load_sensitivity_std;
+        assert!((opened::<9, 3>() - expected).abs() < 1e-12);
+        assert_eq!(opened::<12, 4>(), 0.0);
+    }
+}
