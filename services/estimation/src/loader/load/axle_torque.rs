@@ -17,7 +17,7 @@ use crate::mixture::spread;
 const OFTEN: f64 = 0.077;
 /// By how much, as a standard deviation.
 const OFF: f64 = 0.2;
-/// Usual tolerances that move kappa, of the mass (ISO 6016: 2 %) and of the rolling radius; those of the torques are stated.
+/// Usual tolerances that move kappa, of the mass and of the rolling radius; those of the torques are stated.
 const MASS_TOLERANCE: f64 = 0.02;
 const RADIUS_TOLERANCE: f64 = 0.01;
 /// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa is of gears, motors
