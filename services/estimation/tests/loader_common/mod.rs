@@ -11,6 +11,7 @@ use serde_json::Value;
 pub fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
     WheelDynamics {
         mass: 4700.0,
+        empty_mass: 4700.0,
         wheel_radius: 0.55,
         axle_inertia: 3.33,
         wheelbase: 2.3,

@@ -89,6 +89,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: self.belief.state()[CG_RATIO],
             expected: expected[1].0,
             std: ratio_std,
+            torque_std: settings.sensors.torque_gain_std,
         });
         let locked = self.coupling.locked();
         let signs = Signs {

@@ -27,10 +27,17 @@ const HOLD_OFF: f64 = 3.0;
 /// A centre of gravity further away than this has no interval: its square's square is no number. The paper's filters have no bounds.
 const ENDLESS: f64 = 1e50;
 
+/// A first mass that differs from the described one by less than this share is that of the empty machine: no load is so small.
+const EMPTY: f64 = 0.05;
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The first row with a time starts the filter.
     pub(super) fn first(&mut self, sample: &Sample) -> RowReport<M> {
         self.hold.advance(sample, false, false);
+        let stated = self.hold.mass / self.dynamics.empty_mass;
+        if (stated - 1.0).abs() < EMPTY {
+            self.dynamics.empty_mass = self.hold.mass;
+        }
         self.evidence.receive(sample);
         self.spade_force_x = sample.spade_force_x.unwrap_or(0.0);
         let speed = sample.speed.unwrap_or(0.0);

@@ -5,20 +5,21 @@
 //! An axle's torque lasts, so kappa is learnt here from all rows, not from the last ten seconds.
 //!
 //! ```text
-//! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2)
+//! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2),   s^2 = .02^2 + .01^2 + sigma_T^2/2
 //! H_f, H_r: kappa - 1 = g/2 + .., lam - lam_0 = -+ lam (1 - lam) g + .., g ~ N(0, c^2): the true torque over the measured one, minus 1
 //! ```
 
 use super::inertia::Force;
-use crate::math::{exp, sqrt};
+use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
 
 /// How often a torque that nobody calibrated is off whatever its tolerance says: of each axle one machine in thirteen.
 const OFTEN: f64 = 0.077;
 /// By how much, as a standard deviation.
 const OFF: f64 = 0.2;
-/// Standard deviation of kappa by tolerances: 2 % of the mass, 1 % of the rolling radius, 3 % of either torque.
-const USUAL_GAIN: f64 = 0.03;
+/// Usual tolerances that move kappa, of the mass and of the rolling radius; those of the torques are stated.
+const MASS_TOLERANCE: f64 = 0.02;
+const RADIUS_TOLERANCE: f64 = 0.01;
 /// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa is of gears, motors
 /// and an empty machine, 3 % in a quarter of an hour.
 const WALK: [f64; 3] = [0.001, 0.01, 0.01];
@@ -46,6 +47,8 @@ pub struct RatioAway {
     pub ratio: f64,
     pub expected: f64,
     pub std: f64,
+    /// Tolerance of the torque of an axle, as a share.
+    pub torque_std: f64,
 }
 
 impl AxleTorque {
@@ -63,7 +66,9 @@ impl AxleTorque {
     /// Probability that one axle's torque is off, and what that adds to the deviation of the ratio.
     pub fn judge(&self, away: &RatioAway) -> (f64, f64) {
         let kappa = self.force.state[0] - 1.0;
-        let kappa_variance = USUAL_GAIN * USUAL_GAIN + self.force.covariance[0][0];
+        let torques = core::f64::consts::FRAC_1_SQRT_2 * away.torque_std;
+        let usual = norm(&[MASS_TOLERANCE, RADIUS_TOLERANCE, torques]);
+        let kappa_variance = usual * usual + self.force.covariance[0][0];
         let by_axle = away.ratio * (1.0 - away.ratio);
         let weights = [0.5 / kappa_variance, by_axle / (away.std * away.std)];
         let told = weights[0] * 0.5 + weights[1] * by_axle;
@@ -91,6 +96,11 @@ mod tests {
 
     /// Of a machine with this kappa, whose ratio lies so far from what is expected.
     fn judged(kappa: f64, ratio_away: f64) -> (f64, f64) {
+        stated(kappa, ratio_away, 0.005)
+    }
+
+    /// The same with torques of this tolerance.
+    fn stated(kappa: f64, ratio_away: f64, torque_std: f64) -> (f64, f64) {
         let mut axles = AxleTorque::default();
         axles.force.state[0] = kappa;
         axles.force.covariance[0][0] = 4e-4;
@@ -98,6 +108,7 @@ mod tests {
             ratio: 0.45 + ratio_away,
             expected: 0.45,
             std: 0.06,
+            torque_std,
         })
     }
 
@@ -112,10 +123,15 @@ mod tests {
 
     #[test]
     fn a_ratio_that_is_off_with_it_makes_it_likelier_whichever_axle_it_is() {
-        let alone = judged(1.09, 0.0).0;
+        let alone = judged(1.07, 0.0).0;
         for away in [-0.1, 0.1] {
-            assert!(judged(1.09, away).0 > 1.2 * alone, "{away}");
+            assert!(judged(1.07, away).0 > 1.2 * alone, "{away}");
         }
+    }
+
+    #[test]
+    fn a_kappa_that_the_stated_tolerances_of_both_torques_explain_is_no_torque_of_one_axle() {
+        assert!(judged(1.07, 0.0).0 > 2.0 * stated(1.07, 0.0, 0.06).0);
     }
 
     #[test]

@@ -12,6 +12,8 @@ pub const GRAVITY: f64 = 9.81;
 pub struct WheelDynamics {
     /// Mass \[kg\].
     pub mass: f64,
+    /// Mass of the empty machine, for which the tyres are described \[kg\].
+    pub empty_mass: f64,
     /// Nominal rolling radius \[m\].
     pub wheel_radius: f64,
     /// Axle inertia [kg m^2].
@@ -40,6 +42,7 @@ impl WheelDynamics {
         let (machine, keys) = (&settings.machine, &settings.estimator);
         Self {
             mass: machine.mass,
+            empty_mass: machine.mass,
             wheel_radius: machine.wheel_radius,
             axle_inertia: machine.axle_inertia,
             wheelbase: machine.wheelbase,
@@ -59,7 +62,7 @@ impl WheelDynamics {
 }
 
 /// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):
-/// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0.
+/// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0 of the empty machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tyres {

@@ -101,7 +101,7 @@ impl Step<'_> {
     pub(super) fn radius_by_load(&self) -> f64 {
         let m = self.machine;
         let sensitivity = m.radius_load_sensitivity + self.p.load_sensitivity_error;
-        -m.wheel_radius * sensitivity / (0.5 * m.mass * GRAVITY)
+        -m.wheel_radius * sensitivity / (0.5 * m.empty_mass * GRAVITY)
     }
 
     /// Axle `i` under a load, at the speeds of the pass before.

@@ -158,6 +158,7 @@ mod tests {
     fn machine(k: u32) -> WheelDynamics {
         WheelDynamics {
             mass: 4700.0,
+            empty_mass: 4300.0,
             wheel_radius: 0.55,
             axle_inertia: 3.33,
             wheelbase: 2.3,

@@ -189,10 +189,10 @@ impl WheelDynamics {
         (error - self.excess(load) * sensitivity + 1.0) * self.wheel_radius
     }
 
-    /// An axle's load over half the weight, less one.
+    /// An axle's load over half the weight of the empty machine, less one.
     #[inline(always)]
     pub(super) fn excess<T: Scalar>(&self, load: T) -> T {
-        load / (0.5 * self.mass * GRAVITY) - 1.0
+        load / (0.5 * self.empty_mass * GRAVITY) - 1.0
     }
 
     /// Slip stiffness of an axle under its load, before it saturates.
@@ -202,7 +202,7 @@ impl WheelDynamics {
         if self.tyres.load_exponent == 0.0 {
             return stiffness;
         }
-        let relative = load / (0.5 * self.mass * GRAVITY);
+        let relative = load / (0.5 * self.empty_mass * GRAVITY);
         stiffness * (relative.ln() * -self.tyres.load_exponent).exp()
     }
 
@@ -232,5 +232,29 @@ impl WheelDynamics {
             .abs()
             .max(rim_speed.abs())
             .max(T::constant(self.minimum_speed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loader::Settings;
+
+    #[test]
+    fn a_tyre_gives_with_its_load_whatever_the_machine_weighs_with_its_own() {
+        let mut settings = Settings::DEFAULT;
+        settings.machine.stiffness_load_exponent = 0.2;
+        let empty = WheelDynamics::of(&settings);
+        let mut loaded = empty;
+        loaded.mass *= 1.3;
+        let of =
+            |m: &WheelDynamics, load| [m.radius(0.0, 0.001, load), m.axle_stiffness(0, 19.0, load)];
+        for load in [15_000.0, 40_000.0] {
+            assert_eq!(of(&empty, load), of(&loaded, load));
+        }
+        let softer = of(&empty, 15_000.0)[0] - of(&empty, 40_000.0)[0];
+        let rho = 0.001 + empty.radius_load_sensitivity;
+        let expected = empty.wheel_radius * rho * 50_000.0 / (empty.mass * GRAVITY);
+        assert!((softer - expected).abs() < 1e-12);
     }
 }
