@@ -83,12 +83,15 @@ impl Tail {
             filter.combination(&inertia_row(now)).1,
             filter.payload(sticks).1,
         ];
+        // What hardly depends on the gain now may do so before it is asked again.
+        let reach = 2.0 * (moves.abs() * more + sqrt(more)) / v;
         let both = covariances(filter, now, sticks);
         for ((per, c), own) in self.per_square.iter_mut().zip(both).zip(own) {
             let per_gain = c / v;
             let std = sqrt(own + per_gain * per_gain * more);
             let apart = spread(probability, per_gain * moves * more, std);
-            *per = (apart * apart - own).max(0.0) / (c * c).max(f64::MIN_POSITIVE);
+            let added = (apart * apart - own).max(0.0);
+            *per = (added / (c * c).max(f64::MIN_POSITIVE)).min(reach * reach);
         }
     }
 
@@ -160,6 +163,23 @@ mod tests {
         assert!((other * m / v - b.x[GAIN]).abs() < 1e-9);
         let moved = a.x[UPPER] + a.p[GAIN][UPPER] / v * (b.x[GAIN] - m);
         assert!((moved - b.x[UPPER]).abs() < 1e-6, "{moved}");
+    }
+
+    #[test]
+    fn what_did_not_depend_on_the_gain_when_asked_does_not_explode_when_it_does() {
+        let (now, sticks) = (Inertia::default(), Sticking::default());
+        let mut filter = filter(0.4, STATED);
+        let mut tail = Tail::new(&Doubts::default());
+        filter.p[M][M] = 400.0 * 400.0;
+        tail.ask(&filter, (STATED, 1.0), &now, &sticks);
+        let v = filter.p[GAIN][GAIN];
+        filter.p[GAIN][M] = 0.9 * 400.0 * sqrt(v);
+        let [payload, _] = tail.variances(&filter, &now, &sticks);
+        let truth = OFF / STATED * 400.0;
+        assert!(
+            payload.is_finite() && sqrt(payload) < 20.0 * truth,
+            "{payload}"
+        );
     }
 
     #[test]
