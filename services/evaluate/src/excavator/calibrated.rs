@@ -94,3 +94,22 @@ fn description(s: &Settings) -> Description {
     d.sensors.swing_torque_std = s.sensors.swing_torque_std;
     d
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::honesty_lines::described;
+    use super::*;
+
+    #[test]
+    fn a_description_means_the_settings_that_it_was_made_of() {
+        let stated = described(&Work::new(Size::t22(), Effects::good(), 3));
+        let meant = Settings::of(&description(&stated));
+        assert_eq!(meant.geometry, stated.geometry);
+        assert_eq!(meant.prior, stated.prior);
+        assert_eq!(
+            [meant.nominal_damping, meant.coulomb_friction],
+            [stated.nominal_damping, stated.coulomb_friction]
+        );
+        assert_eq!(meant.doubts, stated.doubts);
+    }
+}

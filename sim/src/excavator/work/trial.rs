@@ -26,7 +26,7 @@ pub(super) fn lift(since: f64) -> Posture {
     let [low, high] = LIFT;
     let leg = since / (STAND + WAY);
     let done = (leg.fract() * (STAND + WAY) - STAND).max(0.0) / WAY;
-    let up = leg as u32 % 2 == 0;
+    let up = (leg as u32).is_multiple_of(2);
     let share = if up { done } else { 1.0 - done };
     let arm = ARM[(leg as u32 / 2 % 2) as usize];
     [low + share * (high - low), arm, BUCKET]
