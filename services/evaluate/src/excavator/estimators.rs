@@ -170,7 +170,7 @@ impl Setup {
     }
 
     /// What of a row the estimator is given.
-    fn sample(&self, row: &Row) -> Sample {
+    pub(super) fn sample(&self, row: &Row) -> Sample {
         let Columns {
             velocity,
             angle,

@@ -14,7 +14,8 @@
 
 pub mod attachments;
 pub mod bad_input;
-pub mod calibration;
+pub mod calibrated;
+mod calibration;
 mod case;
 pub mod drop;
 mod estimators;

@@ -3,6 +3,7 @@
 use super::super::path::Posture;
 use super::effects::Effects;
 use super::size::Size;
+use super::trial;
 use crate::blend::transition;
 use crate::noise::Noise;
 
@@ -24,6 +25,8 @@ enum Phase {
     Swing,
     Dump,
     Return,
+    /// Slow full lifts, of a trial.
+    Lift,
 }
 
 /// What the operator does next, and the bucket's content.
@@ -34,6 +37,8 @@ pub(super) struct Duty {
     spill: f64,
     sticking: Option<f64>,
     dumps_swinging: bool,
+    /// A trial: cycles so far.
+    trial: Option<u32>,
     phase: Phase,
     /// Time since the phase began, and its length where it is a matter of time [s].
     since: f64,
@@ -60,6 +65,7 @@ impl Duty {
             spill: effects.spill,
             sticking: effects.sticks,
             dumps_swinging: effects.dumps_swinging,
+            trial: None,
             phase: Phase::Dig,
             since: -1.5,
             length: 0.0,
@@ -75,6 +81,16 @@ impl Duty {
         };
         duty.draw();
         duty
+    }
+
+    /// Swings to and fro with this payload, then slow full lifts ([`super::trial`]).
+    pub(super) fn trial(size: &Size, effects: &Effects, seed: u64, payload: f64) -> Self {
+        Self {
+            trial: Some(0),
+            payload,
+            phase: Phase::Swing,
+            ..Self::new(size, effects, seed)
+        }
     }
 
     /// The next cycle.
@@ -105,6 +121,9 @@ impl Duty {
         self.released |=
             self.since > 0.6 && (way < 0.0 || remaining.abs() < 0.15 && velocity.abs() < 0.12);
         let arrived = self.released && velocity == 0.0;
+        if let Some(cycles) = self.trial {
+            return self.try_out(cycles, arrived);
+        }
         match self.phase {
             Phase::Dig => {
                 let filled = transition(self.since, 0.9, 2.4);
@@ -130,6 +149,7 @@ impl Duty {
                     self.enter(Phase::Return, 0.0);
                 }
             }
+            Phase::Lift => {}
             Phase::Return => {
                 self.leave(h, bucket);
                 if arrived {
@@ -138,6 +158,19 @@ impl Duty {
                     self.since = -self.noise.uniform(0.3, 1.0);
                 }
             }
+        }
+    }
+
+    fn try_out(&mut self, cycles: u32, arrived: bool) {
+        match self.phase {
+            Phase::Swing if arrived => self.enter(Phase::Return, 0.0),
+            Phase::Return if arrived => {
+                self.trial = Some(cycles + 1);
+                self.draw();
+                let swings = cycles + 1 < trial::CYCLES;
+                self.enter(if swings { Phase::Swing } else { Phase::Lift }, 0.0);
+            }
+            _ => {}
         }
     }
 
@@ -160,7 +193,7 @@ impl Duty {
     pub(super) fn goal(&self) -> f64 {
         match self.phase {
             Phase::Swing | Phase::Dump => self.angle,
-            Phase::Dig | Phase::Return => 0.0,
+            Phase::Dig | Phase::Return | Phase::Lift => 0.0,
         }
     }
 
@@ -176,6 +209,12 @@ impl Duty {
 
     /// Posture that is aimed at [rad].
     pub(super) fn posture(&self, remaining: f64) -> Posture {
+        if let Some(cycles) = self.trial {
+            return match self.phase {
+                Phase::Lift => trial::lift(self.since),
+                phase => trial::posture(cycles, phase == Phase::Swing),
+            };
+        }
         match self.phase {
             Phase::Dig if self.since < 0.0 => READY,
             Phase::Dig if self.since < 0.7 => [FULL[0], FULL[1], READY[2]],
@@ -186,7 +225,7 @@ impl Duty {
             Phase::Swing => TRUCK,
             Phase::Dump => [TRUCK[0], TRUCK[1] + 0.2, OPEN],
             Phase::Return if self.since < 0.9 => [TRUCK[0], TRUCK[1] + 0.2, OPEN],
-            Phase::Return => READY,
+            Phase::Return | Phase::Lift => READY,
         }
     }
 }

@@ -49,8 +49,7 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    pub(super) fn new(size: Size, effects: Effects, seed: u64) -> Self {
-        let duty = Duty::new(&size, &effects, seed);
+    pub(super) fn new(size: Size, effects: Effects, duty: Duty, seed: u64) -> Self {
         let posture = duty.posture(0.0);
         Self {
             direction: Noise::channel(seed, 100).uniform(0.0, TAU),

@@ -3,6 +3,7 @@
 use super::super::front::{Front, Pose, cylinders};
 use super::super::geometry::Geometry;
 use super::super::row::{Row, Truth};
+use super::duty::Duty;
 use super::effects::Effects;
 use super::machine::{Machine, STEP};
 use super::size::Size;
@@ -13,6 +14,9 @@ use crate::noise::Noise;
 const STEPS: u32 = 10;
 /// Longest delay that is remembered, in integration steps.
 const MEMORY: usize = 512;
+/// Streams of noise of an empty and of a loaded trial.
+const EMPTY: u64 = 300;
+const LOADED: u64 = 320;
 /// Noise of the joint angles [rad], of the inclinometer [rad], of the swing encoder [rad].
 const ANGLE_NOISE: f64 = 0.001;
 const INCLINOMETER_NOISE: f64 = 0.003;
@@ -73,10 +77,25 @@ impl Work {
     /// A machine of a size with effects; the seed chooses loads, swings, direction of the slope, signs of
     /// the errors and all noise.
     pub fn new(size: Size, effects: Effects, seed: u64) -> Self {
+        let duty = Duty::new(&size, &effects, seed);
+        Self::doing(size, effects, duty, seed)
+    }
+
+    /// The same machine that is calibrated: swings, then slow full lifts, with a payload that stays \[kg\]. Its sensors have other noise.
+    pub fn trial(size: Size, effects: Effects, seed: u64, payload: f64) -> Self {
+        let duty = Duty::trial(&size, &effects, seed, payload);
+        let streams = if payload > 0.0 { LOADED } else { EMPTY };
+        Self {
+            noise: std::array::from_fn(|channel| Noise::channel(seed, streams + channel as u64)),
+            ..Self::doing(size, effects, duty, seed)
+        }
+    }
+
+    fn doing(size: Size, effects: Effects, duty: Duty, seed: u64) -> Self {
         let mut signs = Noise::channel(seed, 102);
         Self {
             front: None,
-            machine: Machine::new(size, effects, seed),
+            machine: Machine::new(size, effects, duty, seed),
             nominal: nominal(&size.geometry, &effects, &mut signs),
             angle_errors: std::array::from_fn(|_| effects.angle_error * sign(&mut signs)),
             noise: std::array::from_fn(|channel| Noise::channel(seed, channel as u64)),
@@ -263,6 +282,33 @@ mod tests {
             full > 500 && fast > 200 && back > 200,
             "{full} {fast} {back}"
         );
+    }
+
+    #[test]
+    fn a_trial_swings_both_ways_and_lifts_slowly_with_the_load_that_it_has() {
+        let rows: Vec<Row> = Work::trial(Size::t13(), Effects::default(), 3, 700.0)
+            .take(18_000)
+            .collect();
+        assert!(
+            rows.iter()
+                .all(|r| r.truth.payload == 700.0 && !r.truth.digs)
+        );
+        let fast = |sign: f64| {
+            rows.iter()
+                .filter(|r| sign * r.truth.velocity > 0.5)
+                .count()
+        };
+        assert!(
+            fast(1.0) > 800 && fast(-1.0) > 800,
+            "{} {}",
+            fast(1.0),
+            fast(-1.0)
+        );
+        let swings = rows.iter().rposition(|r| r.truth.velocity != 0.0);
+        let lifts = &rows[swings.unwrap_or(0) + 1..];
+        let boom = |r: &Row| r.posture[0].unwrap_or(0.0);
+        let high = lifts.iter().map(boom).fold(0.0, f64::max);
+        assert!(lifts.len() > 4400 && high > 0.95, "{} {high}", lifts.len());
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod effects;
 mod machine;
 mod measure;
 mod size;
+mod trial;
 
 pub use cases::cases;
 pub use effects::Effects;

@@ -16,6 +16,7 @@ mod parallel;
 mod scale;
 mod smoother;
 mod states;
+mod tail;
 mod tare;
 mod trail;
 mod verdict;
@@ -32,6 +33,7 @@ use self::noise::Noise;
 use self::parallel::ParallelFilter;
 use self::scale::Scale;
 pub use self::smoother::{Smoothed, Smoother};
+use self::tail::Tail;
 pub use self::trail::Trail;
 use self::weigh::Weigh;
 use super::doubts::Doubts;
@@ -127,6 +129,8 @@ pub(super) struct Working {
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
     parallel: ParallelFilter,
     contradiction: Contradiction,
+    /// A gain that is off, beside pressures.
+    tail: Tail,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
     /// The load by them alone.
@@ -208,6 +212,7 @@ impl Working {
             sticks,
             carried: None,
             contradiction: Contradiction::new(),
+            tail: Tail::new(doubts),
             weigh: settings.boom.map(Weigh::new),
             slow_for: 0.0,
             before: 0.0,
@@ -263,6 +268,7 @@ impl Working {
             }
             Phase::Released(w) => self.set_off(w, drive, trail),
         };
+        self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
             trail.finish(&self.filter, &self.sticks, &drive.now, drive.posture);
@@ -328,6 +334,15 @@ impl Working {
             self.restate(GAIN, std);
             self.filter.set(GAIN, 0.0, std * std, trail);
             self.parallel.knows_gain(std);
+        }
+    }
+
+    /// Where pressures weigh beside a torque that has told something.
+    fn doubt_gain(&mut self, drive: &Drive) {
+        let weighed = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        if weighed && self.tail.is_due(drive.period) && self.parallel.is_driven() {
+            let known = (self.stated[GAIN], self.disagreement());
+            self.tail.ask(&self.filter, known, &drive.now, &self.sticks);
         }
     }
 

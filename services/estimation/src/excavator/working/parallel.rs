@@ -47,7 +47,7 @@ pub(super) struct ParallelFilter {
 impl ParallelFilter {
     /// At the start.
     pub(super) fn new(filter: &Filter, doubts: &Doubts) -> Self {
-        let calibrated = doubts.found.is_some() || doubts.gain_std <= CALIBRATED_GAIN_STD;
+        let calibrated = is_calibrated(doubts);
         Self {
             filter: opened(filter),
             odds: if calibrated {
@@ -178,6 +178,11 @@ impl ParallelFilter {
     pub(super) fn is_sound(&self) -> bool {
         self.filter.is_sound() && self.odds.is_finite()
     }
+}
+
+/// Whether somebody has compared the torque.
+pub(super) fn is_calibrated(doubts: &Doubts) -> bool {
+    doubts.found.is_some() || doubts.gain_std <= CALIBRATED_GAIN_STD
 }
 
 fn opened(filter: &Filter) -> Filter {

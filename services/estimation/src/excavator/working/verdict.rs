@@ -71,6 +71,7 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
+        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
@@ -87,10 +88,10 @@ impl Working {
         } else {
             let variance = variance * factor + self.loads.variance(payload);
             [
-                (payload, variance + parallel[0] + anything),
+                (payload, variance + parallel[0] + tail[0] + anything),
                 (
                     inertia,
-                    inertia_variance * factor + parallel[1] + anything * g * g,
+                    inertia_variance * factor + parallel[1] + tail[1] + anything * g * g,
                 ),
             ]
         };
