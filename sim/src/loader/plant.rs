@@ -307,7 +307,7 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
     };
     let loads = [load(front_arm), load(-rear_arm)];
     let per_mass = 1.0 / u.mass;
-    let per_axle_weight = per_mass * (2.0 / GRAVITY);
+    let per_axle_weight = 2.0 / (machine.mass * GRAVITY);
     let front = axle(
         vehicle,
         v * u.bend_gain + u.bend_offset,
@@ -394,7 +394,7 @@ struct Axle {
     force: f64,
 }
 
-/// One axle under a load [N], also given relative to half the weight.
+/// One axle under a load [N], also given relative to half the weight of the empty machine, for which its tyres are described.
 #[inline]
 fn axle(
     vehicle: &Vehicle,

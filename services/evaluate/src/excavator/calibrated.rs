@@ -2,7 +2,7 @@
 
 use calibrate::excavator::{self as calibration, Input, Options};
 use estimation::Quantity;
-use estimation::excavator::keys::{Attachment, BoomCylinder, Description, Variant};
+use estimation::excavator::keys::{Attachment, Description, Variant};
 use estimation::excavator::{Method, Settings};
 use sim::excavator::{Effects, Size, Work};
 use sim::noise::Noise;
@@ -18,11 +18,10 @@ const SCALE: f64 = 0.01;
 /// Stream of the scale's error.
 const STREAM: u64 = 340;
 
-/// The settings of the calibrated machine; none where the calibration is refused. `settings` is what a user states before.
+/// The settings of the calibrated machine; none where the calibration is refused. `before` is what a user states.
 pub fn settings(
     (size, effects, seed): (Size, Effects, u64),
-    settings: &Settings,
-    cylinder: BoomCylinder,
+    before: &Description,
 ) -> Result<Option<Settings>, Error> {
     // Who calibrates looks for level ground.
     let level = Effects {
@@ -31,7 +30,8 @@ pub fn settings(
     };
     let load = LOAD * size.rated;
     let weighed = load * (1.0 + SCALE * Noise::channel(seed, STREAM).normal());
-    let setup = Setup::working("to calibrate", Method::PostureTorque, *settings);
+    let settings = Settings::of(before);
+    let setup = Setup::working("to calibrate", Method::PostureTorque, settings);
     let inputs = [(0.0, 0.0), (load, weighed)].map(|(load, weighed)| Input {
         name: format!("{load:.0} kg"),
         samples: Work::trial(size, level, seed, load)
@@ -44,21 +44,17 @@ pub fn settings(
             std: SCALE * weighed,
         }),
     });
-    let before = Description {
-        boom_cylinder: cylinder,
-        ..description(settings)
-    };
-    let outcome = calibration::calibrate(&inputs, &Options::of(&before)).map_err(Error::refused)?;
+    let outcome = calibration::calibrate(&inputs, &Options::of(before)).map_err(Error::refused)?;
     if !outcome.faults.is_empty() {
         eprintln!("seed {seed}: {}", outcome.faults.join("; "));
         return Ok(None);
     }
-    let found = outcome.description(&before, &[]);
+    let found = outcome.description(before, &[]);
     Ok(found.map(|(description, _)| Settings::of(&description)))
 }
 
 /// The description that means these settings.
-fn description(s: &Settings) -> Description {
+pub fn description(s: &Settings) -> Description {
     let g = &s.geometry;
     let mut d = Description {
         geometry: Attachment {
@@ -111,7 +107,7 @@ mod tests {
             [meant.nominal_damping, meant.coulomb_friction],
             [stated.nominal_damping, stated.coulomb_friction]
         );
-        // Those of all loads are of the payload that is stated here.
+        // What all loads share hangs on the payload that is stated.
         let loads = stated.doubts.map_or_else(Default::default, |d| d.loads);
         let doubts = meant.doubts.map(|d| Doubts { loads, ..d });
         assert_eq!(doubts, stated.doubts);

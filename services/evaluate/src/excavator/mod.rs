@@ -14,8 +14,8 @@
 
 pub mod attachments;
 pub mod bad_input;
-pub mod calibrated;
-mod calibration;
+mod calibrated;
+pub mod calibration;
 mod case;
 pub mod drop;
 mod estimators;

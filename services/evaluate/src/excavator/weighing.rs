@@ -5,8 +5,7 @@
 //! machine with pressures.
 
 use estimation::HALF_WIDTH_95;
-use estimation::excavator::keys::Description;
-use estimation::excavator::{Cylinder, Estimate, Method, Reason, Settings};
+use estimation::excavator::{Estimate, Method, Reason, Settings};
 use estimation::loads::Row as Weighing;
 use serde_json::json;
 use sim::excavator::{Effects, Row, Size, Work, cylinders};
@@ -174,25 +173,23 @@ impl Sums {
 
 /// The settings of a machine with this knowledge; none where its calibration is refused.
 fn settings(work: &Work, case: &Case, seed: u64) -> Result<Option<Settings>, Error> {
-    let mut settings = described(work);
-    settings.geometry.masses[2] *= case.bucket;
-    settings.geometry.inertias[2] *= case.bucket;
+    let mut stated = described(work);
+    stated.geometry.masses[2] *= case.bucket;
+    stated.geometry.inertias[2] *= case.bucket;
+    let mut d = calibrated::description(&stated);
     if case.knowledge == Knowledge::Motion {
-        return Ok(Some(settings));
+        return Ok(Some(Settings::of(&d)));
     }
     let [boom, _] = cylinders(&work.size().geometry);
-    let mut d = Description::default();
     let c = &mut d.boom_cylinder;
     (c.count, c.head_area, c.rod_area) = (boom.count, boom.head_area, boom.rod_area);
     (c.base_distance, c.rod_distance) = (boom.base_distance, boom.rod_distance);
     (c.angle, c.friction) = (boom.angle, boom.friction);
     c.friction_std = 0.5 * boom.friction;
-    settings.boom = Cylinder::of_boom(&d);
     if case.knowledge == Knowledge::Calibrated {
-        let machine = (*work.size(), case.effects, seed);
-        return calibrated::settings(machine, &settings, d.boom_cylinder);
+        return calibrated::settings((*work.size(), case.effects, seed), &d);
     }
-    Ok(Some(settings))
+    Ok(Some(Settings::of(&d)))
 }
 
 /// One seed of a case.

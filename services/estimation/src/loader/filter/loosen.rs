@@ -67,13 +67,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
                 ratio_std,
             );
-            // Where the sensitivity is a state, what a load does to the radii is the model's.
-            if const { Layout::of(N) }.load_sensitivity.is_none() {
-                let loading = self.loading(settings);
-                let ratio = loading.share * state[CG_RATIO] + loading.ratio;
-                let sensitivity_std = settings.machine.radius_load_sensitivity_std;
-                radius = self.relearning.radius_std(sensitivity_std, ratio);
-            }
+            let loading = self.loading(settings);
+            let ratio = loading.share * state[CG_RATIO] + loading.ratio;
+            let sensitivity_std = settings.machine.radius_load_sensitivity_std;
+            radius = self.relearning.radius_std(sensitivity_std, ratio);
         }
         let learnt = prior.radius_std * share;
         let parameters = [
@@ -126,34 +123,5 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Some(_) => self.directions.left(before, self.manoeuvres.ratio()),
             None => before,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ekf::Ekf;
-    use crate::loader::Method;
-
-    /// What a ratio that moves by .2, after it was known once, opens of the radii.
-    fn opened<const N: usize, const M: usize>() -> f64
-    where
-        Ekf<N, M>: Belief<N, M>,
-    {
-        let settings = Settings::DEFAULT;
-        let mut filter = CgFilter::<N, M, Ekf<N, M>>::new(&settings, Method::FullEkf);
-        filter.belief.separate(&[(CG_RATIO, 0.001)], &[0.0; N]);
-        filter.relearnt(&settings);
-        filter.relearnt(&settings);
-        filter.belief.state_mut()[CG_RATIO] += 0.2;
-        let radii = Layout::of(N).radii.expect("radii");
-        filter.relearnt(&settings)[radii[0]]
-    }
-
-    #[test]
-    fn a_load_opens_radii_only_where_their_sensitivity_is_no_state() {
-        let expected = 0.4 * Settings::DEFAULT.machine.radius_load_sensitivity_std;
-        assert!((opened::<9, 3>() - expected).abs() < 1e-12);
-        assert_eq!(opened::<12, 4>(), 0.0);
     }
 }
