@@ -10,6 +10,9 @@ use crate::math::sqrt;
 /// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
 const LEARNT_STD: f64 = 0.005;
 
+/// What the load sensitivity of an axle's radius differs by from that of both, where that is a state: a tenth of the usual .01.
+const AXLES_DIFFER: f64 = 0.001;
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Load sensitivity of the radii and its variance; 0 where it is no state.
     pub(super) fn sensitivity(&self) -> (f64, f64) {
@@ -69,7 +72,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             );
             let loading = self.loading(settings);
             let ratio = loading.share * state[CG_RATIO] + loading.ratio;
-            let sensitivity_std = settings.machine.radius_load_sensitivity_std;
+            let mut sensitivity_std = settings.machine.radius_load_sensitivity_std;
+            if const { Layout::of(N) }.load_sensitivity.is_some() {
+                sensitivity_std = sensitivity_std.min(AXLES_DIFFER);
+            }
             radius = self.relearning.radius_std(sensitivity_std, ratio);
         }
         let learnt = prior.radius_std * share;
@@ -122,6 +128,40 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         match const { Layout::of(N) }.load_sensitivity {
             Some(_) => self.directions.left(before, self.manoeuvres.ratio()),
             None => before,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ekf::Ekf;
+    use crate::loader::Method;
+
+    /// What a ratio that moves by .2, after it was known once, opens of the radii.
+    fn opened<const N: usize, const M: usize>() -> f64
+    where
+        Ekf<N, M>: Belief<N, M>,
+    {
+        let settings = Settings::DEFAULT;
+        let mut filter = CgFilter::<N, M, Ekf<N, M>>::new(&settings, Method::FullEkf);
+        filter.belief.separate(&[(CG_RATIO, 0.001)], &[0.0; N]);
+        filter.relearnt(&settings);
+        filter.relearnt(&settings);
+        filter.belief.state_mut()[CG_RATIO] += 0.2;
+        let radii = Layout::of(N).radii.expect("radii");
+        filter.relearnt(&settings)[radii[0]]
+    }
+
+    #[test]
+    fn a_load_opens_the_radii_by_what_no_state_says_of_their_sensitivity() {
+        let stated = Settings::DEFAULT.machine.radius_load_sensitivity_std;
+        assert!(stated > AXLES_DIFFER);
+        for (opened, std) in [
+            (opened::<9, 3>(), stated),
+            (opened::<12, 4>(), AXLES_DIFFER),
+        ] {
+            assert!((opened - 0.4 * std).abs() < 1e-12, "{opened} {std}");
         }
     }
 }
