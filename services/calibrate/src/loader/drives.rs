@@ -143,6 +143,9 @@ impl Drives {
         let mut g = self.fixed;
         let load = self.load_of[recording];
         for (role, &value) in self.roles.iter().zip(values) {
+            if *role == Role::Mass(0) {
+                g.empty_mass = value;
+            }
             match role {
                 Role::FrontRadius => g.radius_errors[0] = value,
                 Role::RearRadius => g.radius_errors[1] = value,

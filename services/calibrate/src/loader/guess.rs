@@ -8,6 +8,8 @@ use super::drive::Drive;
 pub struct Guess {
     /// Mass with load [kg].
     pub mass: f64,
+    /// Mass of the empty machine, for which the tyres are described [kg].
+    pub empty_mass: f64,
     /// Share of the static weight in front.
     pub ratio: f64,
     /// Height of the centre of gravity [m].

@@ -39,6 +39,7 @@ pub fn described(d: &Description) -> Guess {
     let m = &d.machine;
     Guess {
         mass: m.mass,
+        empty_mass: m.mass,
         ratio: d.prior.cg_ratio,
         height: d.prior.cg_height,
         radius: m.wheel_radius,

@@ -9,6 +9,7 @@ use super::wheels::{Acting, load, radius, slipping};
 pub fn guess() -> Guess {
     Guess {
         mass: 4700.0,
+        empty_mass: 4700.0,
         ratio: 0.45,
         height: 0.9,
         radius: 0.55,

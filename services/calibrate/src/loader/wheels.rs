@@ -2,7 +2,7 @@
 //! ```text
 //! s_i = mu/K_i atanh(F_i/(mu F_zi)),  F_i = (T_i/g_i - I v'/r)/r
 //! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
-//! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m g/2
+//! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m_0 g/2 of the empty machine
 //! m a = F_f + F_r - c m g sign(v)
 //! ```
 
@@ -52,7 +52,7 @@ pub fn load(g: &Guess, i: usize, a: f64) -> f64 {
 
 /// Rolling radius of an axle under its load [m].
 pub fn radius(g: &Guess, i: usize, load: f64) -> f64 {
-    let excess = load / (0.5 * g.mass * GRAVITY) - 1.0;
+    let excess = load / (0.5 * g.empty_mass * GRAVITY) - 1.0;
     g.radius * (1.0 + g.radius_errors[i]) * (1.0 - g.load_sensitivity * excess)
 }
 
@@ -79,7 +79,7 @@ pub struct Slipping {
 /// Under what acts at one time and a specific force.
 pub fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> Slipping {
     let load = load(g, i, a);
-    let relative = load / (0.5 * g.mass * GRAVITY);
+    let relative = load / (0.5 * g.empty_mass * GRAVITY);
     let radius = radius(g, i, load);
     let gain = g.stiffness_ratio.sqrt();
     let stiffness = g.stiffness
