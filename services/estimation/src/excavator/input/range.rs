@@ -13,38 +13,33 @@ const WIDE: f64 = 20.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Range {
     last: f64,
-    least: f64,
-    largest: f64,
-    /// Repeats at the least value, at the largest, and elsewhere.
-    repeats: [u32; 3],
+    /// The least and the largest value, and how often it was repeated.
+    ends: [f64; 2],
+    repeats: [u32; 2],
+    /// Repeats elsewhere.
+    elsewhere: u32,
 }
 
 impl Range {
     /// The value as it counts, of a sensor of this noise: missing at an end of its range.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, std: f64) -> Option<f64> {
         let value = value?;
-        let is_repeated = value == self.last && value != 0.0;
+        let [least, largest] = self.ends;
+        let is_repeated = value == self.last && value != 0.0 && largest - least > WIDE * std;
         self.last = value;
-        let [least, largest, elsewhere] = &mut self.repeats;
-        if value < self.least {
-            self.least = value;
+        if least < value && value < largest {
+            self.elsewhere = self.elsewhere.saturating_add(u32::from(is_repeated));
+            return Some(value);
+        }
+        let at = usize::from(value >= largest);
+        let (end, repeats) = (&mut self.ends[at], &mut self.repeats[at]);
+        if value != *end {
             // It was no end.
-            *elsewhere = elsewhere.saturating_add(core::mem::take(least));
-        } else if value > self.largest {
-            self.largest = value;
-            *elsewhere = elsewhere.saturating_add(core::mem::take(largest));
+            *end = value;
+            self.elsewhere = self.elsewhere.saturating_add(core::mem::take(repeats));
         }
-        let at = match value {
-            v if v == self.least => 0,
-            v if v == self.largest => 1,
-            _ => 2,
-        };
-        let is_wide = self.largest - self.least > WIDE * std;
-        if is_repeated && is_wide {
-            self.repeats[at] = self.repeats[at].saturating_add(1);
-        }
-        let is_end = at < 2 && self.repeats[at] >= ENOUGH.max(self.repeats[2]);
-        (!is_end).then_some(value)
+        *repeats = repeats.saturating_add(u32::from(is_repeated));
+        (*repeats < ENOUGH.max(self.elsewhere)).then_some(value)
     }
 }
 
