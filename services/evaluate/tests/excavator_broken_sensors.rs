@@ -15,7 +15,7 @@ const ROWS: usize = 6000;
 fn estimates(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let work = Work::new(sizes[seed as usize % 4], Effects::default(), seed);
-    let settings = described(&work);
+    let settings = Settings::of(&described(&work));
     let rows = work.take(ROWS).map(|mut row| {
         if row.time >= FROM {
             wrong(&mut row);

@@ -2,7 +2,7 @@
 
 mod estimates;
 
-use estimation::excavator::{Estimate, Method};
+use estimation::excavator::{Estimate, Method, Settings};
 use evaluate::excavator::honesty_lines::described;
 use sim::excavator::{Effects, Row, Size, Work};
 
@@ -20,7 +20,7 @@ fn estimates(seed: u64, jitter: f64, stamped: impl Fn(usize, f64) -> f64) -> Vec
         ..Effects::default()
     };
     let work = Work::new(sizes[seed as usize % 4], effects, seed);
-    let settings = described(&work);
+    let settings = Settings::of(&described(&work));
     let rows = work.take(ROWS).enumerate().map(|(k, row)| Row {
         time: stamped(k, row.time),
         ..row

@@ -8,7 +8,7 @@ use super::estimators::Setup;
 use super::honesty_lines::{EFFECT, Requirement, USUAL, described, effects};
 use crate::honesty::{JudgedRow, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
-use estimation::excavator::{Estimate, Method};
+use estimation::excavator::{Estimate, Method, Settings};
 use sim::excavator::{Effects, Row, Size, Work};
 
 /// Length of a record: 40 s at 100 Hz.
@@ -77,7 +77,7 @@ fn tally(
     gain_std: Option<f64>,
 ) -> Result<Tally, Error> {
     let (name, method, joint) = method;
-    let mut settings = described(work);
+    let mut settings = Settings::of(&described(work));
     if let (Some(std), Some(doubts)) = (gain_std, &mut settings.doubts) {
         doubts.gain_std = std;
         settings.sensors.swing_torque_gain_std = std;

@@ -1,6 +1,7 @@
 //! The lines of the honesty table, and what the estimators are given of a simulated machine.
 
-use estimation::excavator::{Doubts, Geometry, Settings};
+use estimation::excavator::Geometry;
+use estimation::excavator::keys::{Attachment, Description, Variant};
 use sim::excavator::{Effects, Work, cases};
 
 /// What is asked of a line.
@@ -50,56 +51,51 @@ pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, R
 }
 
 /// What a competent user states of a machine: its data sheet.
-pub fn described(work: &Work) -> Settings {
+pub fn described(work: &Work) -> Description {
     let (size, nominal) = (work.size(), work.nominal());
     let tool = &nominal.attachment;
-    let geometry = Geometry {
-        upper_inertia: nominal.upper_inertia,
-        boom_pin: nominal.boom_pin,
-        lengths: [nominal.boom_length, nominal.arm_length],
-        centres: [nominal.boom.centre, nominal.arm.centre, tool.link.centre],
-        payload_centre: tool.payload_centre,
-        payload_gyration: tool.payload_gyration,
-        rises: [0.0; 3],
-        masses: [nominal.boom.mass, nominal.arm.mass, tool.link.mass],
-        inertias: [
-            nominal.boom.flat_inertia,
-            nominal.arm.flat_inertia,
-            tool.link.flat_inertia,
-        ],
-        axial_inertias: [
-            nominal.boom.upright_inertia,
-            nominal.arm.upright_inertia,
-            tool.link.upright_inertia,
-        ],
+    let mut d = Description {
+        geometry: Attachment {
+            boom_pin: nominal.boom_pin,
+            boom_length: nominal.boom_length,
+            arm_length: nominal.arm_length,
+            boom_centre: nominal.boom.centre,
+            arm_centre: nominal.arm.centre,
+            bucket_centre: tool.link.centre,
+            payload_centre: tool.payload_centre,
+            payload_gyration: tool.payload_gyration,
+            boom_mass: nominal.boom.mass,
+            arm_mass: nominal.arm.mass,
+            bucket_mass: tool.link.mass,
+            boom_inertia: nominal.boom.flat_inertia,
+            arm_inertia: nominal.arm.flat_inertia,
+            bucket_inertia: tool.link.flat_inertia,
+            boom_axial_inertia: nominal.boom.upright_inertia,
+            arm_axial_inertia: nominal.arm.upright_inertia,
+            bucket_axial_inertia: tool.link.upright_inertia,
+            ..Attachment::default()
+        },
+        ..Description::default()
     };
-    let mut s = Settings {
-        geometry,
-        nominal_damping: size.damping,
-        coulomb_friction: size.friction,
-        inertia_min: 0.95 * nominal.upper_inertia,
-        ..Settings::calibrated()
-    };
-    s.prior.inertia = geometry
+    d.estimator.variant = Variant::Auto;
+    d.machine.upper_inertia = nominal.upper_inertia;
+    d.machine.nominal_damping = size.damping;
+    d.machine.coulomb_friction = size.friction;
+    d.machine.inertia_min = 0.95 * nominal.upper_inertia;
+    d.prior.inertia = Geometry::of(&d)
         .inertia([0.6, -1.8, -0.5])
         .with_payload(0.5 * size.rated);
-    s.prior.inertia_std = 0.3 * s.prior.inertia;
-    s.inertia_max = 4.0 * s.prior.inertia;
-    s.prior.payload = 0.5 * size.rated;
-    s.prior.payload_std = 0.4 * size.rated;
-    s.prior.damping_std = 0.15 * size.damping;
-    s.prior.torque_offset_std = 0.015 * size.torque;
-    s.prior.known_torque_offset_std = 0.0075 * size.torque;
-    s.prior.friction_std = 0.3 * size.friction;
-    s.sensors.swing_velocity_std = size.gyro_noise;
-    s.sensors.swing_torque_std = size.torque_noise;
-    s.estimator.payload_max = 1.6 * size.rated;
-    s.estimator.payload_min = -0.1 * size.rated;
-    let doubts = Doubts {
-        friction_std: s.prior.friction_std,
-        ..Doubts::default()
-    };
-    s.sensors.swing_torque_gain_std = doubts.gain_std;
-    s.doubts = Some(doubts);
-    s
+    d.prior.inertia_std = 0.3 * d.prior.inertia;
+    d.machine.inertia_max = 4.0 * d.prior.inertia;
+    d.prior.payload = 0.5 * size.rated;
+    d.prior.payload_std = 0.4 * size.rated;
+    d.prior.damping_std = 0.15 * size.damping;
+    d.prior.torque_offset_std = 0.015 * size.torque;
+    d.prior.known_torque_offset_std = 0.0075 * size.torque;
+    d.prior.friction_std = 0.3 * size.friction;
+    d.sensors.swing_velocity_std = size.gyro_noise;
+    d.sensors.swing_torque_std = size.torque_noise;
+    d.estimator.payload_max = 1.6 * size.rated;
+    d.estimator.payload_min = -0.1 * size.rated;
+    d
 }

@@ -173,10 +173,9 @@ impl Sums {
 
 /// The settings of a machine with this knowledge; none where its calibration is refused.
 fn settings(work: &Work, case: &Case, seed: u64) -> Result<Option<Settings>, Error> {
-    let mut stated = described(work);
-    stated.geometry.masses[2] *= case.bucket;
-    stated.geometry.inertias[2] *= case.bucket;
-    let mut d = calibrated::description(&stated);
+    let mut d = described(work);
+    d.geometry.bucket_mass *= case.bucket;
+    d.geometry.bucket_inertia *= case.bucket;
     if case.knowledge == Knowledge::Motion {
         return Ok(Some(Settings::of(&d)));
     }

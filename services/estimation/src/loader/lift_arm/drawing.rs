@@ -127,7 +127,7 @@ impl Drawing {
 
     /// The payload depends on a number: no calibration has taken it in.
     pub fn weighs_by(&self, number: usize) -> bool {
-        self.weighing[number] == self.std[number]
+        self.weighing[number] > 0.0
     }
 
     /// A number is known better, or otherwise.
@@ -135,7 +135,7 @@ impl Drawing {
         self.values[number] = known.value;
         self.std[number] = known.std;
         // What a calibration has taken in stays there.
-        if self.weighing[number] > 0.0 {
+        if self.weighs_by(number) {
             self.weighing[number] = known.std;
         }
     }
