@@ -16,6 +16,7 @@ mod parallel;
 mod scale;
 mod smoother;
 mod states;
+mod sway;
 mod tail;
 mod tare;
 mod trail;
@@ -33,6 +34,7 @@ use self::noise::Noise;
 use self::parallel::ParallelFilter;
 use self::scale::Scale;
 pub use self::smoother::{Smoothed, Smoother};
+use self::sway::Sway;
 use self::tail::Tail;
 pub use self::trail::Trail;
 use self::weigh::Weigh;
@@ -98,6 +100,7 @@ pub(super) struct Working {
     /// The torque's gain where pressures weigh too: its standard deviation.
     weighed_gain: f64,
     noise: Noise,
+    sway: Sway,
     agreement: Agreement,
     bucket: Bucket,
     /// Rated payload [kg].
@@ -195,6 +198,7 @@ impl Working {
             per_stated: core::array::from_fn(|i| Self::per_stated(i, x[i], std[i])),
             weighed_gain: doubts.weighed_gain_std,
             noise: Noise::new(),
+            sway: Sway::default(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
             rated: settings.prior.full_load(),
@@ -362,6 +366,7 @@ impl Working {
         self.parallel.filter.set(W, velocity, variance, &mut None);
         self.filter.acceleration = 0.0;
         self.noise.rest();
+        self.sway.rest();
         self.change.clear();
         self.changed = false;
         let pushed = core::mem::take(&mut self.pushed);
@@ -447,8 +452,12 @@ impl Working {
         let no_payload = self.watch_payload(z);
         if self.bucket.is_open() {
             self.agreement.interrupt();
+            self.sway.forget();
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
+            let velocity = drive.velocity.unwrap_or(self.filter.x[W]);
+            self.sway
+                .push(drive.torque, velocity, &drive.now, drive.period);
         }
         if !self.pushed {
             self.watch_pushes(s, no_payload, trail);

@@ -43,6 +43,7 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
+        self.sway.forget();
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
             self.scale.hold(value, std);

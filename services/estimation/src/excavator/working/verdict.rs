@@ -188,14 +188,20 @@ impl Working {
         if self.weigh.as_ref().is_some_and(Weigh::swings) {
             return Reason::Hanging;
         }
-        if self.contradiction.is_open() || self.is_beyond() {
-            return Reason::Contradiction;
+        let contradicted = self.contradiction.is_open() || self.is_beyond();
+        let unexplained = self.noise.is_unexplained();
+        let disagrees = self.agreement.factor() > DISAGREEMENT;
+        if (contradicted || unexplained || disagrees) && self.sway.hangs() {
+            return Reason::Hanging;
         }
-        if self.noise.is_unexplained() {
-            return Reason::Unexplained;
-        }
-        if self.agreement.factor() > DISAGREEMENT {
-            return Reason::Disagreement;
+        for (doubted, reason) in [
+            (contradicted, Reason::Contradiction),
+            (unexplained, Reason::Unexplained),
+            (disagrees, Reason::Disagreement),
+        ] {
+            if doubted {
+                return reason;
+            }
         }
         let mut most = (1.0, Reason::None);
         for (i, limit, reason) in [
