@@ -147,7 +147,9 @@ impl Sway {
 
     /// The machine stands: the load is taken to be still when it swings again.
     pub(super) fn rest(&mut self) {
-        self.ticks = 0;
+        if core::mem::take(&mut self.ticks) == 0 {
+            return;
+        }
         for pendulum in &mut self.pendulums {
             (pendulum.ahead, pendulum.rate) = (0.0, 0.0);
         }
@@ -155,7 +157,9 @@ impl Sway {
 
     /// The content changes: what hung may hang no more.
     pub(super) fn forget(&mut self) {
-        *self = Self::default();
+        if self.blocks > 0 || self.ticks > 0 {
+            *self = Self::default();
+        }
     }
 
     /// More than half of what a rigid load leaves is explained by one that hangs.
@@ -232,6 +236,7 @@ mod tests {
     fn what_was_learnt_goes_with_the_content() {
         let mut sway = Sway {
             hangs: true,
+            blocks: 1,
             ..Sway::default()
         };
         sway.rest();
