@@ -455,7 +455,7 @@ impl Working {
             self.sway.forget();
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
-            let velocity = drive.velocity.unwrap_or(self.filter.x[W]);
+            let velocity = self.filter.x[W];
             self.sway
                 .push(drive.torque, velocity, &drive.now, drive.period);
         }

@@ -188,20 +188,21 @@ impl Working {
         if self.weigh.as_ref().is_some_and(Weigh::swings) {
             return Reason::Hanging;
         }
-        let contradicted = self.contradiction.is_open() || self.is_beyond();
-        let unexplained = self.noise.is_unexplained();
-        let disagrees = self.agreement.factor() > DISAGREEMENT;
-        if (contradicted || unexplained || disagrees) && self.sway.hangs() {
-            return Reason::Hanging;
-        }
-        for (doubted, reason) in [
-            (contradicted, Reason::Contradiction),
-            (unexplained, Reason::Unexplained),
-            (disagrees, Reason::Disagreement),
-        ] {
-            if doubted {
-                return reason;
-            }
+        let doubt = if self.contradiction.is_open() || self.is_beyond() {
+            Reason::Contradiction
+        } else if self.noise.is_unexplained() {
+            Reason::Unexplained
+        } else if self.agreement.factor() > DISAGREEMENT {
+            Reason::Disagreement
+        } else {
+            Reason::None
+        };
+        if doubt != Reason::None {
+            return if self.sway.hangs() {
+                Reason::Hanging
+            } else {
+                doubt
+            };
         }
         let mut most = (1.0, Reason::None);
         for (i, limit, reason) in [
