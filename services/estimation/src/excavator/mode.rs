@@ -100,11 +100,11 @@ impl Core {
         self.driver.inertia(&settings.geometry, posture)
     }
 
-    /// One tick; what the default estimator does goes into the trail, where that is kept.
+    /// One tick, less what the method does not see; what the default estimator does goes into the trail, where that is kept.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
-        mut tick: Tick,
+        tick: &mut Tick,
         method: Method,
         trail: &mut Option<Trail>,
     ) -> Reading {
@@ -127,7 +127,7 @@ impl Core {
         self.standstill.count(phase, tick.period);
         let geometry = needs_posture.then_some(&settings.geometry);
         let torque_std = settings.sensors.swing_torque_std;
-        let drive = self.driver.step(&tick, geometry, torque_std);
+        let drive = self.driver.step(tick, geometry, torque_std);
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
@@ -157,12 +157,12 @@ impl Core {
             state.payload = state.payload.map(|_| (prior.payload, prior.payload_std));
         }
         let accepted = tick.velocity.is_some();
-        self.verdict.step(settings, &tick, accepted, &state, basis);
+        self.verdict.step(settings, tick, accepted, &state, basis);
         let needs = (needs_torque, needs_posture);
         Reading {
-            tick,
+            tick: *tick,
             state,
-            reasons: self.verdict.reasons(settings, &tick, &state, basis, needs),
+            reasons: self.verdict.reasons(settings, tick, &state, basis, needs),
             held,
             code: match phase {
                 _ if held => 1,

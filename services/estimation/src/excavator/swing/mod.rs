@@ -210,7 +210,10 @@ impl SwingEstimator {
         }
         tick.velocity = tick.velocity.map(|y| y - self.bias);
         tick.velocity_variance *= self.noise_ratio();
-        self.reading = Some(self.core.step(&self.settings, tick, self.method, trail));
+        self.reading = Some(
+            self.core
+                .step(&self.settings, &mut tick, self.method, trail),
+        );
         if !self.core.is_sound() {
             self.restart(false);
             *trail = None;
@@ -282,7 +285,8 @@ impl SwingEstimator {
             Progress::Measuring => {
                 // The estimate waits, but what the detectors see counts if nothing is measured.
                 if !self.needs().1 || self.grid.has_posture() {
-                    self.core.step(&self.settings, *tick, self.method, trail);
+                    self.core
+                        .step(&self.settings, &mut tick.clone(), self.method, trail);
                 }
                 return true;
             }
