@@ -102,6 +102,8 @@ pub(crate) struct Front {
     pub units: Option<Vec<String>>,
     /// Names in the row above the header, which count where it has an empty cell.
     pub above: Vec<String>,
+    /// Whether each row has a name before its cells, in quotes and without a header, as R's `write.table` writes it.
+    pub has_row_names: bool,
 }
 
 impl Front {
@@ -136,14 +138,19 @@ impl Front {
                     }
                     // Blanks may also stand within the names.
                     let width = cells(line, dialect).len();
-                    let is_within = dialect.separator == BLANK
-                        && below.is_some_and(|(_, row)| !is_row(row, dialect, width));
+                    let is_of = |width| below.is_none_or(|(_, row)| is_row(row, dialect, width));
+                    let is_within =
+                        dialect.separator == BLANK && !is_of(width) && !is_of(width + 1);
                     let dialect = match is_within {
                         true => Dialect { separator: b',' },
                         false => dialect,
                     };
                     let start = end_of(line.trim_ascii_start());
+                    let is_named = |row: &[u8]| {
+                        row.trim_ascii_start().starts_with(b"\"") && is_row(row, dialect, width + 1)
+                    };
                     return Some(Self {
+                        has_row_names: below.is_some_and(|(_, row)| is_named(row)),
                         above: above(&head[begin..at], &cells(line, dialect), dialect),
                         start,
                         dialect,
@@ -156,6 +163,7 @@ impl Front {
                         dialect,
                         units: None,
                         above: Vec::new(),
+                        has_row_names: false,
                     });
                 }
                 Line::Nothing | Line::Units(_) | Line::Row => {}
@@ -370,6 +378,9 @@ mod tests {
             ),
             ("Made on day 3\nt,speed\n0,0\n", "t,speed", b','),
             ("t speed\n0 0\nt speed\n0 1\n", "t speed", BLANK),
+            // R's names of rows.
+            ("\"t\" \"speed\"\n\"1\" 0 1\n", "\"t\" \"speed\"", BLANK),
+            ("t speed\n1 0 1\n", "t speed", BLANK),
         ] {
             let (found, its, _) = of(text);
             assert_eq!((found.as_str(), its), (header, separator), "{text}");

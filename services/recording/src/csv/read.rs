@@ -72,6 +72,8 @@ struct Table {
     units: Option<Vec<String>>,
     /// Names above those that the header leaves empty.
     above: Vec<String>,
+    /// Whether each row has a name, of which the header says nothing.
+    has_row_names: bool,
 }
 
 /// The lines below the header.
@@ -116,6 +118,7 @@ impl Table {
             preface: front.start,
             units: front.units,
             above: front.above,
+            has_row_names: front.has_row_names,
             is_packed: content.is_packed,
             is_plain: content.is_plain,
         })
@@ -159,6 +162,9 @@ impl Table {
         let place = || format!("{}:{}", self.file, self.line(0));
         let mut header = header(records.record(), self.dialect, &self.file, place)?;
         fill(&mut header, &self.above);
+        if self.has_row_names {
+            header.insert(0, String::new());
+        }
         if self.units.is_some() {
             self.advance(&mut records)?;
         }
@@ -298,6 +304,10 @@ impl<S: Sensors> TableRows<S> {
                 } else {
                     Err(error)
                 };
+            }
+            if let Some((what, remedy)) = self.columns.another_machine(record) {
+                let place = format!("{}:{}", table.file, table.line(start));
+                return Err(Error::new(what, place, remedy));
             }
             self.count += 1;
             return self
