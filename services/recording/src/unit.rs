@@ -253,7 +253,8 @@ pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
 
 /// The unit that a name tells, where that is of something else than `si`. A letter alone may mean anything.
 pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
-    let tells = |unit: &&Unit| bracketed(name).is_some() || unit.name.len() > 1 || unit.name == "%";
+    let is_bracketed = !units_in_brackets(name).is_empty();
+    let tells = |unit: &&Unit| is_bracketed || unit.name.len() > 1 || unit.name == "%";
     let unit = units_of(name).into_iter().find(tells)?;
     of_name(name, si).is_none().then_some(unit.name)
 }
@@ -284,15 +285,28 @@ pub(crate) fn bracketed(name: &str) -> Option<&str> {
 
 /// The units that the end of a name may mean, the longest first.
 fn units_of(name: &str) -> Vec<&'static Unit> {
-    if let Some(text) = bracketed(name) {
-        return guesses(text).collect();
+    let units = units_in_brackets(name);
+    if !units.is_empty() {
+        return units;
     }
-    let words = words(name);
+    // What is no unit in brackets stands behind it (`torque, Nm (left)`).
+    let words = words(before_brackets(name));
     // A name is more than its unit.
     let lengths = (1..words.len().min(4)).rev();
     lengths
         .flat_map(|length| joined(&words[words.len() - length..]))
         .collect()
+}
+
+/// What stands before the first brackets of a name.
+fn before_brackets(name: &str) -> &str {
+    let open = BRACKETS.map(|(open, _)| open);
+    name.split(open).next().unwrap_or(name)
+}
+
+/// The units that the brackets of a name may mean.
+fn units_in_brackets(name: &str) -> Vec<&'static Unit> {
+    bracketed(name).map_or_else(Vec::new, |text| guesses(text).collect())
 }
 
 /// The units that words of a name may mean together.
@@ -306,8 +320,7 @@ fn joined(words: &[&str]) -> Vec<&'static Unit> {
 /// A name without the unit that it tells: `torque [Nm]`, `torque/Nm` and `omega_rad_s` are more than their units.
 pub(crate) fn without(name: &str) -> &str {
     let signs = |c: char| is_sign(c) || c.is_whitespace();
-    let open = BRACKETS.map(|(open, _)| open);
-    let before = name.split(open).next().unwrap_or(name);
+    let before = before_brackets(name);
     let words = words(before);
     let lengths = (1..words.len().min(4)).rev();
     let unit = lengths.map(|length| &words[words.len() - length..]);
@@ -444,11 +457,19 @@ mod tests {
             ("speed, km/h", "m/s", "km/h"),
             ("mass_short_ton", "kg", "short ton"),
             ("swing torque [in-lb]", "N m", "lbf in"),
+            ("Torque, kNm (LGR S/N: 1, SEN S/N: 2)", "N m", "kNm"),
         ] {
             assert_eq!(of_name(name, si).map(|u| u.name), Some(unit), "{name}");
             assert_eq!(foreign(name, si), None, "{name}");
         }
-        for name in ["deg", "speed", "arm_A", "swing_velocity_t", "boom (left)"] {
+        for name in [
+            "deg",
+            "speed",
+            "arm_A",
+            "swing_velocity_t",
+            "boom (left)",
+            "boom A (left)",
+        ] {
             assert_eq!(of_name(name, "rad"), None, "{name}");
             assert_eq!(foreign(name, "rad"), None, "{name}");
         }

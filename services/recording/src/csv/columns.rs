@@ -543,6 +543,7 @@ const LONG: [&[&str]; 2] = [
         "signal name",
         "name",
         "variable",
+        "varname",
         "channel",
         "sensor",
         "parameter",
@@ -554,7 +555,7 @@ const LONG: [&[&str]; 2] = [
         "topic",
     ],
     &[
-        "value", "_value", "val", "wert", "valeur", "valor", "reading",
+        "value", "_value", "varvalue", "val", "wert", "valeur", "valor", "reading",
     ],
 ];
 

@@ -68,8 +68,9 @@ struct Table {
     is_plain: bool,
     /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
-    /// Units in a row of their own below the header, a text for each column.
+    /// Units in a line of their own, a text for each column, and whether that is the one below the header.
     units: Option<Vec<String>>,
+    has_units_below: bool,
     /// Names above those that the header leaves empty.
     above: Vec<String>,
     /// Whether each row has a name, of which the header says nothing.
@@ -117,6 +118,7 @@ impl Table {
             file,
             preface: front.start,
             units: front.units,
+            has_units_below: front.has_units_below,
             above: front.above,
             has_row_names: front.has_row_names,
             is_packed: content.is_packed,
@@ -165,7 +167,7 @@ impl Table {
         if self.has_row_names {
             header.insert(0, String::new());
         }
-        if self.units.is_some() {
+        if self.has_units_below {
             self.advance(&mut records)?;
         }
         Ok((records, header))
