@@ -332,6 +332,20 @@ fn a_table_of_two_machines_is_no_recording_of_one() {
         read(&written(folder.path(), "two.csv", text.as_bytes()))
     };
     assert_eq!(of("EX1").expect("one machine").len(), 400);
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None).expect("a decoder");
+    for line in [
+        "machine,t,swing_velocity",
+        "EX1,0,0",
+        "EX2,0.01,0",
+        "EX1,0.02,0",
+    ] {
+        decoder.take(line.as_bytes(), 0).expect("a line");
+    }
+    let remarks = decoder.take_remarks();
+    assert!(
+        remarks.len() == 1 && remarks[0].contains("of machine EX2"),
+        "{remarks:?}"
+    );
     let error = of("EX2").expect_err("two machines").to_string();
     assert!(error.contains("two.csv:3"), "{error}");
     assert!(

@@ -102,7 +102,9 @@ impl NoNumber {
             () if self.text.contains(',') => {
                 "write it with a decimal point and without marks between thousands, or separate the columns by ;"
             }
-            () => "write a number, or leave the cell empty where the sample is missing",
+            () => {
+                "write a number, or leave the cell empty where the sample is missing; delete the line if it is no sample"
+            }
         };
         let what = match is_ambiguous {
             true => "may begin with its day or with its month",
@@ -259,12 +261,12 @@ impl<S: Sensors> Columns<S> {
     }
 
     /// Why a row is none of the table, and what to do; a row that was cut off must not pass for one with missing samples.
-    pub(crate) fn misfit(&self, record: &Record) -> Option<(String, &'static str)> {
+    pub(crate) fn misfit(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
         if !has_more && !self.is_short(record) {
-            return None;
+            return self.another_machine(record);
         }
         let separator = char::from(self.dialect.separator).escape_default();
         let what =
@@ -286,7 +288,7 @@ impl<S: Sensors> Columns<S> {
     }
 
     /// Why a row is of another machine than those before it, and what to do.
-    pub(crate) fn another_machine(&mut self, record: &Record) -> Option<(String, &'static str)> {
+    fn another_machine(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let name = record.get(self.machine?).filter(|name| !name.is_empty())?;
         if self.named.is_empty() {
             self.named = name.to_vec();

@@ -307,10 +307,6 @@ impl<S: Sensors> TableRows<S> {
                     Err(error)
                 };
             }
-            if let Some((what, remedy)) = self.columns.another_machine(record) {
-                let place = format!("{}:{}", table.file, table.line(start));
-                return Err(Error::new(what, place, remedy));
-            }
             self.count += 1;
             return self
                 .columns

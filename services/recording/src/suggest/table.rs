@@ -53,7 +53,10 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
-        unknown.extend(unknown_unit(si, &named).map(|text| format!("{text} (column {name})")));
+        // Dates have no unit.
+        let has_number = columns[at].iter().any(|x| x.is_finite());
+        let text = unknown_unit(si, &named).filter(|_| has_number);
+        unknown.extend(text.map(|text| format!("{text} (column {name})")));
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
         let column = Column {
