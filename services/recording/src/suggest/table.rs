@@ -53,9 +53,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
-        // Dates have no unit.
-        let has_number = columns[at].iter().any(|x| x.is_finite());
-        let text = unknown_unit(si, &named).filter(|_| has_number);
+        let text = unknown_unit(si, &named).filter(|_| has_number(&columns[at]));
         unknown.extend(text.map(|text| format!("{text} (column {name})")));
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
@@ -228,6 +226,11 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
         );
     }
     guess
+}
+
+/// Whether a column may have a unit: dates have none.
+fn has_number(values: &[f64]) -> bool {
+    values.iter().any(|x| x.is_finite())
 }
 
 /// What stands in a name's brackets where it is no unit.
