@@ -297,3 +297,14 @@ def test_a_column_that_is_there_twice_is_named_and_so_is_a_gap_in_the_times():
     late = data.assign(t=data.t.where(data.t < 10, data.t + 3600))
     with pytest.warns(heft.HeftWarning, match="a gap of more than 10 s, the longest of 3600 s"):
         heft.estimate(late, "excavator")
+
+
+def test_rows_of_two_machines_are_not_mixed_and_loads_are_counted_in_files():
+    data = pandas.read_csv(GOLDEN / "machines" / "excavator_1_13t_level.csv")
+    mixed = data.assign(machine=["EX1" if k % 2 else "EX2" for k in range(len(data))])
+    for frame in (mixed, polars.from_pandas(mixed).lazy()):
+        with pytest.raises(heft.HeftError, match="of 2 machines, EX1 and EX2"):
+            heft.estimate(frame, "excavator")
+    assert len(heft.estimate(mixed.assign(machine="EX1"), "excavator")) == len(data)
+    with pytest.raises(heft.HeftError, match="give its path"):
+        heft.loads(data, "excavator")

@@ -2,6 +2,8 @@
 
 /// Rows that are further apart have a gap between them \[s\].
 const LONG: f64 = 10.0;
+/// A row that goes back by more was not late: a clock was set, or another recording begins \[s\].
+const BACK: f64 = 1.0;
 /// And so many times as far as the nearest.
 const MANY: f64 = 100.0;
 /// Seconds from 59 of a minute to 0 of the next where times are written as the digits of hours, minutes and seconds; to the
@@ -34,7 +36,7 @@ impl Gaps {
         }
         let last = self.last.replace(time).unwrap_or(time);
         let gap = time - last;
-        if gap < -LONG {
+        if gap < -BACK {
             if self.back == 0 {
                 self.first_back = [last, -gap];
             }
@@ -69,7 +71,7 @@ impl Gaps {
         let back = (self.back > 0).then(|| {
             let [at, by] = self.first_back;
             format!(
-                "the times go back by {} s behind t = {}, {} in all: are these several recordings? estimate each by itself",
+                "the times go back by {} s behind t = {}, {} in all: are these several recordings, or was the clock set? estimate each part by itself",
                 digits(by, format!("{by:.0}")),
                 digits(at, at.to_string()),
                 match self.back {
@@ -125,6 +127,9 @@ mod tests {
             said.starts_with("the times go back by 30 s behind t = 29.99, once"),
             "{said}"
         );
+        let set = (0..2000).chain(1700..3000).map(rows);
+        let said = of(set).words().unwrap_or_default();
+        assert!(said.contains("go back by 3 s"), "{said}");
         assert_eq!(of((0..3000).map(|k| rows(k ^ 7))).words(), None);
     }
 

@@ -255,6 +255,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     Ok(Suggestion {
         text: out,
         missing,
+        unknown: Vec::new(),
         found: found.len(),
     })
 }
@@ -363,6 +364,20 @@ mod tests {
             let text = of(speaking).expect("a machine");
             assert!(text.contains(&format!("for the {machine},")), "{text}");
         }
+    }
+
+    #[test]
+    fn what_is_no_unit_is_told_with_its_column_and_a_ton_with_its_size() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let of = |header: &str| {
+            let file = dir.path().join("x.csv");
+            std::fs::write(&file, format!("{header}\n0,1,2\n")).expect("writable");
+            suggest(&file, &[], Some(Machine::Loader)).expect("a table")
+        };
+        let said = of("t [s],speed [furlong/h],mass [ton]");
+        assert_eq!(said.unknown, ["furlong/h (column \"speed [furlong/h]\")"]);
+        assert!(said.text.contains("2000 lb is unit = \"short ton\""));
+        assert!(of("t,speed [mph],mass [tonne]").unknown.is_empty());
     }
 
     #[test]

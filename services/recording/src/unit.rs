@@ -58,6 +58,7 @@ pub(crate) const UNITS: &[Unit] = &[
         1.0,
         &["rad/sec", "rads", "radps", "1/s", "rads-1", "s-1", "rad/秒"],
     ),
+    unit("mrad/s", "rad/s", 1e-3, &["mrad/sec"]),
     unit(
         "deg/s",
         "rad/s",
@@ -130,27 +131,70 @@ pub(crate) const UNITS: &[Unit] = &[
     unit("MN m", "N m", 1e6, &[]),
     unit("MNm", "N m", 1e6, &[]),
     unit("daN m", "N m", 10.0, &["dan-m"]),
-    unit("kgf m", "N m", 9.80665, &["kgf-m", "kgm", "kg-m"]),
+    unit("kgf m", "N m", 9.80665, &["kgf-m", "kgm", "kg-m", "kpm"]),
+    unit("tf m", "N m", 9_806.65, &["tf-m"]),
     unit(
         "lbf ft",
         "N m",
         1.355_817_948_331,
         &[
-            "ftlbf", "ftlb", "lbft", "ft-lb", "lb-ft", "ft-lbf", "lbf-ft", "ftlbs", "ft-lbs",
-            "lbsft", "lbs-ft",
+            "ftlbf",
+            "ftlb",
+            "lbft",
+            "ft-lb",
+            "lb-ft",
+            "ft-lbf",
+            "lbf-ft",
+            "ftlbs",
+            "ft-lbs",
+            "lbsft",
+            "lbs-ft",
+            "footpound",
+            "footpounds",
+            "foot-pound",
+            "foot-pounds",
+        ],
+    ),
+    unit(
+        "klbf ft",
+        "N m",
+        1_355.817_948_331,
+        &[
+            "kipft", "kip-ft", "ftkip", "ft-kip", "kft-lb", "klb-ft", "klbft",
+        ],
+    ),
+    unit(
+        "lbf in",
+        "N m",
+        0.112_984_829_027_6,
+        &[
+            "inlbf", "inlb", "lbin", "in-lb", "lb-in", "in-lbf", "lbf-in", "inlbs", "in-lbs",
         ],
     ),
     unit("kg", "kg", 1.0, &["kilogram"]),
     unit("lb", "kg", 0.453_592_37, &["lbs", "pound", "pounds", "lbm"]),
+    unit("klb", "kg", 453.592_37, &["klbs", "kip", "kips"]),
+    unit(
+        "short ton",
+        "kg",
+        907.184_74,
+        &["shorttons", "uston", "ustons"],
+    ),
     unit("t", "kg", 1e3, &["ton", "tons", "tonne", "tonnes"]),
     unit("kg m^2", "kg m^2", 1.0, &["kgm2"]),
     unit("N m s/rad", "N m s/rad", 1.0, &["nms/rad", "nms"]),
     unit("Pa", "Pa", 1.0, &["pascal"]),
-    unit("kPa", "Pa", 1e3, &[]),
-    unit("MPa", "Pa", 1e6, &[]),
+    unit("kPa", "Pa", 1e3, &["kn/m2"]),
+    unit("MPa", "Pa", 1e6, &["n/mm2"]),
     unit("bar", "Pa", 1e5, &["bars", "barg", "bar(g)"]),
     unit("mbar", "Pa", 1e2, &["hpa"]),
-    unit("psi", "Pa", 6_894.757_293_168, &["psig", "psi(g)"]),
+    unit(
+        "psi",
+        "Pa",
+        6_894.757_293_168,
+        &["psig", "psi(g)", "lbf/in2", "lb/in2"],
+    ),
+    unit("ksi", "Pa", 6_894_757.293_168, &[]),
     unit("kgf/cm^2", "Pa", 98_066.5, &["kgf/cm2", "kg/cm2"]),
     unit("V", "V", 1.0, &["volt", "volts"]),
     unit("mV", "V", 1e-3, &[]),
@@ -209,7 +253,8 @@ pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
 
 /// The unit that a name tells, where that is of something else than `si`. A letter alone may mean anything.
 pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
-    let tells = |unit: &&Unit| bracketed(name).is_some() || unit.name.len() > 1 || unit.name == "%";
+    let is_bracketed = !units_in_brackets(name).is_empty();
+    let tells = |unit: &&Unit| is_bracketed || unit.name.len() > 1 || unit.name == "%";
     let unit = units_of(name).into_iter().find(tells)?;
     of_name(name, si).is_none().then_some(unit.name)
 }
@@ -220,9 +265,11 @@ pub(crate) fn is_of(name: &str, si: &str) -> bool {
 }
 
 /// Brackets around units.
-pub(crate) const BRACKETS: [(char, char); 5] = [
+pub(crate) const BRACKETS: [(char, char); 7] = [
     ('[', ']'),
     ('(', ')'),
+    ('{', '}'),
+    ('<', '>'),
     ('［', '］'),
     ('（', '）'),
     ('【', '】'),
@@ -238,28 +285,66 @@ pub(crate) fn bracketed(name: &str) -> Option<&str> {
 
 /// The units that the end of a name may mean, the longest first.
 fn units_of(name: &str) -> Vec<&'static Unit> {
-    if let Some(text) = bracketed(name) {
-        return guesses(text).collect();
+    let units = units_in_brackets(name);
+    if !units.is_empty() {
+        return units;
     }
-    let words = words(name);
+    // What is no unit in brackets stands behind it (`torque, Nm (left)`).
+    let words = words(before_brackets(name));
     // A name is more than its unit.
     let lengths = (1..words.len().min(4)).rev();
-    let end = |length: usize| {
-        let end = words[words.len() - length..].iter().copied();
-        let end: Vec<&str> = end.filter(|w| !w.eq_ignore_ascii_case("per")).collect();
-        ["", "/"].map(|between| guesses(&end.join(between)).collect::<Vec<_>>())
-    };
-    lengths.flat_map(end).flatten().collect()
+    lengths
+        .flat_map(|length| joined(&words[words.len() - length..]))
+        .collect()
 }
 
-/// The words of a name: between signs and blanks, and where a capital begins one.
+/// What stands before the first brackets of a name.
+fn before_brackets(name: &str) -> &str {
+    let open = BRACKETS.map(|(open, _)| open);
+    name.split(open).next().unwrap_or(name)
+}
+
+/// The units that the brackets of a name may mean.
+fn units_in_brackets(name: &str) -> Vec<&'static Unit> {
+    bracketed(name).map_or_else(Vec::new, |text| guesses(text).collect())
+}
+
+/// The units that words of a name may mean together.
+fn joined(words: &[&str]) -> Vec<&'static Unit> {
+    let words = words.iter().copied();
+    let words: Vec<&str> = words.filter(|w| !w.eq_ignore_ascii_case("per")).collect();
+    let ways = ["", "/"].map(|between| words.join(between));
+    ways.iter().flat_map(|text| guesses(text)).collect()
+}
+
+/// A name without the unit that it tells: `torque [Nm]`, `torque/Nm` and `omega_rad_s` are more than their units.
+pub(crate) fn without(name: &str) -> &str {
+    let signs = |c: char| is_sign(c) || c.is_whitespace();
+    let before = before_brackets(name);
+    let words = words(before);
+    let lengths = (1..words.len().min(4)).rev();
+    let unit = lengths.map(|length| &words[words.len() - length..]);
+    let mut unit = unit.filter(|words| !joined(words).is_empty());
+    let end = unit.next().map_or(before.len(), |words| {
+        words[0].as_ptr() as usize - before.as_ptr() as usize
+    });
+    before[..end].trim_matches(signs)
+}
+
+/// Whether this stands between the words of a name.
+fn is_sign(c: char) -> bool {
+    matches!(c, '_' | '.' | '-' | ' ' | ':' | '/' | ',' | '|')
+}
+
+/// The words of a name: between signs and blanks, and where a capital begins one, of which a `k` may be a part (`TorquekNm`).
 fn words(name: &str) -> Vec<&str> {
     let (mut words, mut begin, mut before) = (Vec::new(), 0, ' ');
     for (at, c) in name.char_indices() {
-        let is_sign = matches!(c, '_' | '.' | '-' | ' ' | ':');
-        if is_sign || before.is_lowercase() && c.is_uppercase() {
-            words.push(&name[begin..at]);
-            begin = if is_sign { at + c.len_utf8() } else { at };
+        if is_sign(c) || before.is_lowercase() && c.is_uppercase() {
+            let is_kilo = before == 'k' && matches!(c, 'N' | 'P') && at - 1 > begin;
+            let end = if is_kilo { at - 1 } else { at };
+            words.push(&name[begin..end]);
+            begin = if is_sign(c) { at + c.len_utf8() } else { end };
         }
         before = c;
     }
@@ -323,6 +408,16 @@ mod tests {
             ("Bar", "bar"),
             ("%", "%"),
             ("kg m2", "kg m^2"),
+            ("lb*ft", "lbf ft"),
+            ("foot-pounds", "lbf ft"),
+            ("kip-ft", "klbf ft"),
+            ("in-lbs", "lbf in"),
+            ("kpm", "kgf m"),
+            ("tf·m", "tf m"),
+            ("N/mm²", "MPa"),
+            ("klbs", "klb"),
+            ("Short Ton", "short ton"),
+            ("US tons", "short ton"),
         ] {
             assert_eq!(guess(text).map(|u| u.name), Some(name), "{text}");
         }
@@ -353,11 +448,28 @@ mod tests {
             ("head press. [bar(g)]", "Pa", "bar"),
             ("Speed [km/h] (GPS)", "m/s", "km/h"),
             ("旋回角速度（度/s）", "rad/s", "deg/s"),
+            ("swing torque/kNm", "N m", "kNm"),
+            ("Torque / kN m", "N m", "kNm"),
+            ("swing_torque{kNm}", "N m", "kNm"),
+            ("torque, lb*ft", "N m", "lbf ft"),
+            ("SwingTorquekNm", "N m", "kNm"),
+            ("HeadPressurekPa", "Pa", "kPa"),
+            ("speed, km/h", "m/s", "km/h"),
+            ("mass_short_ton", "kg", "short ton"),
+            ("swing torque [in-lb]", "N m", "lbf in"),
+            ("Torque, kNm (LGR S/N: 1, SEN S/N: 2)", "N m", "kNm"),
         ] {
             assert_eq!(of_name(name, si).map(|u| u.name), Some(unit), "{name}");
             assert_eq!(foreign(name, si), None, "{name}");
         }
-        for name in ["deg", "speed", "arm_A", "swing_velocity_t", "boom (left)"] {
+        for name in [
+            "deg",
+            "speed",
+            "arm_A",
+            "swing_velocity_t",
+            "boom (left)",
+            "boom A (left)",
+        ] {
             assert_eq!(of_name(name, "rad"), None, "{name}");
             assert_eq!(foreign(name, "rad"), None, "{name}");
         }

@@ -293,3 +293,63 @@ fn ticks_of_a_register_that_was_full_are_times() {
     let times: Vec<f64> = rows.iter().map(|(sample, _)| sample.stamp.time).collect();
     assert_eq!(times, [65.506, 65.516, 65.526, 65.536, 65.546, 65.556]);
 }
+
+#[test]
+fn names_of_rows_as_r_writes_them_are_no_column_or_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = |header: &str, separator: &str, quote: &str| {
+        let named = |(i, row): (usize, &String)| format!("{quote}{}{quote},{row}\n", i + 1);
+        let rows: String = rows().iter().enumerate().map(named).collect();
+        let text = format!("{header}\n{rows}").replace(',', separator);
+        read(&written(folder.path(), "r.txt", text.as_bytes()))
+    };
+    let quoted = "\"t\",\"swing_velocity\",\"swing_torque\"";
+    for separator in [" ", "\t", ",", ";"] {
+        let found = table(quoted, separator, "\"");
+        let torques = found.as_ref().map(|torques| (torques.len(), torques[3]));
+        assert_eq!(torques.ok(), Some((400, 30.0)), "{separator:?}: {found:?}");
+        // A number without quotes may be one of the columns, and a name be missing.
+        let error = table(HEADER, separator, "").expect_err("a name is missing");
+        let error = error.to_string();
+        assert!(
+            error.contains("the row has 4 cells, the header 3"),
+            "{error}"
+        );
+        assert!(error.contains("name every column"), "{error}");
+    }
+}
+
+#[test]
+fn a_table_of_two_machines_is_no_recording_of_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = |second: &str| {
+        let named = |(i, row): (usize, String)| {
+            let name = if i % 2 == 0 { "EX1" } else { second };
+            format!("{name},{row}\n")
+        };
+        let rows: String = rows().into_iter().enumerate().map(named).collect();
+        let text = format!("machine,{HEADER}\n{rows}");
+        read(&written(folder.path(), "two.csv", text.as_bytes()))
+    };
+    assert_eq!(of("EX1").expect("one machine").len(), 400);
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None).expect("a decoder");
+    for line in [
+        "machine,t,swing_velocity",
+        "EX1,0,0",
+        "EX2,0.01,0",
+        "EX1,0.02,0",
+    ] {
+        decoder.take(line.as_bytes(), 0).expect("a line");
+    }
+    let remarks = decoder.take_remarks();
+    assert!(
+        remarks.len() == 1 && remarks[0].contains("of machine EX2"),
+        "{remarks:?}"
+    );
+    let error = of("EX2").expect_err("two machines").to_string();
+    assert!(error.contains("two.csv:3"), "{error}");
+    assert!(
+        error.contains("machine EX2") && error.contains("heft serve"),
+        "{error}"
+    );
+}

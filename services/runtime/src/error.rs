@@ -1,5 +1,7 @@
 use std::fmt;
 
+use rustix::process::{Resource, getrlimit};
+
 /// What went wrong, where, and what to do about it: one line each.
 #[derive(Debug, Clone)]
 pub struct Error {
@@ -27,10 +29,19 @@ impl Error {
 
     /// An error of iceoryx2 on a channel or node.
     pub(crate) fn ipc(action: &str, name: &str, error: impl fmt::Debug) -> Self {
+        let limit = getrlimit(Resource::As).current;
+        let memory = limit.map_or(String::new(), |bytes| {
+            format!(
+                "allow a process more memory than {} MiB (ulimit -v); ",
+                bytes >> 20
+            )
+        });
         Self::new(
             format!("cannot {action}: {error:?}"),
             format!("shared memory, {name}"),
-            "run `heft doctor --clean`; if another run uses this domain, choose another --domain",
+            format!(
+                "{memory}run `heft doctor --clean`; if another run uses this domain, choose another --domain"
+            ),
         )
     }
 

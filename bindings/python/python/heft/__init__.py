@@ -143,6 +143,7 @@ def estimate(
     if text is None:
         text = getattr(data, "attrs", {}).get("heft.description")
     data = _table(data, known)
+    _of_one_machine(data)
     names = _names(data)
     _hint_at_names(names, known)
     if "t" not in names:
@@ -242,6 +243,8 @@ def loads(
     """
     if isinstance(recordings, (str, os.PathLike)):
         recordings = [recordings]
+    if hasattr(recordings, "columns"):
+        raise HeftError("loads are counted in files; write the frame to a table (to_csv), and give its path")
     arguments = ["loads", *(_path(file) for file in recordings)]
     for option, value in (("machine", machine), ("map", map), ("method", method), ("target", target), ("pause", pause)):
         if value is not None:
@@ -344,7 +347,7 @@ def _table(data: Any, known: list[str]) -> Any:
     if library == "polars" and hasattr(data, "collect"):
         names = data.collect_schema().names()
         _hint_at_names(names, known, stacklevel=4)
-        return data.select([name for name in names if name in known]).collect()
+        data = data.select([name for name in names if name in known or name == "machine"]).collect()
     if isinstance(data, np.ndarray):
         if data.dtype.names is None:
             raise HeftError("an array has no names of columns; give {'t': ..., 'swing_velocity': ...} or a frame")
@@ -361,6 +364,17 @@ def _table(data: Any, known: list[str]) -> Any:
     raise HeftError(
         f"{type(data).__name__} cannot be used; give a frame of pandas or polars, a mapping of names to arrays, or a path"
     )
+
+
+def _of_one_machine(table: Any) -> None:
+    """Refuses the rows of several machines: a column of this name says whose each row is, as in tables of ``heft serve``."""
+    if "machine" in _names(table):
+        names = sorted({str(name) for name in table["machine"] if name is not None and name == name})
+        if len(names) > 1:
+            raise HeftError(
+                f"the rows are of {len(names)} machines, {names[0]} and {names[1]} among them; "
+                "give those of one, or rename the column machine if it names something else"
+            )
 
 
 def _names(data: Any) -> list[str]:

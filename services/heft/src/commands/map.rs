@@ -59,6 +59,12 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             missing.join(", ")
         );
     }
+    if !suggestion.unknown.is_empty() {
+        eprintln!(
+            "these are no units that heft knows: {}; write unit or scale into their lines",
+            suggestion.unknown.join(", ")
+        );
+    }
     Ok(())
 }
 

@@ -29,7 +29,13 @@ pub(crate) struct Columns<S: Sensors> {
     dates: Dates,
     counter: Counter,
     sampler: Option<Sampler>,
+    /// The column that names the machine of each row, as a table of many machines has it, and what it said first.
+    machine: Option<usize>,
+    named: Vec<u8>,
 }
+
+/// Column of the names in a table of many machines.
+const MACHINE: &str = "machine";
 
 /// A signal and its parts.
 #[derive(Debug)]
@@ -96,7 +102,9 @@ impl NoNumber {
             () if self.text.contains(',') => {
                 "write it with a decimal point and without marks between thousands, or separate the columns by ;"
             }
-            () => "write a number, or leave the cell empty where the sample is missing",
+            () => {
+                "write a number, or leave the cell empty where the sample is missing; delete the line if it is no sample"
+            }
         };
         let what = match is_ambiguous {
             true => "may begin with its day or with its month",
@@ -162,8 +170,15 @@ impl<S: Sensors> Columns<S> {
             });
         }
         require::<S>(entries, &used, &header, file)?;
+        let is_used = |at: &usize| {
+            let mut parts = lines.iter().flat_map(|line: &Line| &line.parts);
+            parts.any(|part| matches!(part, Part::Cell { at: its, .. } if its == at))
+        };
+        let machine = header.iter().position(|name| name == MACHINE);
         let is_timed = timings.iter().any(|(t, _)| *t != Timing::default());
         Ok(Self {
+            machine: machine.filter(|at| !is_used(at)),
+            named: Vec::new(),
             marks: vec![Marks::default(); header.len()],
             header,
             dialect,
@@ -246,12 +261,12 @@ impl<S: Sensors> Columns<S> {
     }
 
     /// Why a row is none of the table, and what to do; a row that was cut off must not pass for one with missing samples.
-    pub(crate) fn misfit(&self, record: &Record) -> Option<(String, &'static str)> {
+    pub(crate) fn misfit(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
         if !has_more && !self.is_short(record) {
-            return None;
+            return self.another_machine(record);
         }
         let separator = char::from(self.dialect.separator).escape_default();
         let what =
@@ -259,14 +274,32 @@ impl<S: Sensors> Columns<S> {
         let remedy = match (record.iter().any(|cell| cell.contains(&0)), self.dialect) {
             (true, _) => ZEROS,
             (_, Dialect { separator: b',' }) if has_more => {
-                "complete or delete the row; where commas are decimal marks, separate the columns by ;"
+                "complete or delete the row, and name every column; where commas are decimal marks, separate the columns by ;"
             }
-            (_, Dialect { separator: BLANK }) => {
+            (_, Dialect { separator: BLANK }) if !has_more => {
                 "complete or delete the row; where blanks separate, a missing sample is NaN"
+            }
+            _ if has_more && cells == width + 1 => {
+                "name every column, that of the rows' names too (in R: col.names = NA), or delete the row"
             }
             _ => "complete the row, or delete it",
         };
         Some((what, remedy))
+    }
+
+    /// Why a row is of another machine than those before it, and what to do.
+    fn another_machine(&mut self, record: &Record) -> Option<(String, &'static str)> {
+        let name = record.get(self.machine?).filter(|name| !name.is_empty())?;
+        if self.named.is_empty() {
+            self.named = name.to_vec();
+        }
+        (name != self.named).then(|| {
+            let [other, first] = [name, &self.named].map(dialect::text);
+            (
+                format!("the row is of machine {other}, and those before it are of {first}"),
+                "heft serve takes a table of many machines; here give the rows of one, or rename the column if it names something else",
+            )
+        })
     }
 
     /// Takes the cells of a row.
@@ -512,6 +545,7 @@ const LONG: [&[&str]; 2] = [
         "signal name",
         "name",
         "variable",
+        "varname",
         "channel",
         "sensor",
         "parameter",
@@ -523,7 +557,7 @@ const LONG: [&[&str]; 2] = [
         "topic",
     ],
     &[
-        "value", "_value", "val", "wert", "valeur", "valor", "reading",
+        "value", "_value", "varvalue", "val", "wert", "valeur", "valor", "reading",
     ],
 ];
 

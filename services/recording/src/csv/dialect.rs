@@ -64,10 +64,16 @@ impl Dialect {
 }
 
 /// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
-/// sheet's formulas, dashes of a logger, the words of a historian for a bad value.
-const MISSING: [&str; 29] = [
+/// sheet's formulas, dashes of a logger, the words of a historian for a bad value, what C's library on Windows prints, a
+/// database's `\N`.
+const MISSING: [&str; 38] = [
     "na",
     "n/a",
+    "n.a.",
+    "nat",
+    "\\n",
+    "–",
+    "—",
     "#n/a",
     "#na",
     "#nv",
@@ -95,6 +101,10 @@ const MISSING: [&str; 29] = [
     "#name?",
     "1.#qnan",
     "-1.#ind",
+    "1.#ind",
+    "nan(ind)",
+    "-nan(ind)",
+    "1.#inf",
 ];
 
 fn is_missing(cell: &[u8]) -> bool {
@@ -254,8 +264,23 @@ mod tests {
     fn a_word_for_a_missing_sample_is_an_empty_cell() {
         let english = Dialect { separator: b',' };
         for word in [
-            "NA", "n/a", "NULL", "None", "#N/A", "#NV", "-", "--", "#DIV/0!", "(null)", "No Data",
+            "NA",
+            "n/a",
+            "NULL",
+            "None",
+            "#N/A",
+            "#NV",
+            "-",
+            "--",
+            "#DIV/0!",
+            "(null)",
+            "No Data",
             "Bad",
+            "n.a.",
+            "\\N",
+            "—",
+            "-nan(ind)",
+            "1.#INF",
         ] {
             let number = english.number(word.as_bytes());
             assert!(number.is_some_and(f64::is_nan), "{word}");

@@ -98,10 +98,13 @@ pub(crate) struct Front {
     /// Bytes before the header.
     pub start: usize,
     pub dialect: Dialect,
-    /// Units in a row of their own below the header, a text for each column.
+    /// Units in a line of their own, a text for each column, and whether that is the one below the header.
     pub units: Option<Vec<String>>,
+    pub has_units_below: bool,
     /// Names in the row above the header, which count where it has an empty cell.
     pub above: Vec<String>,
+    /// Whether each row has a name before its cells, in quotes and without a header, as R's `write.table` writes it.
+    pub has_row_names: bool,
 }
 
 impl Front {
@@ -136,18 +139,28 @@ impl Front {
                     }
                     // Blanks may also stand within the names.
                     let width = cells(line, dialect).len();
-                    let is_within = dialect.separator == BLANK
-                        && below.is_some_and(|(_, row)| !is_row(row, dialect, width));
+                    let is_of = |width| below.is_none_or(|(_, row)| is_row(row, dialect, width));
+                    let is_within =
+                        dialect.separator == BLANK && !is_of(width) && !is_of(width + 1);
                     let dialect = match is_within {
                         true => Dialect { separator: b',' },
                         false => dialect,
                     };
                     let start = end_of(line.trim_ascii_start());
+                    let is_named = |row: &[u8]| {
+                        row.trim_ascii_start().starts_with(b"\"") && is_row(row, dialect, width + 1)
+                    };
+                    let header = cells(line, dialect);
+                    let over = |(_, line)| several_units(&header, line, dialect);
+                    let has_units_below = units.is_some();
                     return Some(Self {
-                        above: above(&head[begin..at], &cells(line, dialect), dialect),
+                        units: units
+                            .or_else(|| self::lines(&head[begin..at], 0).filter_map(over).last()),
+                        has_units_below,
+                        has_row_names: below.is_some_and(|(_, row)| is_named(row)),
+                        above: above(&head[begin..at], &header, dialect),
                         start,
                         dialect,
-                        units,
                     });
                 }
                 Line::FirstRow { dialect, .. } => {
@@ -155,7 +168,9 @@ impl Front {
                         start: after_mark,
                         dialect,
                         units: None,
+                        has_units_below: false,
                         above: Vec::new(),
+                        has_row_names: false,
                     });
                 }
                 Line::Nothing | Line::Units(_) | Line::Row => {}
@@ -175,6 +190,18 @@ fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
     let text = |cell: &[u8]| dialect::text(cell).trim().to_owned();
     let last = last.filter(is_header);
     last.map_or_else(Vec::new, |row| row.iter().map(text).collect())
+}
+
+/// Units in a line away from the names: several, since one alone may be a word.
+fn several_units(header: &Record, line: &[u8], dialect: Dialect) -> Option<Vec<String>> {
+    let mut texts = units(header, &cells(line, dialect), dialect)?;
+    for text in &mut texts {
+        // What names the line is no unit.
+        if unit::guess(text).is_none() {
+            text.clear();
+        }
+    }
+    (texts.iter().filter(|text| !text.is_empty()).count() > 1).then_some(texts)
 }
 
 /// Lines above a header that are looked for it.
@@ -227,6 +254,13 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
     let are_units = |line: &[u8]| {
         units(&cells(line, dialect), &below, dialect).is_some_and(|texts| texts.iter().all(is_unit))
     };
+    // A logger may say more of its columns below their units.
+    let over_units = all
+        .windows(2)
+        .find(|two| several_units(&cells(two[0].1, dialect), two[1].1, dialect).is_some());
+    if let Some([names, _]) = over_units {
+        return Some(names.0);
+    }
     let names = above
         .last()
         .filter(|line| are_units(line.1))
@@ -277,11 +311,13 @@ fn cells(line: &[u8], dialect: Dialect) -> Record {
     Cells::new(dialect).split(line).clone()
 }
 
-/// Whether a comment names the columns of the numbers below it.
+/// Whether a comment names the columns of the row below it, which has numbers; beside words, where the comment has none.
 fn is_header_of(comment: &[u8], dialect: Dialect, below: &[u8]) -> bool {
-    let (names, numbers) = (cells(comment, dialect), cells(below, dialect));
-    let are_numbers = numbers.iter().all(|cell| dialect.number(cell).is_some());
-    names.len() > 1 && names.len() == numbers.len() && are_numbers
+    let (names, row) = (cells(comment, dialect), cells(below, dialect));
+    let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
+    let are_numbers = row.iter().all(|cell| dialect.number(cell).is_some());
+    let is_row = row.iter().any(is_number) && !names.iter().any(is_number);
+    names.len() > 1 && names.len() == row.len() && (are_numbers || is_row)
 }
 
 /// Units of the columns, where the row below the header holds some and no number.
@@ -339,6 +375,7 @@ mod tests {
         }
         assert_eq!(of("# t,speed\n0,1\n"), ("t,speed".to_owned(), b',', None));
         assert_eq!(of("# a, comment\nt,speed\n0,1\n").0, "t,speed");
+        assert_eq!(of("%time,frame,x\n0,base,1\n").0, "time,frame,x");
         assert!(Front::of(b"\n \n# only words\n").is_none());
     }
 
@@ -370,6 +407,9 @@ mod tests {
             ),
             ("Made on day 3\nt,speed\n0,0\n", "t,speed", b','),
             ("t speed\n0 0\nt speed\n0 1\n", "t speed", BLANK),
+            // R's names of rows.
+            ("\"t\" \"speed\"\n\"1\" 0 1\n", "\"t\" \"speed\"", BLANK),
+            ("t speed\n1 0 1\n", "t speed", BLANK),
         ] {
             let (found, its, _) = of(text);
             assert_eq!((found.as_str(), its), (header, separator), "{text}");
@@ -396,6 +436,11 @@ mod tests {
             ("Site;North;;\nBy;K. Ito;;\n;;;\n", "t;speed;x;y\n0;1;2;3\n"),
             ("Logger;;;\n", "t;speed;x;y\ns;m/s;-;-\n0;1;2;3\n"),
             (";Drive;;Cabin\n", "t;speed;x;y\n0;1;2;3\n"),
+            (
+                "A;B;C;D;E\n",
+                "t;speed;x;y\ns;m/s;RN;m\n;;Avg;Smp\n0;1;2;3\n",
+            ),
+            ("By;K. Ito\nSite;North\n", "t;speed\n0;1\n"),
         ] {
             let (header, ..) = of(&format!("{front}{rest}"));
             assert_eq!(Some(header.as_str()), rest.lines().next(), "{front}");
@@ -418,6 +463,17 @@ mod tests {
         // A header that lacks a name is one all the same.
         assert_eq!(of("t,speed\n0,1,2\n1,1,2\n").0, "t,speed");
         assert_eq!(of("t,speed\ns,m/s\n0,1\n").0, "t,speed");
+    }
+
+    #[test]
+    fn units_may_stand_among_the_words_above_the_names() {
+        let names = "X\tswing\tboom\tnote\n";
+        let front =
+            |line: &str| Front::of(format!("{line}Date\tx\t\t\n{names}0\t1\t2\t\n").as_bytes());
+        let of = |line: &str| front(line).and_then(|front| front.units);
+        let found = ["", "rpm", "deg", ""].map(str::to_owned).to_vec();
+        assert_eq!(of("Logger\t2\nUnits\trpm\tdeg\t\n"), Some(found));
+        assert_eq!(of("Logger\t2\nKind\tm\t\t\n"), None, "one word");
     }
 
     #[test]

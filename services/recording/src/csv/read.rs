@@ -68,10 +68,13 @@ struct Table {
     is_plain: bool,
     /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
-    /// Units in a row of their own below the header, a text for each column.
+    /// Units in a line of their own, a text for each column, and whether that is the one below the header.
     units: Option<Vec<String>>,
+    has_units_below: bool,
     /// Names above those that the header leaves empty.
     above: Vec<String>,
+    /// Whether each row has a name, of which the header says nothing.
+    has_row_names: bool,
 }
 
 /// The lines below the header.
@@ -115,7 +118,9 @@ impl Table {
             file,
             preface: front.start,
             units: front.units,
+            has_units_below: front.has_units_below,
             above: front.above,
+            has_row_names: front.has_row_names,
             is_packed: content.is_packed,
             is_plain: content.is_plain,
         })
@@ -159,7 +164,10 @@ impl Table {
         let place = || format!("{}:{}", self.file, self.line(0));
         let mut header = header(records.record(), self.dialect, &self.file, place)?;
         fill(&mut header, &self.above);
-        if self.units.is_some() {
+        if self.has_row_names {
+            header.insert(0, String::new());
+        }
+        if self.has_units_below {
             self.advance(&mut records)?;
         }
         Ok((records, header))

@@ -251,7 +251,7 @@ const OTHERS: [&str; 9] = [
 /// Whether a name has a word of [`WORDS`]: an alarm is no arm.
 fn has(name: &str, word: &str) -> bool {
     if let Some(word) = word.strip_prefix('=') {
-        return stem(name).replace([' ', '-'], "_") == word;
+        return unit::without(name).replace([' ', '-'], "_") == word;
     }
     if let Some(si) = word.strip_prefix('[') {
         return unit::is_of(name, si);
@@ -261,22 +261,6 @@ fn has(name: &str, word: &str) -> bool {
     };
     let mut found = name.match_indices(word);
     found.any(|(at, _)| !name[..at].ends_with(char::is_alphabetic))
-}
-
-/// A name without the units behind it: `torque [Nm]`, `torque_Nm` and `omega_rad_s` without the last, the last and the last two.
-fn stem(name: &str) -> &str {
-    let mut name = name
-        .split(unit::BRACKETS.map(|(open, _)| open))
-        .next()
-        .unwrap_or(name)
-        .trim();
-    while let Some((rest, _)) = name
-        .rsplit_once('_')
-        .filter(|(rest, unit)| !rest.is_empty() && unit::guess(unit).is_some())
-    {
-        name = rest;
-    }
-    name
 }
 
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
@@ -328,6 +312,9 @@ mod tests {
             ("swing_velocity", "swing_deg_s"),
             ("swing_angle", "swing_deg"),
             ("swing_torque", "swing_kNm"),
+            ("swing_torque", "Torque:kNm"),
+            ("swing_torque", "Torque / kN m"),
+            ("speed", "speed_km_h"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), Some(1), "{name}");
         }

@@ -9,6 +9,8 @@ pub struct Suggestion {
     pub text: String,
     /// Signals that the machine needs and nothing was found for: of each group, one.
     pub missing: Vec<&'static [&'static str]>,
+    /// Columns whose brackets hold no unit that heft knows, with what they hold.
+    pub unknown: Vec<String>,
     /// How many signals were found.
     pub(crate) found: usize,
 }

@@ -33,7 +33,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let names: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
-    let (mut found, mut taken) = (Vec::new(), Vec::new());
+    let (mut found, mut taken, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
     for signal in wanted::<S>() {
         let Some(at) = fitting(&signal, &names, &taken) else {
@@ -53,6 +53,8 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             continue;
         }
         let guess = unit(&signal, si, &named, &columns[at]);
+        let text = unknown_unit(si, &named).filter(|_| has_number(&columns[at]));
+        unknown.extend(text.map(|text| format!("{text} (column {name})")));
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
         let column = Column {
@@ -100,6 +102,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     Ok(Suggestion {
         text: out,
         missing,
+        unknown,
         found: found.len(),
     })
 }
@@ -203,19 +206,37 @@ struct Guess {
 /// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values.
 fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
     if let Some(unit) = unit::of_name(name, si) {
-        let unit = Some(unit).filter(|u| u.factor != 1.0);
-        let reason = "unit by the column's name".into();
-        return Guess { unit, reason };
+        let more = match name.to_lowercase() {
+            // In America the word alone means it.
+            name if unit.name == "t" && name.contains("ton") && !name.contains("tonne") => {
+                "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\""
+            }
+            _ => "",
+        };
+        return Guess {
+            unit: Some(unit).filter(|u| u.factor != 1.0),
+            reason: format!("unit by the column's name{more}"),
+        };
     }
     let mut guess = by_values(signal, si, values);
-    if let Some(text) = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty()) {
-        let text = shown(text);
+    if let Some(text) = unknown_unit(si, name) {
         guess.reason = format!(
             "{text} is no unit that heft knows: check it; {}",
             guess.reason
         );
     }
     guess
+}
+
+/// Whether a column may have a unit: dates have none.
+fn has_number(values: &[f64]) -> bool {
+    values.iter().any(|x| x.is_finite())
+}
+
+/// What stands in a name's brackets where it is no unit.
+fn unknown_unit(si: &str, name: &str) -> Option<String> {
+    let text = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty())?;
+    unit::of_name(name, si).is_none().then(|| shown(text))
 }
 
 fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {

@@ -177,6 +177,7 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     Suggestion {
         text,
         missing: missing::<S>(&found_all),
+        unknown: Vec::new(),
         found: taken.len(),
     }
 }
