@@ -7,6 +7,7 @@
 //! the interval and the reasons are in [`verdict`].
 
 mod agreement;
+mod attachment;
 mod bucket;
 mod contradiction;
 mod correlations;
@@ -23,6 +24,7 @@ mod verdict;
 mod weigh;
 
 use self::agreement::Agreement;
+use self::attachment::Attachment;
 use self::bucket::{Bucket, Content};
 use self::contradiction::Contradiction;
 use self::filter::{
@@ -124,6 +126,8 @@ pub(super) struct Working {
     tared: bool,
     /// What sticks in it, the same in all of them.
     sticks: Sticking,
+    sticking_prior: Sticking,
+    bucket_std: f64,
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
@@ -131,6 +135,8 @@ pub(super) struct Working {
     contradiction: Contradiction,
     /// A gain that is off, beside pressures.
     tail: Tail,
+    /// Another bucket.
+    attachment: Attachment,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
     /// The load by them alone.
@@ -210,9 +216,12 @@ impl Working {
             expected: true,
             tared: false,
             sticks,
+            sticking_prior: sticking,
+            bucket_std: bucket,
             carried: None,
             contradiction: Contradiction::new(),
             tail: Tail::new(doubts),
+            attachment: Attachment::new(settings.geometry.masses[2]),
             weigh: settings.boom.map(Weigh::new),
             slow_for: 0.0,
             before: 0.0,
@@ -268,6 +277,7 @@ impl Working {
             }
             Phase::Released(w) => self.set_off(w, drive, trail),
         };
+        self.attachment.wait(drive.period);
         self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
@@ -450,6 +460,7 @@ impl Working {
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
+        self.doubt_attachment(gate, &drive.now, trail);
         if !self.pushed {
             self.watch_pushes(s, no_payload, trail);
         }
@@ -483,7 +494,8 @@ impl Working {
     fn watch_pushes(&mut self, s: &Settings, no_payload: bool, trail: &mut Option<Trail>) {
         let payload = self.filter.payload(&self.sticks);
         let range = s.payload_range();
-        if self.contradiction.weighs(payload, range, self.changed) || no_payload {
+        let other = self.attachment.is_possible();
+        if !other && self.contradiction.weighs(payload, range, self.changed) || no_payload {
             self.contradiction.pushes();
             self.pushed = true;
             self.hold(s, Content::Unknown, trail);
@@ -537,6 +549,7 @@ impl Working {
         self.filter.leave(&input, trail);
         self.parallel.filter.leave(&input, &mut None);
         self.scale.leave(&input);
+        self.doubt_attachment(s.estimator.gate, &drive.now, trail);
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
     }

@@ -71,7 +71,9 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        let [a, b] = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        let [c, d] = self.attachment.variances();
+        let tail = [a + c, b + d];
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
