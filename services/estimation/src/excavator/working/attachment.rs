@@ -1,82 +1,95 @@
 //! Has a coupler changed the attachment?
 //!
-//! An emptied bucket that weighs something holds what sticks, or is another one: a mass beyond the known one, N(0, b²), which came while
-//! nobody looked, so often an hour. As a content z ± sqrt(V) both hypotheses differ by one prior, N(0, a²) against N(0, a² + b²), so the
-//! second needs no filter of its own: the ratio of the evidences is that of the densities of z (Dickey 1971; the same form as
-//! [`super::tail`]). The interval is that of the mixture ([`crate::mixture`]). Where another attachment has more than half, the bucket's
-//! mass is open by b from then on, and the content that was the difference becomes the bucket's.
+//! An emptied bucket that weighs something holds what sticks, or is another one: its mass has changed by N(0, b²), so often an hour. Both
+//! act alike, so as a content the hypotheses differ by one prior, N(0, a²) against N(0, a² + (c b)²); c is what a kilogram of bucket weighs
+//! as content. The second one needs no filter of its own ([`super::tail`]): with z and V, what everything but that prior says of the content,
+//!
+//! ```text
+//! 1/V = 1/P - 1/a²      z = V x/P      E = N(z; 0, V + a² + (c b)²) / N(z; 0, V + a²)
+//! ```
+//! E is the ratio of the evidences. The interval is that of the mixture ([`crate::mixture`]). Where another attachment has more than half,
+//! the bucket's mass is open by b from then on, so that it takes what the content was too much; a gain that is off is then the rival.
+//! What is undecided when the content is over is mixed by its moments.
 
+use super::Working;
 use super::filter::{BUCKET, Filter, M, inertia_row};
 use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
-use crate::math::{exp, ln, sqrt};
+use crate::excavator::size::Sticking;
+use crate::math::{exp, ln, norm, sqrt};
 use crate::mixture::spread;
 
 /// Standard deviation of the masses of the buckets of one machine, as a share of the described one: from .5 (narrow) to 1.6 (for rock).
 const OTHERS: f64 = 0.4;
-/// So often is it changed [1/s]: once in an hour of work.
+/// So often is it changed [1/s], once in an hour of work, and the time within which the last exchange may be overlooked [s].
 const CHANGES: f64 = 1.0 / 3600.0;
+const LONGEST: f64 = 1800.0;
 /// Logarithm of the odds below which another attachment adds nothing to an interval (1 in 20), and beyond which it is all the same.
 const POSSIBLE: f64 = -2.95;
 const MOST: f64 = 20.0;
-/// Share of the variance of an emptied bucket's content below which anything else tells it.
-const TOLD: f64 = 0.9;
-/// An emptied bucket that weighs less than so many standard deviations is no question.
+/// An emptied bucket that weighs less than so many standard deviations is no question: what speaks for another one is then less than
+/// what speaks against it beforehand.
 const STRANGE: f64 = 2.0;
+/// Share of the prior's variance below which anything else tells the content of an emptied bucket.
+const TOLD: f64 = 0.9;
+/// A bucket of which nobody saw whether it was emptied, and that weighs less than nothing, holds so little: a standard deviation as a share
+/// of the rated payload. What it holds makes the change larger still, which b allows for about that far.
+const LIGHTER: f64 = 0.08;
+
+/// The prior of the content of an emptied bucket.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Emptied {
+    /// Its variance (a²) [kg^2].
+    pub(super) variance: f64,
+    /// The filters have taken it in.
+    pub(super) tared: bool,
+    /// The bucket was seen to open.
+    pub(super) seen: bool,
+}
 
 /// The hypothesis that the attachment is another one.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Attachment {
-    /// Standard deviation of the mass of another one \[kg\].
-    pub(super) other: f64,
+    /// Standard deviation of the mass of another bucket (b), and of the one that hangs there, beside what sticks \[kg\].
+    other: f64,
+    std: f64,
+    /// The latter is that of any bucket of the machine at most.
+    most: f64,
+    /// What sticks in a bucket of known mass.
+    sticking: Sticking,
     /// Time since an emptied bucket was weighed last \[s\].
     since: f64,
-    /// Logarithm of the odds, by what the bucket weighs now.
-    odds: f64,
-    /// Content that weighs as much as a kilogram of bucket \[kg\].
+    /// The last question: the content's prior, content that weighs as much as a kilogram of bucket (c), logarithm of the odds.
+    emptied: Emptied,
     share: f64,
+    odds: f64,
+    /// The last emptied bucket weighs what it did.
+    same: bool,
     /// What the mixture adds to the variances of payload [kg^2] and inertia [(kg m^2)^2].
     added: [f64; 2],
-    /// Nothing hangs on the coupler, or something that nobody has weighed.
+    /// Nothing hangs on the coupler, or something that nobody has weighed empty.
     pub(super) bare: bool,
 }
 
-/// A content by everything but the prior of an emptied bucket, value and variance [kg, kg^2].
-struct Weighed {
-    value: f64,
-    variance: f64,
-}
-
-impl Weighed {
-    /// By a filter that has taken in that it is N(0, `emptied`), or has not.
-    fn of(filter: &Filter, emptied: f64, tared: bool) -> Option<Self> {
-        let (x, p) = (filter.x[M], filter.p[M][M]);
-        if !tared {
-            return Some(Self {
-                value: x,
-                variance: p,
-            });
-        }
-        let left = emptied - p;
-        (p > 0.0 && p < TOLD * emptied).then(|| Self {
-            value: x * emptied / left,
-            variance: p * emptied / left,
-        })
-    }
-
-    fn is_strange(&self, emptied: f64, usual: f64) -> bool {
-        self.value * self.value > STRANGE * STRANGE * (self.variance * usual + emptied)
-    }
-}
-
 impl Attachment {
-    pub(super) fn new(bucket: f64) -> Self {
+    /// Of a bucket with this mass and standard deviation \[kg\].
+    pub(super) fn new(mass: f64, std: f64, sticking: Sticking) -> Self {
         Self {
-            other: OTHERS * bucket,
+            other: OTHERS * mass,
+            std,
+            most: norm(&[std, OTHERS * mass]),
+            sticking,
             since: 0.0,
-            odds: f64::NEG_INFINITY,
+            emptied: Emptied {
+                variance: 0.0,
+                tared: false,
+                seen: false,
+            },
             share: 0.0,
+            odds: f64::NEG_INFINITY,
+            same: false,
             added: [0.0; 2],
             bare: false,
         }
@@ -87,84 +100,23 @@ impl Attachment {
         self.since += period;
     }
 
-    /// The bucket holds something else.
-    pub(super) fn forget(&mut self) {
-        self.odds = f64::NEG_INFINITY;
-        self.added = [0.0; 2];
-    }
-
     /// Another attachment cannot be excluded.
     pub(super) fn is_possible(&self) -> bool {
         self.odds > POSSIBLE
     }
 
-    /// It is the more probable one.
-    pub(super) fn is_another(&self) -> bool {
+    fn is_another(&self) -> bool {
         self.odds > 0.0
     }
 
-    pub(super) fn probability(&self) -> f64 {
+    fn probability(&self) -> f64 {
         let odds = exp(self.odds);
         odds / (1.0 + odds)
     }
 
-    /// Logarithm of the odds, now and beforehand.
-    pub(super) fn odds(&self) -> [f64; 2] {
-        [self.odds, self.prior()]
-    }
-
-    pub(super) fn prior(&self) -> f64 {
-        ln((CHANGES * self.since).min(0.5))
-    }
-
-    /// An emptied bucket weighs nothing: it is the one that it was.
-    pub(super) fn is_known(&mut self) {
-        self.since = 0.0;
-        self.bare = false;
-        self.forget();
-    }
-
-    /// Asks a filter of an emptied bucket, which holds N(0, `emptied`), `tared` or not yet; `usual`: ratio by which variances disagree. Whether
-    /// another attachment is possible.
-    pub(super) fn ask(
-        &mut self,
-        filter: &Filter,
-        (emptied, tared): (f64, bool),
-        usual: f64,
-        now: &Inertia,
-    ) -> bool {
-        let weighed = Weighed::of(filter, emptied, tared);
-        let Some(weighed) = weighed.filter(|weighed| weighed.is_strange(emptied, usual)) else {
-            self.forget();
-            return false;
-        };
-        self.share = now.per_bucket / now.per_payload.max(f64::MIN_POSITIVE);
-        let share = self.share * self.other;
-        let (z, v) = (weighed.value, weighed.variance * usual);
-        let (same, other) = (v + emptied, v + emptied + share * share);
-        let said = 0.5 * (ln(same / other) + z * z * (1.0 / same - 1.0 / other));
-        self.odds = (self.prior() + said).min(MOST);
-        if !self.is_possible() {
-            self.added = [0.0; 2];
-            return false;
-        }
-        let probability = self.probability();
-        // Of the content proper, and of what content and bucket weigh more than thought.
-        let (x, p) = (filter.x[M], filter.p[M][M]);
-        let content = (z * emptied / other, emptied * (other - emptied) / other);
-        let both = (z * (other - v) / other, v * (other - v) / other);
-        let row = inertia_row(now);
-        let per: f64 = row.iter().map(|(i, a)| a * filter.p[M][*i]).sum::<f64>() / p;
-        let (_, own) = filter.combination(&row);
-        let inertia = (
-            per * (both.0 - x),
-            (own + per * per * (both.1 - p)).max(0.0),
-        );
-        self.added = [(content.0 - x, content.1), inertia].map(|(away, variance)| {
-            let std = spread(probability, away, sqrt(variance));
-            std * std
-        });
-        true
+    /// Logarithm of the odds beforehand.
+    fn prior(&self) -> f64 {
+        ln(CHANGES * self.since.clamp(1.0, LONGEST))
     }
 
     /// What the mixture adds to the variances of payload [kg^2] and inertia [(kg m^2)^2].
@@ -172,15 +124,89 @@ impl Attachment {
         self.added
     }
 
-    /// What a filter has taken in, that an emptied bucket holds N(0, `emptied`), is taken back, where anything else tells its content.
-    pub(super) fn take_back(&self, filter: &mut Filter, emptied: f64, trail: &mut Option<Trail>) {
-        if filter.p[M][M] < TOLD * emptied {
-            filter.without(M, (0.0, emptied), trail);
+    /// There is no question any more.
+    pub(super) fn forget(&mut self) {
+        self.odds = f64::NEG_INFINITY;
+        self.added = [0.0; 2];
+    }
+
+    /// An emptied bucket is taken for what it is now.
+    pub(super) fn is_known(&mut self) {
+        self.since = 0.0;
+        self.same = false;
+        self.forget();
+    }
+
+    /// Asks a filter of an emptied bucket; `usual`: ratio by which variances disagree. Whether another attachment is possible.
+    #[inline]
+    pub(super) fn ask(
+        &mut self,
+        filter: &Filter,
+        emptied: Emptied,
+        usual: f64,
+        now: &Inertia,
+    ) -> bool {
+        let (x, p) = (filter.x[M], filter.p[M][M]);
+        // The square of z over V + a² is that of x over this.
+        let scale = if emptied.tared {
+            emptied.variance - p
+        } else {
+            emptied.variance + p
+        };
+        self.same = emptied.seen && p < TOLD * emptied.variance;
+        if x * x <= STRANGE * STRANGE * scale {
+            self.forget();
+            return false;
+        }
+        self.compare(filter, emptied, usual, now)
+    }
+
+    /// The same of one that is strange.
+    #[inline(never)]
+    fn compare(&mut self, filter: &Filter, emptied: Emptied, usual: f64, now: &Inertia) -> bool {
+        self.forget();
+        let (x, p, a) = (filter.x[M], filter.p[M][M], emptied.variance);
+        if emptied.tared && p > TOLD * a {
+            return false;
+        }
+        let told = if emptied.tared { a / (a - p) } else { 1.0 };
+        let (z, v) = (x * told, p * told * usual);
+        self.emptied = emptied;
+        self.share = now.per_bucket / now.per_payload.max(f64::MIN_POSITIVE);
+        let share = self.share * self.other;
+        let (same, other) = (v + a, v + a + share * share);
+        let said = 0.5 * (ln(same / other) + z * z * (1.0 / same - 1.0 / other));
+        self.odds = (self.prior() + said).min(MOST);
+        if !self.is_possible() {
+            return false;
+        }
+        // Of the content proper, and of what content and bucket weigh more than thought.
+        let content = (z * a / other, a * (other - a) / other);
+        let both = (z * (other - v) / other, v * (other - v) / other);
+        let row = inertia_row(now);
+        let of_content: f64 = row.iter().map(|(i, entry)| entry * filter.p[M][*i]).sum();
+        let per = of_content / p;
+        let (_, own) = filter.combination(&row);
+        let moved = own + per * per * (both.1 - p);
+        let probability = self.probability();
+        self.added =
+            [(content.0 - x, content.1), (per * (both.0 - x), moved)].map(|(away, variance)| {
+                let std = spread(probability, away, sqrt(variance.max(0.0)));
+                std * std
+            });
+        true
+    }
+
+    /// What a filter has taken in of an emptied bucket's content is taken back.
+    fn take_back(&self, filter: &mut Filter, trail: &mut Option<Trail>) {
+        let variance = self.emptied.variance;
+        if self.emptied.tared && filter.p[M][M] < TOLD * variance {
+            filter.without(M, (0.0, variance), trail);
         }
     }
 
     /// The bucket's mass is open, and what bucket and content weigh together is not.
-    pub(super) fn open(&self, filter: &mut Filter) {
+    fn open(&self, filter: &mut Filter) {
         let (share, variance) = (self.share, self.other * self.other);
         filter.p[BUCKET][BUCKET] += variance;
         filter.p[M][M] += share * share * variance;
@@ -188,21 +214,137 @@ impl Attachment {
         filter.p[BUCKET][M] -= share * variance;
     }
 
-    /// The mixture of both by its moments, where the content is over.
-    pub(super) fn mix(&self, filter: &mut Filter, (emptied, tared): (f64, bool), gate: f64) {
-        let mut other = filter.clone();
-        if tared {
-            self.take_back(&mut other, emptied, &mut None);
-        }
-        self.open(&mut other);
+    /// The mixture of both hypotheses by its moments.
+    fn mix(&self, filter: &mut Filter, gate: f64) {
         let tare = |filter: &mut Filter| {
             let value = -filter.x[M];
-            filter.measure([(M, 1.0)], value, emptied, gate, &mut None);
+            filter.measure([(M, 1.0)], value, self.emptied.variance, gate, &mut None);
         };
+        let mut other = filter.clone();
+        self.take_back(&mut other, &mut None);
+        self.open(&mut other);
         tare(&mut other);
-        if !tared {
+        if !self.emptied.tared {
             tare(filter);
         }
         *filter = filter.clone().mixed(&other, self.probability());
+    }
+}
+
+impl Working {
+    /// Whether a coupler has changed the attachment: an emptied bucket weighs something. Then it is another one from now on.
+    pub(super) fn doubts_attachment(
+        &mut self,
+        emptied: Emptied,
+        gate: f64,
+        now: &Inertia,
+        trail: &mut Option<Trail>,
+    ) -> bool {
+        let usual = self.contradiction.usual();
+        if !self.attachment.ask(&self.filter, emptied, usual, now) {
+            return false;
+        }
+        if emptied.seen && self.is_kept(self.filter.p[M][M]) {
+            self.attachment.forget();
+            return false;
+        }
+        if self.attachment.is_another() {
+            self.is_changed(gate, trail);
+        }
+        true
+    }
+
+    /// The same of a bucket of which nobody knows whether it is empty: it weighs less than nothing.
+    pub(super) fn weighs_less_than_nothing(
+        &mut self,
+        gate: f64,
+        now: &Inertia,
+        trail: &mut Option<Trail>,
+    ) {
+        let std = LIGHTER * self.rated;
+        let emptied = Emptied {
+            variance: std * std,
+            tared: false,
+            seen: false,
+        };
+        self.doubts_attachment(emptied, gate, now, trail);
+    }
+
+    /// The attachment is another one: what it weighs more or less is the bucket's.
+    fn is_changed(&mut self, gate: f64, trail: &mut Option<Trail>) {
+        let attachment = &self.attachment;
+        let Emptied { variance, seen, .. } = attachment.emptied;
+        attachment.take_back(&mut self.filter, trail);
+        attachment.take_back(&mut self.parallel.filter, &mut None);
+        attachment.take_back(&mut self.scale.filter, &mut None);
+        attachment.open(&mut self.filter);
+        attachment.open(&mut self.scale.filter);
+        self.parallel.is_rivalled(attachment.prior());
+        self.opens_bucket(1.0);
+        self.is_emptied();
+        self.holds_nothing(variance, gate, trail);
+        self.tared = seen;
+        self.attachment.is_known();
+        self.attachment.bare = !seen;
+    }
+
+    /// The bucket has been another one with this probability: its description says less of it, and of what sticks in it.
+    fn opens_bucket(&mut self, probability: f64) {
+        let attachment = &mut self.attachment;
+        let other = attachment.other * attachment.other;
+        let std = norm(&[attachment.std, sqrt(probability * other)]);
+        attachment.std = std.min(attachment.most);
+        let (std, sticking) = (attachment.std, attachment.sticking);
+        self.sticks = sticking.among(std);
+        self.restate(BUCKET, norm(&[std, sticking.std]));
+    }
+
+    /// A content is over.
+    pub(super) fn content_tells_attachment(&mut self, gate: f64, trail: &mut Option<Trail>) {
+        if self.attachment.is_possible() && self.attachment.emptied.seen {
+            for filter in [&mut self.filter, &mut self.scale.filter] {
+                self.attachment.mix(filter, gate);
+            }
+            self.opens_bucket(self.attachment.probability());
+            self.anew = true;
+            self.agreement.interrupt();
+            self.attachment.is_known();
+        }
+        if self.attachment.same {
+            self.attachment.is_known();
+        }
+        self.attachment.forget();
+        if self.attachment.bare {
+            self.anything_may_hang(trail);
+        }
+    }
+
+    /// What hangs on the coupler is as before, or any bucket of this machine: by the moments of both. Until one has been weighed empty.
+    fn anything_may_hang(&mut self, trail: &mut Option<Trail>) {
+        let any = self.stated[BUCKET] * self.stated[BUCKET];
+        let (x, p) = (self.filter.x[BUCKET], self.filter.p[BUCKET][BUCKET]);
+        if self.tared && p < 0.25 * any {
+            self.attachment.bare = false;
+            return;
+        }
+        if p >= any {
+            return;
+        }
+        let apart = 0.5 * (self.described[BUCKET] - x);
+        let (value, variance) = (x + apart, any + apart * apart);
+        self.filter.set(BUCKET, value, variance, trail);
+        for filter in [&mut self.parallel.filter, &mut self.scale.filter] {
+            filter.set(BUCKET, value, variance, &mut None);
+        }
+    }
+
+    /// Variance of the content where the motion tells it: a bucket of which nothing is known does not hide that it is empty.
+    pub(super) fn content_variance(&self) -> f64 {
+        let p = &self.filter.p;
+        if self.attachment.bare {
+            p[M][M] - p[M][BUCKET] * p[M][BUCKET] / p[BUCKET][BUCKET]
+        } else {
+            p[M][M]
+        }
     }
 }

@@ -126,8 +126,6 @@ pub(super) struct Working {
     tared: bool,
     /// What sticks in it, the same in all of them.
     sticks: Sticking,
-    sticking_prior: Sticking,
-    bucket_std: f64,
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
@@ -216,12 +214,10 @@ impl Working {
             expected: true,
             tared: false,
             sticks,
-            sticking_prior: sticking,
-            bucket_std: bucket,
             carried: None,
             contradiction: Contradiction::new(),
             tail: Tail::new(doubts),
-            attachment: Attachment::new(settings.geometry.masses[2]),
+            attachment: Attachment::new(settings.geometry.masses[2], bucket, sticking),
             weigh: settings.boom.map(Weigh::new),
             slow_for: 0.0,
             before: 0.0,
@@ -460,11 +456,10 @@ impl Working {
         } else {
             self.agreement.push(&self.filter, &drive.now, drive.period);
         }
-        self.doubt_attachment(gate, &drive.now, trail);
+        self.tare(gate, &drive.now, trail);
         if !self.pushed {
             self.watch_pushes(s, no_payload, trail);
         }
-        self.tare(gate, &drive.now, trail);
         innovation
     }
 
@@ -549,7 +544,6 @@ impl Working {
         self.filter.leave(&input, trail);
         self.parallel.filter.leave(&input, &mut None);
         self.scale.leave(&input);
-        self.doubt_attachment(s.estimator.gate, &drive.now, trail);
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
     }

@@ -4,6 +4,7 @@
 use core::f64::consts::TAU;
 
 use super::Working;
+use super::attachment::Emptied;
 use super::bucket::Content;
 use super::filter::{BUCKET, Filter, M, inertia_row};
 use super::trail::Trail;
@@ -22,9 +23,6 @@ const KNOWN_STD_SHARE: f64 = 0.15;
 const RESIDUE_STD_SHARE: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
 const STUCK_LOAD_ODDS: f64 = 100.0;
-
-/// What holds less than nothing by another bucket holds so little, as a standard deviation and a share of the rated payload.
-const LIGHTER: f64 = 0.08;
 
 /// A weight is stated closely within this share of the empty machine's inertia.
 const CONFIRMED_STD_SHARE: f64 = 0.03;
@@ -46,11 +44,7 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
-        self.stays_open(settings.estimator.gate);
-        self.attachment.forget();
-        if self.attachment.bare && content == Content::Unknown {
-            self.is_bare(trail);
-        }
+        self.content_tells_attachment(settings.estimator.gate, trail);
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
             self.scale.hold(value, std);
@@ -75,7 +69,7 @@ impl Working {
     }
 
     /// Other soil may stick from now on.
-    fn is_emptied(&mut self) {
+    pub(super) fn is_emptied(&mut self) {
         self.tared = true;
         let changes = STICKING[1] * self.rated;
         for filter in [
@@ -100,8 +94,9 @@ impl Working {
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
     pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
         let limit = KNOWN_STD_SHARE * self.rated;
-        let variance = self.filter.p[M][M];
-        let claimed = variance * self.contradiction.usual();
+        if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
+            self.weighs_less_than_nothing(gate, now, trail);
+        }
         if self.content_variance() > limit * limit {
             return;
         }
@@ -115,6 +110,8 @@ impl Working {
             return;
         }
         let std = self.sticking();
+        let variance = self.filter.p[M][M];
+        let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
         let apart = value * value > 9.0 * (claimed + std * std);
@@ -123,7 +120,12 @@ impl Working {
         if apart && self.is_kept(variance) {
             return;
         }
-        if self.attachment.is_possible() && (apart || !self.tared) {
+        let emptied = Emptied {
+            variance: std * std,
+            tared: self.tared,
+            seen: true,
+        };
+        if self.doubts_attachment(emptied, gate, now, trail) && (apart || !self.tared) {
             return;
         }
         if apart && !explained {
@@ -157,18 +159,8 @@ impl Working {
         }
     }
 
-    /// Variance of the content, as far as nothing but the motion leaves it open: a bucket of which nothing is known does not hide that it is empty.
-    fn content_variance(&self) -> f64 {
-        let p = &self.filter.p;
-        if self.attachment.bare {
-            p[M][M] - p[M][BUCKET] * p[M][BUCKET] / p[BUCKET][BUCKET]
-        } else {
-            p[M][M]
-        }
-    }
-
     /// The content is nothing, with this variance [kg^2].
-    fn holds_nothing(&mut self, variance: f64, gate: f64, trail: &mut Option<Trail>) {
+    pub(super) fn holds_nothing(&mut self, variance: f64, gate: f64, trail: &mut Option<Trail>) {
         self.scale.tare(variance, gate);
         let tare = |filter: &mut Filter, trail: &mut Option<Trail>| {
             let value = -filter.x[M];
@@ -182,95 +174,9 @@ impl Working {
         self.agreement.interrupt();
     }
 
-    /// Whether a coupler has changed the attachment: an emptied bucket weighs something, or one of which nobody knows what it holds weighs less
-    /// than nothing.
-    pub(super) fn doubt_attachment(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
-        let limit = KNOWN_STD_SHARE * self.rated;
-        let variance = self.filter.p[M][M];
-        let emptied = self.bucket.is_emptied();
-        let std = if emptied {
-            self.sticking()
-        } else {
-            LIGHTER * self.rated
-        };
-        let asks = if emptied {
-            variance < limit * limit
-        } else {
-            self.filter.x[M] < 0.0
-        };
-        let told = (std * std, emptied && self.tared);
-        let usual = self.contradiction.usual();
-        if !asks || !self.attachment.ask(&self.filter, told, usual, now) {
-            return;
-        }
-        if emptied && self.is_kept(variance) {
-            self.attachment.forget();
-            return;
-        }
-        if self.attachment.is_another() {
-            self.is_changed(told, gate, trail);
-            self.attachment.bare = !emptied;
-        }
-    }
-
-    /// The attachment is another one: what it weighs more or less is the bucket's.
-    fn is_changed(&mut self, (emptied, tared): (f64, bool), gate: f64, trail: &mut Option<Trail>) {
-        let attachment = &self.attachment;
-        if tared {
-            attachment.take_back(&mut self.filter, emptied, trail);
-            attachment.take_back(&mut self.parallel.filter, emptied, &mut None);
-            attachment.take_back(&mut self.scale.filter, emptied, &mut None);
-        }
-        self.parallel.is_rivalled(attachment.prior());
-        attachment.open(&mut self.filter);
-        attachment.open(&mut self.scale.filter);
-        self.opens_bucket(1.0);
-        self.is_emptied();
-        self.attachment.is_known();
-        self.holds_nothing(emptied, gate, trail);
-    }
-
-    /// What hangs on the coupler next is as before, or any bucket of this machine: by the moments of both.
-    fn is_bare(&mut self, trail: &mut Option<Trail>) {
-        let any = self.stated[BUCKET] * self.stated[BUCKET];
-        if self.filter.p[BUCKET][BUCKET] >= any {
-            return;
-        }
-        let apart = 0.5 * (self.described[BUCKET] - self.filter.x[BUCKET]);
-        let (value, variance) = (self.filter.x[BUCKET] + apart, any + apart * apart);
-        self.filter.set(BUCKET, value, variance, trail);
-        let parallel = &mut self.parallel.filter;
-        parallel.set(BUCKET, value, variance, &mut None);
-        self.scale.filter.set(BUCKET, value, variance, &mut None);
-    }
-
-    /// The bucket has been another one with this probability.
-    fn opens_bucket(&mut self, probability: f64) {
-        let (bucket, other, stated) = (self.bucket_std, self.attachment.other, self.stated[BUCKET]);
-        let most = bucket * bucket + other * other;
-        let stated = sqrt((stated * stated + probability * other * other).min(most));
-        self.restate(BUCKET, stated);
-        self.sticks = self.sticking_prior.among(stated);
-    }
-
-    /// A content is over of which nobody knows whether another bucket held it.
-    fn stays_open(&mut self, gate: f64) {
-        if !self.attachment.is_possible() {
-            return;
-        }
-        let emptied = (self.sticking() * self.sticking(), self.tared);
-        for filter in [&mut self.filter, &mut self.scale.filter] {
-            self.attachment.mix(filter, emptied, gate);
-        }
-        self.opens_bucket(self.attachment.probability());
-        self.anew = true;
-        self.attachment.is_known();
-        self.agreement.interrupt();
-    }
-
     /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
     /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
-    fn is_kept(&self, variance: f64) -> bool {
+    pub(super) fn is_kept(&self, variance: f64) -> bool {
         let stays = RESIDUE_STD_SHARE * self.rated;
         let spread = variance + stays * stays;
         let odds = STUCK_LOAD_ODDS * STUCK_LOAD_ODDS * self.rated * self.rated / (TAU * spread);
