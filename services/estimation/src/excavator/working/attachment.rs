@@ -65,8 +65,9 @@ pub(super) struct Attachment {
     emptied: Emptied,
     share: f64,
     odds: f64,
-    /// The last emptied bucket weighs what it did.
+    /// The last emptied bucket weighs what it did; there is something to be said when its content is over.
     same: bool,
+    pub(super) pending: bool,
     /// What the mixture adds to the variances of payload [kg^2] and inertia [(kg m^2)^2].
     added: [f64; 2],
     /// Nothing hangs on the coupler, or something that nobody has weighed empty.
@@ -90,6 +91,7 @@ impl Attachment {
             share: 0.0,
             odds: f64::NEG_INFINITY,
             same: false,
+            pending: false,
             added: [0.0; 2],
             bare: false,
         }
@@ -137,33 +139,19 @@ impl Attachment {
         self.forget();
     }
 
-    /// Asks a filter of an emptied bucket; `usual`: ratio by which variances disagree. Whether another attachment is possible.
-    #[inline]
-    pub(super) fn ask(
-        &mut self,
-        filter: &Filter,
-        emptied: Emptied,
-        usual: f64,
-        now: &Inertia,
-    ) -> bool {
+    /// Whether it is a question for a filter: an emptied bucket weighs more or less than what sticks.
+    #[inline(always)]
+    pub(super) fn is_asked(&mut self, filter: &Filter, variance: f64, tared: bool) -> bool {
         let (x, p) = (filter.x[M], filter.p[M][M]);
         // The square of z over V + a² is that of x over this.
-        let scale = if emptied.tared {
-            emptied.variance - p
-        } else {
-            emptied.variance + p
-        };
-        self.same = emptied.seen && p < TOLD * emptied.variance;
-        if x * x <= STRANGE * STRANGE * scale {
-            self.forget();
-            return false;
-        }
-        self.compare(filter, emptied, usual, now)
+        let scale = if tared { variance - p } else { variance + p };
+        self.pending = true;
+        self.same = p < TOLD * variance;
+        x * x > STRANGE * STRANGE * scale
     }
 
-    /// The same of one that is strange.
-    #[inline(never)]
-    fn compare(&mut self, filter: &Filter, emptied: Emptied, usual: f64, now: &Inertia) -> bool {
+    /// Asks a filter of an emptied bucket; `usual`: ratio by which variances disagree. Whether another attachment is possible.
+    fn ask(&mut self, filter: &Filter, emptied: Emptied, usual: f64, now: &Inertia) -> bool {
         self.forget();
         let (x, p, a) = (filter.x[M], filter.p[M][M], emptied.variance);
         if emptied.tared && p > TOLD * a {
@@ -232,7 +220,8 @@ impl Attachment {
 }
 
 impl Working {
-    /// Whether a coupler has changed the attachment: an emptied bucket weighs something. Then it is another one from now on.
+    /// Whether a coupler may have changed the attachment: an emptied bucket weighs something. Then it is another one from now on.
+    #[inline(never)]
     pub(super) fn doubts_attachment(
         &mut self,
         emptied: Emptied,
@@ -241,6 +230,7 @@ impl Working {
         trail: &mut Option<Trail>,
     ) -> bool {
         let usual = self.contradiction.usual();
+        self.attachment.pending = true;
         if !self.attachment.ask(&self.filter, emptied, usual, now) {
             return false;
         }
@@ -255,6 +245,7 @@ impl Working {
     }
 
     /// The same of a bucket of which nobody knows whether it is empty: it weighs less than nothing.
+    #[inline(never)]
     pub(super) fn weighs_less_than_nothing(
         &mut self,
         gate: f64,
@@ -262,8 +253,13 @@ impl Working {
         trail: &mut Option<Trail>,
     ) {
         let std = LIGHTER * self.rated;
+        let variance = std * std;
+        if !self.attachment.is_asked(&self.filter, variance, false) {
+            return;
+        }
+        self.attachment.same = false;
         let emptied = Emptied {
-            variance: std * std,
+            variance,
             tared: false,
             seen: false,
         };
@@ -300,6 +296,7 @@ impl Working {
     }
 
     /// A content is over.
+    #[inline(never)]
     pub(super) fn content_tells_attachment(&mut self, gate: f64, trail: &mut Option<Trail>) {
         if self.attachment.is_possible() && self.attachment.emptied.seen {
             for filter in [&mut self.filter, &mut self.scale.filter] {
@@ -314,6 +311,7 @@ impl Working {
             self.attachment.is_known();
         }
         self.attachment.forget();
+        self.attachment.pending = self.attachment.bare;
         if self.attachment.bare {
             self.anything_may_hang(trail);
         }
@@ -346,5 +344,189 @@ impl Working {
         } else {
             p[M][M]
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bucket::Content;
+    use super::super::filter::N;
+    use super::*;
+    use crate::excavator::keys::Description;
+    use crate::excavator::settings::Settings;
+
+    const BUCKET_MASS: f64 = 800.0;
+    const SHARE: f64 = 0.9;
+    const EMPTIED: Emptied = Emptied {
+        variance: 6400.0,
+        tared: true,
+        seen: true,
+    };
+
+    fn posture() -> Inertia {
+        Inertia {
+            per_payload: 30.0,
+            per_bucket: SHARE * 30.0,
+            ..Inertia::default()
+        }
+    }
+
+    /// A filter of an emptied bucket that weighs this beyond what is known of it to a standard deviation.
+    fn filter(bucket: f64, beyond: f64) -> Filter {
+        let mut std = [0.0; N];
+        std[BUCKET] = bucket;
+        let mut filter = Filter::new([0.0; N], &std);
+        filter.set(M, 0.0, EMPTIED.variance, &mut None);
+        let row = [(M, 1.0), (BUCKET, SHARE)];
+        filter.measure(row, beyond, 900.0, 1e9, &mut None);
+        filter
+    }
+
+    fn attachment() -> Attachment {
+        let mut attachment = Attachment::new(BUCKET_MASS, 40.0, Sticking::default());
+        attachment.wait(30.0);
+        attachment
+    }
+
+    #[test]
+    fn another_bucket_has_the_odds_of_a_content_with_its_wider_prior() {
+        let (known, beyond) = (40.0, 400.0);
+        let mut attachment = attachment();
+        assert!(attachment.ask(&filter(known, beyond), EMPTIED, 1.0, &posture()));
+        let other = SHARE * attachment.other;
+        let noise = 900.0 + SHARE * SHARE * known * known;
+        let variances = [
+            noise + EMPTIED.variance,
+            noise + EMPTIED.variance + other * other,
+        ];
+        let [same, another] = variances.map(|v| -0.5 * (ln(v) + beyond * beyond / v));
+        let said = attachment.odds - attachment.prior();
+        assert!((said - (another - same)).abs() < 1e-9, "{said}");
+        // What sticks is no question, and adds nothing.
+        let soil = filter(known, 150.0);
+        assert!(!attachment.is_asked(&soil, EMPTIED.variance, EMPTIED.tared));
+    }
+
+    #[test]
+    fn a_bucket_that_is_opened_afterwards_is_one_that_was_open_before() {
+        let (mut attachment, mut later) = (attachment(), filter(40.0, 400.0));
+        assert!(attachment.ask(&later, EMPTIED, 1.0, &posture()));
+        attachment.take_back(&mut later, &mut None);
+        attachment.open(&mut later);
+        let value = -later.x[M];
+        later.measure([(M, 1.0)], value, EMPTIED.variance, 1e9, &mut None);
+        let before = filter(norm(&[40.0, attachment.other]), 400.0);
+        for i in [M, BUCKET] {
+            assert!((later.x[i] - before.x[i]).abs() < 1e-6, "{i}");
+            for j in [M, BUCKET] {
+                assert!((later.p[i][j] / before.p[i][j] - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    fn working() -> Working {
+        let settings = Settings::of(&Description::default());
+        let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+        working.filter.set(BUCKET, 0.0, 100.0, &mut None);
+        working.attachment.wait(30.0);
+        working
+    }
+
+    /// Weighs a content, and asks.
+    fn weighs(working: &mut Working, share: f64, seen: bool) -> bool {
+        let content = (
+            share * working.rated,
+            0.0004 * working.rated * working.rated,
+        );
+        working.filter.set(M, content.0, content.1, &mut None);
+        working
+            .parallel
+            .filter
+            .set(M, content.0, content.1, &mut None);
+        if !seen {
+            working.weighs_less_than_nothing(1e9, &posture(), &mut None);
+            return working.attachment.bare;
+        }
+        let std = working.sticking();
+        let emptied = Emptied {
+            variance: std * std,
+            tared: false,
+            seen,
+        };
+        let filter = &working.filter;
+        working.attachment.is_asked(filter, emptied.variance, false)
+            && working.doubts_attachment(emptied, 1e9, &posture(), &mut None)
+    }
+
+    #[test]
+    fn what_an_emptied_bucket_weighs_by_far_is_the_buckets() {
+        for share in [-0.3, 0.3] {
+            let mut working = working();
+            let described = working.stated[BUCKET];
+            assert!(weighs(&mut working, share, true));
+            let weighs = share * working.rated;
+            let bucket = SHARE * working.filter.x[BUCKET];
+            assert!((bucket / weighs - 1.0).abs() < 0.2, "{bucket} {weighs}");
+            assert!((working.filter.x[M] / weighs).abs() < 0.2);
+            assert!(!working.contradiction.is_open() && !working.attachment.bare);
+            // It is not the described one, so the description is not doubted for it.
+            let doubt = working.doubt();
+            working.restate(BUCKET, described);
+            assert!(working.doubt() > 1.5 * doubt, "{doubt}");
+        }
+        let mut working = working();
+        assert!(!weighs(&mut working, 0.08, true), "soil");
+        assert_eq!(working.filter.x[BUCKET], 0.0);
+    }
+
+    #[test]
+    fn what_is_undecided_when_the_content_is_over_is_mixed() {
+        let mut working = working();
+        let undecided = (10..30)
+            .map(|i| 0.01 * f64::from(i))
+            .find(|share| weighs(&mut working, *share, true) && !working.attachment.is_another());
+        let probability = working.attachment.probability();
+        let settings = Settings::of(&Description::default());
+        working.hold(&settings, Content::Unknown, &mut None);
+        let weighs = undecided.expect("undecided") * working.rated;
+        let bucket = SHARE * working.filter.x[BUCKET] / weighs;
+        assert!(
+            bucket > 0.5 * probability && bucket < probability + 0.1,
+            "{bucket}"
+        );
+        assert!(!working.attachment.is_possible());
+    }
+
+    #[test]
+    fn where_nothing_hangs_on_the_coupler_anything_may_hang_next() {
+        let mut working = working();
+        assert!(!weighs(&mut working, -0.05, false), "noise");
+        assert!(weighs(&mut working, -0.4, false));
+        let none = working.filter.x[BUCKET];
+        let settings = Settings::of(&Description::default());
+        working.hold(&settings, Content::Unknown, &mut None);
+        let (x, std) = (
+            working.filter.x[BUCKET],
+            sqrt(working.filter.p[BUCKET][BUCKET]),
+        );
+        let heavy = 0.6 * working.described_bucket;
+        assert!(none > x - 1.96 * std && heavy < x + 1.96 * std, "{x} {std}");
+        // Known again where one was emptied and weighed.
+        working.tared = true;
+        working.filter.set(BUCKET, heavy, 100.0, &mut None);
+        working.hold(&settings, Content::Unknown, &mut None);
+        assert!(!working.attachment.bare);
+        assert_eq!(working.filter.x[BUCKET], heavy);
+    }
+
+    #[test]
+    fn one_that_weighs_what_it_did_was_not_changed_before() {
+        let mut working = working();
+        working.attachment.wait(600.0);
+        let before = working.attachment.prior();
+        assert!(!weighs(&mut working, 0.01, true));
+        let settings = Settings::of(&Description::default());
+        working.hold(&settings, Content::Unknown, &mut None);
+        assert!(working.attachment.prior() < before - 2.0);
     }
 }

@@ -44,7 +44,9 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
-        self.content_tells_attachment(settings.estimator.gate, trail);
+        if self.attachment.pending {
+            self.content_tells_attachment(settings.estimator.gate, trail);
+        }
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
             self.scale.hold(value, std);
@@ -87,7 +89,7 @@ impl Working {
     }
 
     /// What sticks, as it differs from load to load \[kg\].
-    fn sticking(&self) -> f64 {
+    pub(super) fn sticking(&self) -> f64 {
         STICKING[0] * self.rated
     }
 
@@ -120,13 +122,21 @@ impl Working {
         if apart && self.is_kept(variance) {
             return;
         }
-        let emptied = Emptied {
-            variance: std * std,
-            tared: self.tared,
-            seen: true,
-        };
-        if self.doubts_attachment(emptied, gate, now, trail) && (apart || !self.tared) {
-            return;
+        let (variance_emptied, tared) = (std * std, self.tared);
+        if self
+            .attachment
+            .is_asked(&self.filter, variance_emptied, tared)
+        {
+            let emptied = Emptied {
+                variance: variance_emptied,
+                tared,
+                seen: true,
+            };
+            if self.doubts_attachment(emptied, gate, now, trail) && (apart || !self.tared) {
+                return;
+            }
+        } else {
+            self.attachment.forget();
         }
         if apart && !explained {
             self.contradiction.outright();

@@ -71,9 +71,12 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let [a, b] = self.tail.variances(&self.filter, &drive.now, &self.sticks);
-        let [c, d] = self.attachment.variances();
-        let tail = [a + c, b + d];
+        let mut tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        if self.attachment.is_possible() {
+            let [payload, inertia] = self.attachment.variances();
+            tail[0] += payload;
+            tail[1] += inertia;
+        }
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
