@@ -248,7 +248,12 @@ impl Filter {
 
     /// The measurement with negative variance that takes back what was expected.
     #[inline(never)]
-    fn without(&mut self, i: usize, (value, variance): (f64, f64), trail: &mut Option<Trail>) {
+    pub(super) fn without(
+        &mut self,
+        i: usize,
+        (value, variance): (f64, f64),
+        trail: &mut Option<Trail>,
+    ) {
         let column = self.p[i];
         let left = column[i] - variance;
         let gain = column.map(|c| c / left);

@@ -7,6 +7,7 @@
 //! the interval and the reasons are in [`verdict`].
 
 mod agreement;
+mod attachment;
 mod bucket;
 mod contradiction;
 mod correlations;
@@ -24,6 +25,7 @@ mod verdict;
 mod weigh;
 
 use self::agreement::Agreement;
+use self::attachment::Attachment;
 use self::bucket::{Bucket, Content};
 use self::contradiction::Contradiction;
 use self::filter::{
@@ -134,6 +136,8 @@ pub(super) struct Working {
     contradiction: Contradiction,
     /// A gain that is off, beside pressures.
     tail: Tail,
+    /// Another bucket.
+    attachment: Attachment,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
     /// The load by them alone.
@@ -217,6 +221,7 @@ impl Working {
             carried: None,
             contradiction: Contradiction::new(),
             tail: Tail::new(doubts),
+            attachment: Attachment::new(settings.geometry.masses[2], bucket, sticking),
             weigh: settings.boom.map(Weigh::new),
             slow_for: 0.0,
             before: 0.0,
@@ -272,6 +277,7 @@ impl Working {
             }
             Phase::Released(w) => self.set_off(w, drive, trail),
         };
+        self.attachment.wait(drive.period);
         self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
@@ -459,10 +465,10 @@ impl Working {
             self.sway
                 .push(drive.torque, velocity, &drive.now, drive.period);
         }
+        self.tare(gate, &drive.now, trail);
         if !self.pushed {
             self.watch_pushes(s, no_payload, trail);
         }
-        self.tare(gate, &drive.now, trail);
         innovation
     }
 
@@ -492,7 +498,8 @@ impl Working {
     fn watch_pushes(&mut self, s: &Settings, no_payload: bool, trail: &mut Option<Trail>) {
         let payload = self.filter.payload(&self.sticks);
         let range = s.payload_range();
-        if self.contradiction.weighs(payload, range, self.changed) || no_payload {
+        let other = self.attachment.is_possible();
+        if !other && self.contradiction.weighs(payload, range, self.changed) || no_payload {
             self.contradiction.pushes();
             self.pushed = true;
             self.hold(s, Content::Unknown, trail);

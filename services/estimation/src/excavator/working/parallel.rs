@@ -147,6 +147,11 @@ impl ParallelFilter {
         odds / (1.0 + odds)
     }
 
+    /// The other filter will be that of a hypothesis with these odds beforehand, as logarithm: a gain that is off is its rival.
+    pub(super) fn is_rivalled(&mut self, before: f64) {
+        self.odds -= before;
+    }
+
     /// Whether a torque has told something.
     pub(super) fn is_driven(&self) -> bool {
         self.driven

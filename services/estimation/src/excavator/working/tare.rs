@@ -4,8 +4,9 @@
 use core::f64::consts::TAU;
 
 use super::Working;
+use super::attachment::Emptied;
 use super::bucket::Content;
-use super::filter::{BUCKET, M, inertia_row};
+use super::filter::{BUCKET, Filter, M, inertia_row};
 use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
@@ -44,6 +45,9 @@ impl Working {
             Content::Unknown => (p.payload, p.payload_std),
         };
         self.sway.forget();
+        if self.attachment.pending {
+            self.content_tells_attachment(settings.estimator.gate, trail);
+        }
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
             self.scale.hold(value, std);
@@ -68,7 +72,7 @@ impl Working {
     }
 
     /// Other soil may stick from now on.
-    fn is_emptied(&mut self) {
+    pub(super) fn is_emptied(&mut self) {
         self.tared = true;
         let changes = STICKING[1] * self.rated;
         for filter in [
@@ -86,16 +90,17 @@ impl Working {
     }
 
     /// What sticks, as it differs from load to load \[kg\].
-    fn sticking(&self) -> f64 {
+    pub(super) fn sticking(&self) -> f64 {
         STICKING[0] * self.rated
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
     pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
         let limit = KNOWN_STD_SHARE * self.rated;
-        let variance = self.filter.p[M][M];
-        let claimed = variance * self.contradiction.usual();
-        if variance > limit * limit {
+        if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
+            self.weighs_less_than_nothing(gate, now, trail);
+        }
+        if self.content_variance() > limit * limit {
             return;
         }
         if !self.changed {
@@ -108,6 +113,8 @@ impl Working {
             return;
         }
         let std = self.sticking();
+        let variance = self.filter.p[M][M];
+        let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
         let apart = value * value > 9.0 * (claimed + std * std);
@@ -115,6 +122,22 @@ impl Working {
         let explained = other * other < 4.0 * (parallel_variance + std * std);
         if apart && self.is_kept(variance) {
             return;
+        }
+        let (variance_emptied, tared) = (std * std, self.tared);
+        if self
+            .attachment
+            .is_asked(&self.filter, variance_emptied, tared)
+        {
+            let emptied = Emptied {
+                variance: variance_emptied,
+                tared,
+                seen: true,
+            };
+            if self.doubts_attachment(emptied, gate, now, trail) && (apart || !self.tared) {
+                return;
+            }
+        } else {
+            self.attachment.forget();
         }
         if apart && !explained {
             self.contradiction.outright();
@@ -142,20 +165,29 @@ impl Working {
         }
         if !self.tared {
             self.is_emptied();
-            let row = [(M, 1.0)];
-            self.scale.tare(std * std, gate);
-            let said = self.filter.measure(row, value, std * std, gate, trail);
-            let parallel = &mut self.parallel.filter;
-            let other = parallel.measure(row, other, std * std, gate, &mut None);
-            self.parallel
-                .weigh([said, other], gate, self.contradiction.usual());
-            self.agreement.interrupt();
+            self.attachment.is_known();
+            self.holds_nothing(std * std, gate, trail);
         }
+    }
+
+    /// The content is nothing, with this variance [kg^2].
+    pub(super) fn holds_nothing(&mut self, variance: f64, gate: f64, trail: &mut Option<Trail>) {
+        self.scale.tare(variance, gate);
+        let tare = |filter: &mut Filter, trail: &mut Option<Trail>| {
+            let value = -filter.x[M];
+            filter.measure([(M, 1.0)], value, variance, gate, trail)
+        };
+        let said = [
+            tare(&mut self.filter, trail),
+            tare(&mut self.parallel.filter, &mut None),
+        ];
+        self.parallel.weigh(said, gate, self.contradiction.usual());
+        self.agreement.interrupt();
     }
 
     /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
     /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
-    fn is_kept(&self, variance: f64) -> bool {
+    pub(super) fn is_kept(&self, variance: f64) -> bool {
         let stays = RESIDUE_STD_SHARE * self.rated;
         let spread = variance + stays * stays;
         let odds = STUCK_LOAD_ODDS * STUCK_LOAD_ODDS * self.rated * self.rated / (TAU * spread);

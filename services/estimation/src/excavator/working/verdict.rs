@@ -71,7 +71,12 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        let mut tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        if self.attachment.is_possible() {
+            let [payload, inertia] = self.attachment.variances();
+            tail[0] += payload;
+            tail[1] += inertia;
+        }
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
