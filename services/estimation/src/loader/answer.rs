@@ -42,7 +42,8 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
             value: centre.ratio,
             std: reported.ratio,
         };
-        let both = together(slips, filter.ratio, stated);
+        let limit = settings.estimator.converged_ratio * stated.value;
+        let both = together(slips, filter.ratio, stated, limit);
         (centre.ratio, reported.ratio) = (both.value, both.std);
     }
     if doubt.spans > 0.0 {

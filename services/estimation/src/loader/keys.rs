@@ -56,8 +56,8 @@ table! {
         friction: f64 = 0.8, "", 0.0 to 10.0;
         /// Relative loss of rolling radius per relative axle load (rho).
         radius_load_sensitivity: f64 = 0.012, "", 0.0 to 0.2;
-        /// Its standard deviation, from tyre to tyre where nobody measured it; widens the reported interval of the ratio until the machine has driven both ways.
-        radius_load_sensitivity_std: f64 = 0.006, "", 0.0 to 0.2;
+        /// Its standard deviation, from tyre to tyre where nobody measured it (anything between a rigid tyre and twice the usual one); widens the reported interval of the ratio until the machine has driven both ways.
+        radius_load_sensitivity_std: f64 = 0.007, "", 0.0 to 0.2;
         /// Slip stiffness of the front axle over that of the rear under equal loads, as calibrated.
         stiffness_ratio: f64 = 1.0, "", 0.1 to 10.0;
         /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.

@@ -7,7 +7,8 @@ use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
-/// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
+/// A load sensitivity that is learnt may differ by as much, whatever is stated: two drives know it better than any statement. Opened
+/// wider than this, the first drive back takes other errors for the tyres' (docs/measurements/2026-11-27-loader-covers.md).
 const LEARNT_STD: f64 = 0.005;
 
 /// What the load sensitivity of an axle's radius differs by from that of both, where that is a state: a tenth of the usual .01.
@@ -103,16 +104,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
     /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
     fn open_sensitivity(&mut self, settings: &Settings, i: usize) {
-        let stated = settings.load_sensitivity_std();
-        if stated == 0.0 {
+        if settings.load_sensitivity_std() == 0.0 {
             return;
         }
-        let std = stated.max(LEARNT_STD);
         let state = self.belief.state();
-        let ratio = RATIO_PER_SENSITIVITY * std * state[CG_RATIO];
-        let height = (state[CG_HEIGHT] * std / state[i]).abs();
+        let ratio = RATIO_PER_SENSITIVITY * LEARNT_STD * state[CG_RATIO];
+        let height = (state[CG_HEIGHT] * LEARNT_STD / state[i]).abs();
         let height = settings.prior.cg_height_std.min(height);
-        for (i, std) in [(i, std), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
+        for (i, std) in [(i, LEARNT_STD), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
             self.loosen_by(i, std);
         }
     }
@@ -163,5 +162,22 @@ mod tests {
         ] {
             assert!((opened - 0.4 * std).abs() < 1e-12, "{opened} {std}");
         }
+    }
+
+    #[test]
+    fn where_nobody_states_it_a_tyre_may_be_rigid_and_the_first_drive_back_opens_no_more_than_for_a_stated_one()
+     {
+        let machine = Settings::DEFAULT.machine;
+        let rigid = machine.radius_load_sensitivity / machine.radius_load_sensitivity_std;
+        assert!(rigid < 1.96, "{rigid}");
+        let opened = |stated: f64| {
+            let mut settings = Settings::DEFAULT;
+            settings.machine.radius_load_sensitivity_std = stated;
+            let mut filter = CgFilter::<12, 4, Ekf<12, 4>>::new(&settings, Method::FullEkf);
+            filter.open_sensitivity(&settings, 10);
+            filter.loosened
+        };
+        assert_eq!(opened(machine.radius_load_sensitivity_std), opened(0.001));
+        assert_eq!(opened(0.001)[10], LEARNT_STD);
     }
 }
