@@ -243,6 +243,16 @@ mod tests {
 
     /// A machine that stands and moves its boom between the angles that `boom` gives at each time, by statics and Coulomb's friction.
     fn record(payload: f64, boom: impl Fn(f64) -> f64) -> Input {
+        let rises = |time: f64| (boom(time + 0.01) - boom(time)).signum();
+        record_with(payload, &boom, rises)
+    }
+
+    /// The same with a direction of the seals' friction.
+    fn record_with(
+        payload: f64,
+        boom: impl Fn(f64) -> f64,
+        direction: impl Fn(f64) -> f64,
+    ) -> Input {
         let d = described();
         let (g, c) = (&d.geometry, &d.boom_cylinder);
         let cylinder = Cylinder::of_boom(&d).expect("described");
@@ -261,8 +271,8 @@ mod tests {
                     + g.arm_mass * (pins[0] + g.arm_centre * second)
                     + g.bucket_mass * (pins[1] + g.bucket_centre * third)
                     + payload * (pins[1] + g.payload_centre * third));
-            let rises = (boom(time + 0.01) - boom(time)).signum();
-            let force = SCALE * moment / cylinder.lever(posture[0]).1 + FRICTION * rises + OFFSET;
+            let friction = FRICTION * direction(time);
+            let force = SCALE * moment / cylinder.lever(posture[0]).1 + friction + OFFSET;
             let rod = 1e6;
             Sample {
                 time,
@@ -332,6 +342,38 @@ mod tests {
             "{}",
             off(&pen.description)
         );
+    }
+
+    /// Share that is found where the seals keep this share of their friction: the boom stands 2 s before each way of 4 s.
+    fn kept(share: f64) -> Quantity {
+        let way = |time: f64| {
+            if (time / 6.0) as u32 % 2 == 0 {
+                1.0
+            } else {
+                -1.0
+            }
+        };
+        let boom = |time: f64| {
+            let done = ((time % 6.0) - 2.0).max(0.0) / 4.0;
+            0.55 + way(time) * 0.45 * (2.0 * done - 1.0)
+        };
+        let direction = |time: f64| {
+            if time % 6.0 < 2.0 {
+                -share * way(time)
+            } else {
+                way(time)
+            }
+        };
+        let inputs = [0.0, 400.0].map(|payload| record_with(payload, boom, direction));
+        let learnt = learn(&described(), &inputs).expect("pressures");
+        learnt.expect("a value").kept
+    }
+
+    #[test]
+    fn a_boom_that_stops_tells_what_its_seals_keep() {
+        let [none, all] = [0.0, 1.0].map(kept);
+        assert!(none.value < 0.3 && all.value > 0.8, "{none:?} {all:?}");
+        assert!(none.std < 0.6 * KEPT_STD, "{none:?}");
     }
 
     #[test]
