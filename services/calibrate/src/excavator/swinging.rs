@@ -4,12 +4,12 @@
 //! xi'' + 2 zeta W xi' + W^2 xi = -w'          p = J w + s L m xi'
 //! ```
 //! A share s of the load's inertia L m swings at the rate W behind the upper body by xi; p, the momentum of all of it, is what the torques
-//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`], and their sum is the linear response
-//! of the load.
+//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`]; between them
+//! they help less.
 
-/// Rates at which loads swing, an octave from 4 m below a hook to what slips in a bucket [rad/s].
+/// Rates at which loads swing, from 2 m below a hook to .3 m in a bucket [rad/s].
 pub const RATES: [f64; 3] = [2.2, 3.5, 5.6];
-/// Damping ratio: so wide that the rates between them are covered.
+/// Damping ratio of each.
 const DAMPING: f64 = 0.1;
 /// A longer step begins anew \[s\].
 const GAP: f64 = 0.1;
