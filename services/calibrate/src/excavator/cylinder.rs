@@ -25,9 +25,14 @@ use crate::output::Pen;
 const CENTRE: f64 = 0.02;
 /// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
+/// Standard deviation of the share of the friction that the seals of a machine keep at rest: none or all of it. What is left of
+/// [`Moment::rest`] is another share at each stop.
+const KEPT_STD: f64 = 0.5;
 
-/// Unknowns behind those of every cylinder and the six moments that the drawing misses: slopes, then the load of each recording.
-const SLOPES: usize = CURVE + CURVES.len();
+/// Unknowns behind those of every cylinder and the six moments that the drawing misses: friction at rest, slopes, then the load of each
+/// recording.
+const HELD: usize = CURVE + CURVES.len();
+const SLOPES: usize = HELD + 1;
 const LOADS: usize = SLOPES + 2;
 
 /// Keys of the moment that the drawing misses.
@@ -41,20 +46,30 @@ const CURVES: [&str; 6] = [
 ];
 
 /// What was learnt: the missed moments are those of boom, arm and bucket.
-pub type CylinderFit = cylinders::CylinderFit<{ CURVES.len() }>;
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CylinderFit {
+    /// What the cylinders of every machine have.
+    pub common: cylinders::CylinderFit<{ CURVES.len() }>,
+    /// Share of the friction that the seals keep at rest.
+    pub kept: Quantity,
+}
 
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no cylinder is described or no pressure
 /// measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let cylinder = Cylinder::of_boom(d)?;
     let geometry = Geometry::of(d);
+    let keeping = Cylinder {
+        kept: 1.0,
+        ..cylinder
+    };
     let known: Vec<(&Input, Quantity)> = inputs
         .iter()
         .filter_map(|input| Some((input, input.payload?)))
         .collect();
     let runs: Vec<Vec<Moment>> = known
         .iter()
-        .map(|(input, payload)| moments(&geometry, cylinder, input, *payload))
+        .map(|(input, payload)| moments(&geometry, keeping, input, *payload))
         .collect();
     if runs.iter().all(Vec::is_empty) {
         return None;
@@ -77,7 +92,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
     Some(fit(d, &cylinder, &runs, &loads))
 }
 
-/// The moments of a recording while the bucket is in the air with its load in it.
+/// The moments of a recording, as if the seals kept all of their friction at rest, while the bucket is in the air with its load in it.
 fn moments(geometry: &Geometry, cylinder: Cylinder, input: &Input, load: Quantity) -> Vec<Moment> {
     let mut lifts = Lifts::new(*geometry, cylinder);
     let moments = input.samples.iter().filter_map(|sample| lifts.step(sample));
@@ -97,13 +112,14 @@ fn fit(
     loads: &[Quantity],
 ) -> Result<CylinderFit, String> {
     let [friction, friction_std] = cylinder.friction;
+    let frictions = [friction, cylinder.kept * friction];
     let before = before(d, cylinder, loads);
     let equations: Vec<Equation> = runs
         .iter()
         .zip(loads)
         .enumerate()
         .flat_map(|(run, (moments, load))| {
-            let of = move |m| equation(friction, m, (run, load.value), LOADS + runs.len());
+            let of = move |m| equation(frictions, m, (run, load.value), LOADS + runs.len());
             moments.iter().map(of)
         })
         .collect();
@@ -113,12 +129,18 @@ fn fit(
         .ok_or("the boom's cylinders are not determined")?;
     let c = &d.boom_cylinder;
     let full_force = c.count * c.head_area * FULL_PRESSURE;
-    let learnt = CylinderFit::of(&solution, &before, friction, full_force);
-    if learnt.friction.std > IDENTIFIED * friction_std {
+    let common = cylinders::CylinderFit::of(&solution, &before, friction, full_force);
+    if common.friction.std > IDENTIFIED * friction_std {
         return Err("the boom's cylinders keep the values of the machine file: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
             .into());
     }
-    Ok(learnt)
+    let held = solution.quantity(HELD, &before);
+    let moving = common.friction.value.max(f64::MIN_POSITIVE);
+    let kept = Quantity {
+        value: ((frictions[1] + held.value) / moving).clamp(0.0, 1.0),
+        std: held.std / moving,
+    };
+    Ok(CylinderFit { common, kept })
 }
 
 /// Moments about the boom foot of what the angles of boom, arm and bucket carry, level [N m].
@@ -132,15 +154,25 @@ fn first_moments(g: &Attachment) -> [f64; 3] {
     .map(|first| GRAVITY * first)
 }
 
-/// A moment as an equation of the unknowns, in newtons of the cylinders, with this friction described \[N\]; the recording and its load
-/// \[kg\].
-fn equation(friction: f64, m: &Moment, (run, load): (usize, f64), unknowns: usize) -> Equation {
+/// A moment as an equation of the unknowns, in newtons of the cylinders, with these frictions described, in motion and at rest \[N\]; the recording and
+/// its load \[kg\].
+fn equation(
+    frictions: [f64; 2],
+    m: &Moment,
+    (run, load): (usize, f64),
+    unknowns: usize,
+) -> Equation {
     let tau = m.empty + load * m.per_payload;
     let tilt = m.tilt + load * m.tilt_payload;
     let mut row = vec![0.0; unknowns];
     row[SPAN] = tau / m.lever;
     row[ZERO] = 1.0;
-    row[FRICTION] = m.direction;
+    let (friction, unknown, common) = if m.moves {
+        (frictions[0], FRICTION, 0.0)
+    } else {
+        (frictions[1], HELD, KEPT_STD * frictions[0])
+    };
+    row[unknown] = m.direction;
     for (i, part) in m.directions.iter().flatten().enumerate() {
         row[CURVE + i] = part / m.lever;
     }
@@ -150,7 +182,7 @@ fn equation(friction: f64, m: &Moment, (run, load): (usize, f64), unknowns: usiz
     Equation {
         row,
         value: (m.measured - tau) / m.lever - friction * m.direction,
-        rest: m.rest(friction),
+        rest: m.rest(frictions[0]) - common * common,
         noise: m.variance / (m.lever * m.lever),
         period: m.period,
     }
@@ -168,6 +200,7 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
             .iter()
             .flat_map(|m| [links.max(CENTRE) * m, CENTRE * m]),
     );
+    stds.push(KEPT_STD * cylinder.friction[0]);
     stds.extend([LEVEL; 2]);
     stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
     let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
@@ -176,12 +209,17 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
 
 /// The keys of the description.
 pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
-    learnt.write(pen, "machine.boom_cylinder", &CURVES, 0.0);
+    learnt
+        .common
+        .write(pen, "machine.boom_cylinder", &CURVES, 0.0);
+    pen.value("machine.boom_cylinder.friction_kept", learnt.kept);
 }
 
 /// In words.
 pub fn words(learnt: &CylinderFit) -> String {
-    learnt.words("the boom's cylinders")
+    let cylinders = learnt.common.words("the boom's cylinders");
+    let [kept, std] = [learnt.kept.value, learnt.kept.std].map(|share| 100.0 * share);
+    format!("{cylinders}, of which {kept:.0} ± {std:.0} % stay at rest")
 }
 
 #[cfg(test)]
@@ -205,6 +243,16 @@ mod tests {
 
     /// A machine that stands and moves its boom between the angles that `boom` gives at each time, by statics and Coulomb's friction.
     fn record(payload: f64, boom: impl Fn(f64) -> f64) -> Input {
+        let rises = |time: f64| (boom(time + 0.01) - boom(time)).signum();
+        record_with(payload, &boom, rises)
+    }
+
+    /// The same with a direction of the seals' friction.
+    fn record_with(
+        payload: f64,
+        boom: impl Fn(f64) -> f64,
+        direction: impl Fn(f64) -> f64,
+    ) -> Input {
         let d = described();
         let (g, c) = (&d.geometry, &d.boom_cylinder);
         let cylinder = Cylinder::of_boom(&d).expect("described");
@@ -223,8 +271,8 @@ mod tests {
                     + g.arm_mass * (pins[0] + g.arm_centre * second)
                     + g.bucket_mass * (pins[1] + g.bucket_centre * third)
                     + payload * (pins[1] + g.payload_centre * third));
-            let rises = (boom(time + 0.01) - boom(time)).signum();
-            let force = SCALE * moment / cylinder.lever(posture[0]).1 + FRICTION * rises + OFFSET;
+            let friction = FRICTION * direction(time);
+            let force = SCALE * moment / cylinder.lever(posture[0]).1 + friction + OFFSET;
             let rod = 1e6;
             Sample {
                 time,
@@ -267,9 +315,9 @@ mod tests {
             .expect("pressures")
             .expect("a value");
         for (stated, truth) in [
-            (learnt.friction, FRICTION),
-            (learnt.zero, OFFSET),
-            (learnt.span, SCALE - 1.0),
+            (learnt.common.friction, FRICTION),
+            (learnt.common.zero, OFFSET),
+            (learnt.common.span, SCALE - 1.0),
         ] {
             assert!(
                 (stated.value - truth).abs() < 2.0 * stated.std,
@@ -278,13 +326,13 @@ mod tests {
         }
         let cylinder = Cylinder::of_boom(&described()).expect("described");
         assert!(
-            learnt.friction.std < 0.3 * cylinder.friction[1],
+            learnt.common.friction.std < 0.3 * cylinder.friction[1],
             "{learnt:?}"
         );
         let mut pen = Pen::new(described());
         write(&learnt, &mut pen);
         let written = Cylinder::of_boom(&pen.description).expect("described");
-        assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.friction.std);
+        assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.common.friction.std);
         assert!(written.friction[1] < cylinder.friction[1]);
         // A third load, of which nothing was stated.
         let off = |d: &Description| weighed(d, &record(250.0, up_and_down)) - 250.0;
@@ -294,6 +342,38 @@ mod tests {
             "{}",
             off(&pen.description)
         );
+    }
+
+    /// Share that is found where the seals keep this share of their friction: the boom stands 2 s before each way of 4 s.
+    fn kept(share: f64) -> Quantity {
+        let way = |time: f64| {
+            if (time / 6.0) as u32 % 2 == 0 {
+                1.0
+            } else {
+                -1.0
+            }
+        };
+        let boom = |time: f64| {
+            let done = ((time % 6.0) - 2.0).max(0.0) / 4.0;
+            0.55 + way(time) * 0.45 * (2.0 * done - 1.0)
+        };
+        let direction = |time: f64| {
+            if time % 6.0 < 2.0 {
+                -share * way(time)
+            } else {
+                way(time)
+            }
+        };
+        let inputs = [0.0, 400.0].map(|payload| record_with(payload, boom, direction));
+        let learnt = learn(&described(), &inputs).expect("pressures");
+        learnt.expect("a value").kept
+    }
+
+    #[test]
+    fn a_boom_that_stops_tells_what_its_seals_keep() {
+        let [none, all] = [0.0, 1.0].map(kept);
+        assert!(none.value < 0.3 && all.value > 0.8, "{none:?} {all:?}");
+        assert!(none.std < 0.6 * KEPT_STD, "{none:?}");
     }
 
     #[test]

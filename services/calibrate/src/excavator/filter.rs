@@ -19,6 +19,7 @@
 use estimation::excavator::GRAVITY;
 
 use super::series::{Load, Measured, Series, Swing};
+use super::swinging::RATES;
 use super::torque::Impulse;
 use crate::fit::GATE;
 use crate::model::Innovation;
@@ -50,6 +51,8 @@ pub struct Guess {
     pub payload: f64,
     /// Inertia of a load against the one that its place in the bucket, as described, gives it.
     pub lever: f64,
+    /// Shares of the load that swing at each of the rates.
+    pub swinging: [f64; RATES.len()],
     /// First moment of the upper body [kg m].
     pub upper_moment: f64,
     /// Slope of the ground across and along the machine at the beginning of the recording [rad].
@@ -83,6 +86,14 @@ impl Inertias<'_> {
         let s = self.series;
         let g = self.guess;
         g.upper_inertia + g.link_scale * s.links[k] + g.lever * self.payload * s.leverage[k]
+    }
+
+    /// What the swinging load takes of the momentum, as a velocity of the whole machine of inertia `j` [rad/s].
+    fn dragged(&self, k: usize, j: f64) -> f64 {
+        let (s, g) = (self.series, self.guess);
+        let shares = g.swinging.iter().zip(s.swinging[k]);
+        let velocity: f64 = shares.map(|(share, rate)| share * rate).sum();
+        g.lever * self.payload * s.leverage[k] * velocity / j
     }
 
     /// What a slope of the ground makes of the weight [N m].
@@ -129,7 +140,8 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
     let rows = first..swing.rows.end;
     let variance = guess.motion_std * guess.motion_std;
     let mut j_last = inertia.at(first);
-    let mut state = State::start(series, guess, first, j_last);
+    let mut dragged = inertia.dragged(first, j_last);
+    let mut state = State::start(series, guess, first, (j_last, dragged));
     let mut cursor = 0;
     let mut until = series
         .torque
@@ -143,10 +155,14 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
         let outside = inertia.pull(k) - guess.friction * swing.direction;
         let force = force(guess, &impulse.since(&until)) + outside * dt;
         state.predict(guess, force, [j_last, j], dt);
-        (until, j_last) = (impulse, j);
+        let behind = inertia.dragged(k, j);
+        state.angle -= 0.5 * dt * (dragged + behind);
+        (until, j_last, dragged) = (impulse, j, behind);
         if series.value[k].is_finite() {
             out.push(match series.measured {
-                Measured::Velocity => state.correct_velocity(series.value[k], j, variance),
+                Measured::Velocity => {
+                    state.correct_velocity(series.value[k] + dragged, j, variance)
+                }
                 Measured::Angle => state.correct_angle(series.value[k], variance),
             });
         }
@@ -162,7 +178,7 @@ fn force(g: &Guess, step: &Impulse) -> f64 {
 
 impl State {
     /// At the first measured row: what that row says, and no more.
-    fn start(series: &Series, guess: &Guess, first: usize, inertia: f64) -> Self {
+    fn start(series: &Series, guess: &Guess, first: usize, (inertia, dragged): (f64, f64)) -> Self {
         let (value, variance) = (series.value[first], guess.motion_std * guess.motion_std);
         let noise = Self {
             nn: guess.torque_std * guess.torque_std,
@@ -170,7 +186,7 @@ impl State {
         };
         match series.measured {
             Measured::Velocity => Self {
-                momentum: inertia * value,
+                momentum: inertia * (value + dragged),
                 pp: inertia * inertia * variance,
                 ..noise
             },
@@ -179,7 +195,7 @@ impl State {
                 let spread = 0.3 * inertia * velocity;
                 Self {
                     angle: value,
-                    momentum: inertia * velocity,
+                    momentum: inertia * (velocity + dragged),
                     aa: variance,
                     pp: spread * spread,
                     ..noise

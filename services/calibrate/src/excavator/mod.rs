@@ -6,6 +6,7 @@ mod loads;
 mod result;
 pub mod series;
 mod start;
+mod swinging;
 mod swings;
 mod torque;
 mod words;
@@ -330,6 +331,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::TorqueNoise
         | Role::Payload(_)
         | Role::UpperMoment
+        | Role::Swinging(_)
         | Role::Across(_)
         | Role::Along(_) => 0.0,
     };

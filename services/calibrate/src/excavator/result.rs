@@ -120,7 +120,7 @@ impl Outcome {
                 }
             }
             Role::Payload(_) | Role::Lever => {}
-            Role::UpperMoment | Role::Across(_) | Role::Along(_) => {}
+            Role::UpperMoment | Role::Swinging(_) | Role::Across(_) | Role::Along(_) => {}
         }
     }
 

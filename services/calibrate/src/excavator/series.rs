@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use estimation::excavator::{Geometry, Inertia, Sample, joint};
 
+use super::swinging::{self, RATES};
 use super::torque::Torque;
 use crate::column::{moving_mean, percentile};
 
@@ -81,6 +82,8 @@ pub struct Series {
     pub radius: Vec<f64>,
     /// Cosine and sine of the angle swung since the beginning.
     pub heading: Vec<[f64; 2]>,
+    /// Velocity against the upper body of what would swing in the bucket [rad/s].
+    pub swinging: Vec<[f64; RATES.len()]>,
     /// Torque.
     pub torque: Torque,
     /// Swings.
@@ -173,14 +176,15 @@ impl Series {
             name: name.to_owned(),
             measured,
             has_posture,
-            time,
             value,
-            velocity,
             links: links.collect(),
             leverage: of(|j| j.per_payload),
             moment: of(|j| j.moment),
             radius: of(|j| j.radius),
             heading: angle.iter().map(|a| [a.cos(), a.sin()]).collect(),
+            swinging: swinging::velocities(&time, &velocity),
+            time,
+            velocity,
             torque,
             swings: Vec::new(),
             refused: 1.0 - samples.len() as f64 / rows.max(1) as f64,

@@ -6,6 +6,7 @@ use estimation::excavator::{Doubts, Geometry};
 
 use super::filter::{self, Guess};
 use super::series::{Load, Measured, Series, Swing};
+use super::swinging::RATES;
 use crate::column::percentile;
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source, rows};
@@ -37,6 +38,8 @@ pub enum Role {
     Payload(usize),
     /// Inertia of a load of known mass against the described one: lengths off, held within their tolerance.
     Lever,
+    /// Share of the load that swings at one of the rates.
+    Swinging(usize),
     /// First moment of the upper body.
     UpperMoment,
     /// Slope of the ground in a recording, across the machine at its beginning.
@@ -61,7 +64,10 @@ impl Role {
     /// Whether it has no use beyond the fit: nobody must know it, and it is never held.
     #[must_use]
     pub fn is_nuisance(&self) -> bool {
-        matches!(self, Self::UpperMoment | Self::Across(_) | Self::Along(_))
+        matches!(
+            self,
+            Self::Swinging(_) | Self::UpperMoment | Self::Across(_) | Self::Along(_)
+        )
     }
 }
 
@@ -172,6 +178,7 @@ impl Swings {
             torque_std: 1.0,
             payload: self.stated[recording].map_or(0.0, |q| q.value),
             lever: 1.0,
+            swinging: [0.0; RATES.len()],
             upper_moment: 0.0,
             slope: [0.0; 2],
         };
@@ -188,6 +195,7 @@ impl Swings {
                 Role::MotionNoise => guess.motion_std = value,
                 Role::TorqueNoise => guess.torque_std = value,
                 Role::Lever => guess.lever = value,
+                Role::Swinging(i) => guess.swinging[*i] = value,
                 Role::UpperMoment => guess.upper_moment = value,
                 Role::Payload(r) if *r == recording => guess.payload = value,
                 Role::Across(r) if *r == recording => guess.slope[0] = value,
@@ -218,7 +226,7 @@ impl Model for Swings {
         match self.roles[parameter] {
             Role::Payload(r) => r == recording && is_stated,
             Role::Across(r) | Role::Along(r) => r == recording,
-            Role::Lever => is_stated,
+            Role::Lever | Role::Swinging(_) => is_stated,
             _ => true,
         }
     }
@@ -242,6 +250,8 @@ const DAMPING_STD: f64 = 0.3;
 const FRICTION_STD: f64 = 0.5;
 /// Torque offset, as a share of the large torques.
 const OFFSET_STD: f64 = 0.03;
+/// Share of a load that swings: nothing of what lies in a bucket, some of what slips in it or hangs.
+const SWINGING_STD: f64 = 0.1;
 /// Noises within a factor of e or so.
 const NOISE_STD: f64 = 1.0;
 
@@ -271,6 +281,7 @@ fn parameters(
             let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
+        all.extend(swinging());
         let loads = series.iter().zip(stated).enumerate();
         all.extend(loads.filter_map(|(r, (series, stated))| {
             let payload = payload(&series.name, *stated, d)?;
@@ -380,6 +391,16 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
     let moment = linear(key, words, "kg m", moment, moment_std.max(1.0), range);
     all.push((Role::UpperMoment, moment));
     all
+}
+
+/// Shares of the load that swing.
+fn swinging() -> impl Iterator<Item = (Role, Parameter)> {
+    RATES.into_iter().enumerate().map(|(i, rate)| {
+        let key = format!("load that swings at {rate} rad/s");
+        let words = format!("the share of the load that swings at {rate} rad/s");
+        let share = Parameter::described(&key, &words, "", 0.0, SWINGING_STD, (-1.0, 1.0));
+        (Role::Swinging(i), share)
+    })
 }
 
 /// A load that is not known exactly.

@@ -36,9 +36,6 @@ const STILL: f64 = 1e-3;
 const NOISE: f64 = 3.0;
 /// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
 pub const FADING: f64 = 3.0;
-/// Share of it that is left when the cylinder stops: all of it where it stops at once, none where it bounces; half of it, give or
-/// take [`UNMODELLED`].
-const KEPT: f64 = 0.5;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
@@ -206,7 +203,7 @@ impl BoomMoment {
         if !moves {
             self.direction *= exp(-BLOCK / FADING);
         }
-        let kept = if moves { 1.0 } else { KEPT };
+        let kept = if moves { 1.0 } else { cylinder.kept };
         let direction = kept * 0.5 * (before + self.direction);
         let oldest = oldest?;
         if !(oldest.constant && middle.constant && newest.constant) {

@@ -27,6 +27,8 @@ pub struct Cylinder {
     pub angle: (f64, f64),
     /// Friction of the seals, and its standard deviation \[N\].
     pub friction: [f64; 2],
+    /// Share of it that is left when the cylinder stops.
+    pub kept: f64,
     /// Relative standard deviation of the moment: areas, lengths, angle, pressures.
     pub span_std: f64,
     /// Force by the zeros of the two pressures \[N\].
@@ -64,6 +66,7 @@ impl Cylinder {
             distances: [c.base_distance, c.rod_distance],
             angle: sin_cos(c.angle),
             friction: [c.friction * full, c.friction_std * full],
+            kept: c.friction_kept,
             span_std: c
                 .span_std
                 .unwrap_or(sqrt(doubts.iter().map(|doubt| doubt * doubt).sum())),

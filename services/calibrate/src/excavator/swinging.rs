@@ -1,0 +1,124 @@
+//! What swings in the bucket: a part of the load that the upper body drags along.
+//!
+//! ```text
+//! xi'' + 2 zeta W xi' + W^2 xi = -w'          p = J w + s L m xi'
+//! ```
+//! A share s of the load's inertia L m swings at the rate W behind the upper body by xi; p, the momentum of all of it, is what the torques
+//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`]; between them
+//! they help less.
+
+/// Rates at which loads swing, from 2 m below a hook to .3 m in a bucket [rad/s].
+pub const RATES: [f64; 3] = [2.2, 3.5, 5.6];
+/// Damping ratio of each.
+const DAMPING: f64 = 0.1;
+/// A longer step begins anew \[s\].
+const GAP: f64 = 0.1;
+
+/// Velocity of what swings at each rate against the upper body, from the velocity of that [rad/s].
+pub fn velocities(time: &[f64], velocity: &[f64]) -> Vec<[f64; RATES.len()]> {
+    let mut angles = [0.0; RATES.len()];
+    let mut rates = [0.0; RATES.len()];
+    (0..time.len())
+        .map(|k| {
+            let last = k.saturating_sub(1);
+            let dt = time[k] - time[last];
+            if dt > GAP {
+                (angles, rates) = ([0.0; RATES.len()], [0.0; RATES.len()]);
+                return rates;
+            }
+            let gained = velocity[k] - velocity[last];
+            for ((angle, rate), own) in angles.iter_mut().zip(&mut rates).zip(RATES) {
+                *rate -= dt * own * (2.0 * DAMPING * *rate + own * *angle) + gained;
+                *angle += dt * *rate;
+            }
+            rates
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::filter::{self, Guess};
+    use super::super::series::Series;
+    use super::*;
+    use estimation::excavator::{Geometry, Sample};
+
+    /// Part of the machine's inertia that swings, and all of it [kg m^2].
+    const SHARE: f64 = 0.1;
+    const INERTIA: f64 = 20e3;
+
+    #[test]
+    fn what_hangs_stays_behind_at_first_and_then_comes_along() {
+        let time: Vec<f64> = (0..6000).map(|k| 0.01 * f64::from(k)).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| f64::from(*t > 1.0)).collect();
+        let rates = velocities(&time, &velocity);
+        for (i, own) in RATES.into_iter().enumerate() {
+            let after = |elapsed: f64| rates[((1.0 + elapsed) / 0.01) as usize][i];
+            assert!((after(0.02) + 1.0).abs() < 0.1, "{}", after(0.02));
+            assert!(after(core::f64::consts::PI / own) > 0.6);
+            assert!(after(58.0).abs() < 1e-3);
+        }
+    }
+
+    /// A swing under a torque of 10 kN m for a second, of which the motion of a load in the bucket takes its part.
+    fn swing() -> Series {
+        let (mut body, mut behind, mut angle) = (0.0, 0.0, 0.0);
+        let samples: Vec<Sample> = (0..400)
+            .map(|k| {
+                let time = 0.01 * f64::from(k);
+                let torque = 10e3 * f64::from((100..200).contains(&k));
+                let sample = Sample {
+                    time,
+                    velocity: Some(body),
+                    torque: Some(torque),
+                    posture: [0.6, -1.5, -0.6].map(Some),
+                    ..Sample::default()
+                };
+                for _ in 0..10 {
+                    let pull = RATES[1] * (2.0 * DAMPING * behind + RATES[1] * angle);
+                    let gained = (torque + SHARE * INERTIA * pull) / ((1.0 - SHARE) * INERTIA);
+                    behind -= 0.001 * (pull + gained);
+                    angle += 0.001 * behind;
+                    body += 0.001 * gained;
+                }
+                sample
+            })
+            .collect();
+        Series::new("a", &samples, &Geometry::default())
+    }
+
+    /// Sum of the squares of the innovations, where this share of the inertia swings.
+    fn squares(share: f64) -> f64 {
+        let series = swing();
+        let payload = 100.0;
+        let lever = INERTIA / (payload * series.leverage[0]);
+        let mut guess = Guess {
+            damping: 0.0,
+            friction: 0.0,
+            efficiency: 1.0,
+            offset: 0.0,
+            gain: 1.0,
+            upper_inertia: 0.0,
+            link_scale: 0.0,
+            delay: 0.0,
+            motion_std: 1e-3,
+            torque_std: 1.0,
+            payload,
+            lever,
+            swinging: [0.0; RATES.len()],
+            upper_moment: 0.0,
+            slope: [0.0; 2],
+        };
+        guess.swinging[1] = share;
+        let mut innovations = Vec::new();
+        let swing = series.swings.first().expect("a swing");
+        filter::innovations(&series, swing, &guess, &mut innovations);
+        innovations.iter().map(|i| i.value * i.value).sum()
+    }
+
+    #[test]
+    fn a_load_that_swings_is_no_other_inertia() {
+        let [rigid, known] = [0.0, SHARE].map(squares);
+        assert!(known < 0.02 * rigid, "{known} {rigid}");
+    }
+}
