@@ -347,7 +347,7 @@ mod tests {
     /// Share that is found where the seals keep this share of their friction: the boom stands 2 s before each way of 4 s.
     fn kept(share: f64) -> Quantity {
         let way = |time: f64| {
-            if (time / 6.0) as u32 % 2 == 0 {
+            if ((time / 6.0) as u32).is_multiple_of(2) {
                 1.0
             } else {
                 -1.0

@@ -4,11 +4,11 @@
 //! xi'' + 2 zeta W xi' + W^2 xi = -w'          p = J w + s L m xi'
 //! ```
 //! A share s of the load's inertia L m swings at the rate W behind the upper body by xi; p, the momentum of all of it, is what the torques
-//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`]; between them
-//! they help less.
+//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`], and one between two of them has
+//! a share of both.
 
-/// Rates at which loads swing, from 2 m below a hook to .3 m in a bucket [rad/s].
-pub const RATES: [f64; 3] = [2.2, 3.5, 5.6];
+/// Rates at which loads swing, from 2.5 m below a hook to .25 m in a bucket, a quarter apart [rad/s].
+pub const RATES: [f64; 6] = [2.0, 2.5, 3.2, 4.0, 5.0, 6.3];
 /// Damping ratio of each.
 const DAMPING: f64 = 0.1;
 /// A longer step begins anew \[s\].
