@@ -556,7 +556,7 @@ typedef struct {
     double gear_ratio; /* Motor to wheel; used by the simulator, torques in the data are those at the wheel. */
     double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
-    double radius_load_sensitivity_std; /* Its standard deviation, from tyre to tyre where nobody measured it; widens the reported interval of the ratio until the machine has driven both ways. */
+    double radius_load_sensitivity_std; /* Its standard deviation, from tyre to tyre where nobody measured it (anything between a rigid tyre and twice the usual one); widens the reported interval of the ratio until the machine has driven both ways. */
     double stiffness_ratio; /* Slip stiffness of the front axle over that of the rear under equal loads, as calibrated. */
     double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
     double stiffness_load_exponent; /* p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated. */
