@@ -641,9 +641,9 @@ mod tests {
             working.incline([0.06, 0.0], &mut None);
         }
         assert!((working.filter.x[SLOPE + 1] + 0.06).abs() < 0.01);
-        assert_eq!(working.reason(false, false), Reason::None);
+        assert_eq!(working.reason(false, (false, false)), Reason::None);
         // The motion says otherwise than the inclinometer.
         working.filter.x[SLOPE + 1] = 0.06;
-        assert_eq!(working.reason(false, false), Reason::Slope);
+        assert_eq!(working.reason(false, (false, false)), Reason::Slope);
     }
 }

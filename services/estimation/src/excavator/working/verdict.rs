@@ -122,7 +122,7 @@ impl Working {
             reason: if down {
                 Reason::Sign
             } else {
-                self.reason(at_limit, standing)
+                self.reason(standing, (at_limit, contradicted))
             },
             ..State::default()
         }
@@ -183,7 +183,7 @@ impl Working {
     }
 
     /// What differs most from its description, in its own standard deviations.
-    pub(super) fn reason(&self, at_limit: bool, standing: bool) -> Reason {
+    pub(super) fn reason(&self, standing: bool, (at_limit, contradicted): (bool, bool)) -> Reason {
         if standing && self.bucket.is_unlocked() {
             return Reason::Content;
         }
@@ -193,7 +193,7 @@ impl Working {
         if self.weigh.as_ref().is_some_and(Weigh::swings) {
             return Reason::Hanging;
         }
-        let doubt = if self.contradiction.is_open() || self.is_beyond() {
+        let doubt = if contradicted {
             Reason::Contradiction
         } else if self.noise.is_unexplained() {
             Reason::Unexplained
