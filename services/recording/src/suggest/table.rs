@@ -52,9 +52,8 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
             found.extend(is_usable.then_some(signal));
             continue;
         }
-        let guess = unit(&signal, si, &named, &columns[at]);
-        let text = unknown_unit(si, &named).filter(|_| has_number(&columns[at]));
-        unknown.extend(text.map(|text| format!("{text} (column {name})")));
+        let (guess, other) = unit(&signal, si, &named, &columns[at]);
+        unknown.extend(other.map(|text| format!("{text} (column {name})")));
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);
         let column = Column {
@@ -144,7 +143,7 @@ fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) ->
         let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
             continue;
         };
-        let unit = unit("t", "s", names[other], &columns[other]).unit;
+        let unit = unit("t", "s", names[other], &columns[other]).0.unit;
         let spent = (last.1 - first.1) * unit.map_or(1.0, |unit| unit.factor);
         let ratio = spent / ((last.0 - first.0) * seconds);
         let increases = pairs.windows(2).all(|two| two[1].1 > two[0].1);
@@ -203,8 +202,9 @@ struct Guess {
     reason: String,
 }
 
-/// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values.
-fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
+/// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values; and what stands in the name's brackets where
+/// that is no unit.
+fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<String>) {
     if let Some(unit) = unit::of_name(name, si) {
         let more = match name.to_lowercase() {
             // In America the word alone means it.
@@ -213,30 +213,24 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
             }
             _ => "",
         };
-        return Guess {
+        let guess = Guess {
             unit: Some(unit).filter(|u| u.factor != 1.0),
             reason: format!("unit by the column's name{more}"),
         };
+        return (guess, None);
     }
     let mut guess = by_values(signal, si, values);
-    if let Some(text) = unknown_unit(si, name) {
+    let text = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty());
+    let text = text.map(shown);
+    if let Some(text) = &text {
         guess.reason = format!(
             "{text} is no unit that heft knows: check it; {}",
             guess.reason
         );
     }
-    guess
-}
-
-/// Whether a column may have a unit: dates have none.
-fn has_number(values: &[f64]) -> bool {
-    values.iter().any(|x| x.is_finite())
-}
-
-/// What stands in a name's brackets where it is no unit.
-fn unknown_unit(si: &str, name: &str) -> Option<String> {
-    let text = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty())?;
-    unit::of_name(name, si).is_none().then(|| shown(text))
+    // Dates have none.
+    let has_number = values.iter().any(|x| x.is_finite());
+    (guess, text.filter(|_| has_number))
 }
 
 fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
@@ -468,7 +462,7 @@ mod tests {
 
     #[test]
     fn a_unit_that_is_not_known_is_said() {
-        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0]).reason;
+        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0]).0.reason;
         assert!(reason("torque [stone ft]").starts_with("stone ft is no unit that heft knows"));
         assert!(!reason("torque [kNm]").contains("no unit"));
         assert!(!reason("torque []").contains("no unit"));

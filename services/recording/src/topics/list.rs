@@ -108,32 +108,8 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     );
     let topics = topics(reader);
     let places = places(&topics);
-    for (name, topic) in topics {
-        let name = name.replace(steers, "\u{fffd}");
-        let _ = writeln!(
-            text,
-            "# {name}  {}  {} messages",
-            topic.kind, topic.messages
-        );
-        match topic.numbers {
-            Err(why) => {
-                let _ = writeln!(text, "#     cannot be read: {why}");
-            }
-            Ok(_) if topic.broken > 0 && topic.broken == topic.messages.min(LOOKED_AT) => {
-                text += "#     cannot be read: none of its messages is whole\n";
-            }
-            Ok(numbers) => {
-                for (path, value) in numbers.iter().take(MOST) {
-                    let _ = writeln!(text, "#     {path} = {value}");
-                }
-                if numbers.len() > MOST {
-                    let _ = writeln!(text, "#     and {} more", numbers.len() - MOST);
-                }
-            }
-        }
-        if !topic.names.is_empty() {
-            let _ = writeln!(text, "#     names of places: {}", topic.names.join(", "));
-        }
+    for (name, topic) in &topics {
+        describe(&mut text, name, topic);
     }
     let signals = signals::<S>();
     let signals = signals
@@ -179,6 +155,35 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         missing: missing::<S>(&found_all),
         unknown: Vec::new(),
         found: taken.len(),
+    }
+}
+
+/// A topic and its numbers, as comments.
+fn describe(text: &mut String, name: &str, topic: &Topic) {
+    let name = name.replace(steers, "\u{fffd}");
+    let _ = writeln!(
+        text,
+        "# {name}  {}  {} messages",
+        topic.kind, topic.messages
+    );
+    match &topic.numbers {
+        Err(why) => {
+            let _ = writeln!(text, "#     cannot be read: {why}");
+        }
+        Ok(_) if topic.broken > 0 && topic.broken == topic.messages.min(LOOKED_AT) => {
+            *text += "#     cannot be read: none of its messages is whole\n";
+        }
+        Ok(numbers) => {
+            for (path, value) in numbers.iter().take(MOST) {
+                let _ = writeln!(text, "#     {path} = {value}");
+            }
+            if numbers.len() > MOST {
+                let _ = writeln!(text, "#     and {} more", numbers.len() - MOST);
+            }
+        }
+    }
+    if !topic.names.is_empty() {
+        let _ = writeln!(text, "#     names of places: {}", topic.names.join(", "));
     }
 }
 

@@ -141,10 +141,14 @@ impl Attachment {
 
     /// Whether it is a question for a filter: an emptied bucket weighs more or less than what sticks.
     #[inline(always)]
-    pub(super) fn is_asked(&mut self, filter: &Filter, variance: f64, tared: bool) -> bool {
-        let (x, p) = (filter.x[M], filter.p[M][M]);
+    pub(super) fn is_asked(&mut self, filter: &Filter, emptied: &Emptied) -> bool {
+        let (x, p, variance) = (filter.x[M], filter.p[M][M], emptied.variance);
         // The square of z over V + a² is that of x over this.
-        let scale = if tared { variance - p } else { variance + p };
+        let scale = if emptied.tared {
+            variance - p
+        } else {
+            variance + p
+        };
         self.pending = true;
         self.same = p < TOLD * variance;
         x * x > STRANGE * STRANGE * scale
@@ -230,7 +234,6 @@ impl Working {
         trail: &mut Option<Trail>,
     ) -> bool {
         let usual = self.contradiction.usual();
-        self.attachment.pending = true;
         if !self.attachment.ask(&self.filter, emptied, usual, now) {
             return false;
         }
@@ -253,16 +256,15 @@ impl Working {
         trail: &mut Option<Trail>,
     ) {
         let std = LIGHTER * self.rated;
-        let variance = std * std;
-        if !self.attachment.is_asked(&self.filter, variance, false) {
-            return;
-        }
-        self.attachment.same = false;
         let emptied = Emptied {
-            variance,
+            variance: std * std,
             tared: false,
             seen: false,
         };
+        if !self.attachment.is_asked(&self.filter, &emptied) {
+            return;
+        }
+        self.attachment.same = false;
         self.doubts_attachment(emptied, gate, now, trail);
     }
 
@@ -404,7 +406,7 @@ mod tests {
         assert!((said - (another - same)).abs() < 1e-9, "{said}");
         // What sticks is no question, and adds nothing.
         let soil = filter(known, 150.0);
-        assert!(!attachment.is_asked(&soil, EMPTIED.variance, EMPTIED.tared));
+        assert!(!attachment.is_asked(&soil, &EMPTIED));
     }
 
     #[test]
@@ -454,7 +456,7 @@ mod tests {
             seen,
         };
         let filter = &working.filter;
-        working.attachment.is_asked(filter, emptied.variance, false)
+        working.attachment.is_asked(filter, &emptied)
             && working.doubts_attachment(emptied, 1e9, &posture(), &mut None)
     }
 

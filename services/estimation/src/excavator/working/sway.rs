@@ -26,8 +26,8 @@ const LONGEST: f64 = 0.25;
 /// Blocks that four coefficients need to be told by, and blocks until the shares are asked for again.
 const ENOUGH: u32 = 10;
 const AGAIN: u32 = 5;
-/// Share above which a load hangs: at most .45 in 19 of 20 carries of a rigid load with one effect that machines have (late
-/// torque, losses, friction, a boom that bends), at least .55 with one on ropes of .8 and 1.5 m.
+/// Share above which a load hangs: at most .41 in 19 of 20 carries of a rigid load with one effect that machines have (late
+/// torque, losses, friction, a boom that bends), at least .54 with one on ropes of .8 and 1.5 m.
 const MOST: f64 = 0.5;
 /// Share of a diagonal that is added to it, so that regressors which are alike have a pivot.
 const RIDGE: f64 = 1e-9;

@@ -123,16 +123,12 @@ impl Working {
         if apart && self.is_kept(variance) {
             return;
         }
-        let (variance_emptied, tared) = (std * std, self.tared);
-        if self
-            .attachment
-            .is_asked(&self.filter, variance_emptied, tared)
-        {
-            let emptied = Emptied {
-                variance: variance_emptied,
-                tared,
-                seen: true,
-            };
+        let emptied = Emptied {
+            variance: std * std,
+            tared: self.tared,
+            seen: true,
+        };
+        if self.attachment.is_asked(&self.filter, &emptied) {
             if self.doubts_attachment(emptied, gate, now, trail) && (apart || !self.tared) {
                 return;
             }

@@ -71,12 +71,8 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let mut tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
-        if self.attachment.is_possible() {
-            let [payload, inertia] = self.attachment.variances();
-            tail[0] += payload;
-            tail[1] += inertia;
-        }
+        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        let other = self.attachment.variances();
         let mut form = self.form(&drive.now);
         if down {
             // A boom that points down may be one with the other sign.
@@ -93,10 +89,13 @@ impl Working {
         } else {
             let variance = variance * factor + self.loads.variance(payload);
             [
-                (payload, variance + parallel[0] + tail[0] + anything),
+                (
+                    payload,
+                    variance + parallel[0] + tail[0] + other[0] + anything,
+                ),
                 (
                     inertia,
-                    inertia_variance * factor + parallel[1] + tail[1] + anything * g * g,
+                    inertia_variance * factor + parallel[1] + tail[1] + other[1] + anything * g * g,
                 ),
             ]
         };
