@@ -20,6 +20,7 @@ const PLACES: &[(&str, &str)] = &[
         "services/gateway/Cargo.lock",
         "name = \"gateway\"\nversion = \"",
     ),
+    ("Cargo.toml", "path = \"services/sheet\", version = \""),
     ("bindings/c/include/heft.h", "#define HEFT_VERSION \""),
     ("CITATION.cff", "\nversion: "),
     ("docs/run.md", "./heft_"),
