@@ -498,7 +498,7 @@ typedef struct {
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
   double front_torque; /* Front axle torque at the wheels, total. [N m] */
   double rear_torque; /* Rear axle torque at the wheels, total. [N m] */
-  double slope; /* Road slope, uphill in the driving direction positive. [rad] */
+  double slope; /* Slope of the frame, nose up positive, in reverse too. [rad] */
   double acceleration; /* Specific force along the body axis, dv/dt + g sin(slope). [m/s^2] */
   double mass; /* Mass of the machine with its load. [kg] */
   double spade_force_x; /* Force on the bucket tip that pushes the machine backward. [N] */

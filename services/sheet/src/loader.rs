@@ -13,7 +13,7 @@ macro_rules! loader_signals {
                 2 REAR_WHEEL_SPEED rear_wheel_speed (rear_wheel_speed) "rad/s" "Speed of the rear wheels." Required;
                 3 FRONT_TORQUE front_torque (front_torque) "N m" "Front axle torque at the wheels, total." Required;
                 4 REAR_TORQUE rear_torque (rear_torque) "N m" "Rear axle torque at the wheels, total." Required;
-                5 SLOPE slope (slope) "rad" "Road slope, uphill in the driving direction positive." Required;
+                5 SLOPE slope (slope) "rad" "Slope of the frame, nose up positive, in reverse too." Required;
                 6 ACCELERATION acceleration (acceleration) "m/s^2" "Specific force along the body axis, dv/dt + g sin(slope)." Declared;
                 7 MASS mass (mass) "kg" "Mass of the machine with its load." Declared;
                 8 SPADE_FORCE_X spade_force_x (spade_force_x) "N" "Force on the bucket tip that pushes the machine backward." Declared;

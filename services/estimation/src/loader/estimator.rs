@@ -135,7 +135,12 @@ impl CgEstimator {
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let machine = &self.settings.machine;
         let sample = sample.plausible(machine.mass, machine.wheel_radius);
-        let weighed = self.weigh(&sample);
+        // A row that the clock refuses changes nothing.
+        let weighed = if self.refuses(sample.time) {
+            None
+        } else {
+            self.weigh(&sample)
+        };
         let (settings, method) = (&self.settings, self.method);
         let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
         if answer.status == Status::Refused {
@@ -159,6 +164,11 @@ impl CgEstimator {
         answer.refused = self.refused;
         self.last = answer;
         answer
+    }
+
+    /// Whether the clock will refuse a row of this time; asked where a lift arm takes rows beside the filter.
+    fn refuses(&self, time: f64) -> bool {
+        self.lift.is_some() && each!(&self.filter, f => f.refuses(&self.settings, time))
     }
 
     /// What the lift pressure says of a plausible row that the clock will take.

@@ -71,7 +71,8 @@ impl Accounts {
     fn change_day(&mut self, time: f64, events: &mut Events) {
         let days = (time - self.settings.midnight) / DAY;
         // Rounds down, for times before that midnight too.
-        let number = (days as i64).saturating_sub(i64::from(days < 0.0));
+        let whole = days as i64;
+        let number = whole.saturating_sub(i64::from(days < whole as f64));
         if number != self.day.number {
             events.day = Some(self.day).filter(|d| d.total.loads > 0);
             self.day = Day {

@@ -267,10 +267,13 @@ impl MotionFilter {
             self.filter = Filter::Angle(filter);
             return (true, innovation);
         }
-        let mut filter = VelocityFilter::new(sample.velocity.unwrap_or(0.0), r);
-        let innovation = filter.correct(sample.velocity, r);
+        let Some(velocity) = sample.velocity else {
+            return (false, Innovation::default());
+        };
+        let mut filter = VelocityFilter::new(velocity, r);
+        let innovation = filter.correct(Some(velocity), r);
         self.filter = Filter::Velocity(filter);
-        (sample.velocity.is_some(), innovation)
+        (true, innovation)
     }
 
     fn equal_filters(&mut self, sample: &Sample, measured: bool, period: f64) {

@@ -29,6 +29,8 @@ pub const GRAVITY: f64 = 9.806_65;
 /// Length of a block \[s\], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
+/// A lever shorter than this is in line with the pin: force and load tell nothing of each other \[m\].
+const LEAST_LEVER: f64 = 1e-3;
 /// Travel within which the seals' friction follows the motion (Dahl) \[m\].
 const TRAVEL: f64 = 0.5e-3;
 /// Less travel than this in a block, or than so many deviations of the noise of two blocks' angles, is standing \[m\].
@@ -64,6 +66,8 @@ struct Block {
     turn: [f64; 2],
     constant: bool,
     touches: bool,
+    /// Length of the block \[s\]: 0.2 where rows divide it.
+    whole: f64,
     /// Ticks, and variance of the mean angle by the noise of the sensors [rad^2].
     ticks: f64,
     noise: f64,
@@ -76,7 +80,7 @@ pub struct Moment {
     pub measured: f64,
     /// Of the described empty machine on level ground [N m].
     pub empty: f64,
-    /// The same without accelerations [N m].
+    /// The same without accelerations of the joints: with those of the swing [N m].
     pub still: f64,
     /// Per kilogram of payload, without accelerations [N m/kg].
     pub still_payload: f64,
@@ -177,8 +181,11 @@ impl BoomMoment {
         if self.elapsed < BLOCK - 0.5 * dt {
             return None;
         }
-        let block = core::mem::take(&mut self.block);
         let whole = core::mem::take(&mut self.elapsed);
+        let block = Block {
+            whole,
+            ..core::mem::take(&mut self.block)
+        };
         self.since += whole;
         if block.time < PRESENT * whole || whole > 1.5 * BLOCK {
             self.last = [None; 2];
@@ -201,7 +208,7 @@ impl BoomMoment {
         self.direction += follows * (sign - self.direction);
         let moves = travel.abs() > still;
         if !moves {
-            self.direction *= exp(-BLOCK / FADING);
+            self.direction *= exp(-newest.whole / FADING);
         }
         let kept = if moves { 1.0 } else { cylinder.kept };
         let direction = kept * 0.5 * (before + self.direction);
@@ -213,7 +220,8 @@ impl BoomMoment {
         let mut moment = moment(geometry, cylinder, blocks, direction, moves, self.since);
         moment.touches = blocks.iter().any(|block| block.touches);
         self.since = 0.0;
-        Some(moment)
+        // A cylinder in line with the pin carries nothing, whatever it presses.
+        (moment.lever.abs() > LEAST_LEVER).then_some(moment)
     }
 }
 
@@ -284,7 +292,8 @@ fn moment(
     period: f64,
 ) -> Moment {
     let smooth = |[a, b, c]: [f64; 3]| (a + 4.0 * b + c) / 6.0;
-    let bent = |[a, b, c]: [f64; 3]| (a - 2.0 * b + c) / (BLOCK * BLOCK);
+    let square = blocks[1].whole * blocks[2].whole;
+    let bent = |[a, b, c]: [f64; 3]| (a - 2.0 * b + c) / square;
     let spin = smooth(blocks.map(|b| b.spin));
     let bodies = blocks.map(|b| b.bodies(g));
     let places: [_; BODIES] =
@@ -316,8 +325,7 @@ fn moment(
     }
     let missed = MISSED * moving;
     let bends = blocks[0].noise + 4.0 * blocks[1].noise + blocks[2].noise;
-    let noise =
-        swinging * sqrt(ACCELERATION * ACCELERATION + bends / (BLOCK * BLOCK * BLOCK * BLOCK));
+    let noise = swinging * sqrt(ACCELERATION * ACCELERATION + bends / (square * square));
     let empties = (0..3).map(|i| g.masses[i] * tilt[i]).sum();
     Moment {
         measured: smooth(blocks.map(|b| b.moment)),

@@ -47,12 +47,13 @@ impl Gate {
         variance: f64,
         period: f64,
     ) -> (Option<f64>, Innovation) {
-        let filter = match &mut self.filter {
-            Some(filter) => {
+        let filter = match (&mut self.filter, velocity) {
+            (Some(filter), _) => {
                 filter.predict(period, self.process_per_second * period);
                 filter
             }
-            none => none.insert(VelocityFilter::new(velocity.unwrap_or(0.0), variance)),
+            (none, Some(velocity)) => none.insert(VelocityFilter::new(velocity, variance)),
+            (None, None) => return (None, Innovation::default()),
         };
         let expected = filter.innovation(velocity, variance);
         let far = expected.nis() > self.gate * self.gate && self.rejections < 3;
@@ -116,10 +117,10 @@ impl Rest {
     fn step(&mut self, velocity: Option<f64>, threshold: f64) -> bool {
         let Some(y) = velocity else { return false };
         if y.abs() < threshold {
-            self.small += 1;
+            self.small = self.small.saturating_add(1);
             self.large = 0;
         } else {
-            self.large += 1;
+            self.large = self.large.saturating_add(1);
             self.small = 0;
         }
         if self.moving {

@@ -254,7 +254,9 @@ impl SwingEstimator {
             return false;
         };
         let late = f64::from(found) * PERIOD;
-        self.is_late([(-late).max(0.0), late.max(0.0)])
+        // By as much as both come behind the joint angles, they are late all the same.
+        let both = velocity.min(torque);
+        self.is_late([both + (-late).max(0.0), both + late.max(0.0)])
     }
 
     /// Velocity and torque come so late; true where all begins anew for that.

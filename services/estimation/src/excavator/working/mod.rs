@@ -275,7 +275,7 @@ impl Working {
                 }
                 self.rest(0.0, 1e-6, trail)
             }
-            Phase::Released(w) => self.set_off(w, drive, trail),
+            Phase::Released(w) => self.set_off(w, drive, settings.inertia_min, trail),
         };
         self.attachment.wait(drive.period);
         self.doubt_gain(drive);
@@ -389,9 +389,16 @@ impl Working {
     }
 
     /// Sets off with a measured velocity, which is late by what the delay makes of the acceleration.
-    fn set_off(&mut self, velocity: f64, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
+    fn set_off(
+        &mut self,
+        velocity: f64,
+        drive: &Drive,
+        inertia_min: f64,
+        trail: &mut Option<Trail>,
+    ) -> Innovation {
         let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
-        let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
+        let inertia = drive.now.with_payload(self.filter.x[M]).max(inertia_min);
+        let acceleration = drive.torque / inertia;
         self.filter.lag(acceleration, trail);
         self.parallel.filter.lag(acceleration, &mut None);
         innovation

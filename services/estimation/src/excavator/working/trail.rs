@@ -3,8 +3,9 @@
 use super::states::{N, Vector};
 use crate::CommonError;
 
-/// Most that a tick does: content over, and unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
-const MOST: usize = 9;
+/// Most that a tick does. The longest stand in which boom pressures begin: content over and unknown, span, zero, rest and gain anew, two
+/// inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom.
+const MOST: usize = 12;
 
 /// One thing that the filter did.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +70,10 @@ impl Trail {
     };
 
     fn push(&mut self, act: Act) {
+        debug_assert!(
+            self.count < MOST,
+            "a tick that does more than a trail holds"
+        );
         if let Some(free) = self.acts.get_mut(self.count) {
             *free = Some(act);
             self.count += 1;

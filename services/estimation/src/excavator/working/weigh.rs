@@ -168,7 +168,13 @@ impl Weigh {
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
-    fn wander(&self, m: &Moment, filter: &mut Filter, settings: &Settings) {
+    fn wander(
+        &self,
+        m: &Moment,
+        filter: &mut Filter,
+        settings: &Settings,
+        trail: &mut Option<Trail>,
+    ) {
         let c = &self.cylinder;
         let doubt = if m.moves {
             c.friction[1]
@@ -180,6 +186,11 @@ impl Weigh {
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
         let variance = m.rest(c.friction[0]) + doubt * doubt + centre * centre;
         let kept = exp(-m.period / FADING);
+        if let Some(trail) = trail {
+            let mut row = [0.0; N];
+            row[REST] = kept;
+            trail.row(REST, &row);
+        }
         filter.x[REST] *= kept;
         for i in 0..N {
             filter.p[REST][i] *= kept;
@@ -199,7 +210,7 @@ impl Weigh {
         filter: &mut Filter,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        self.wander(m, filter, settings);
+        self.wander(m, filter, settings, trail);
         let x = &filter.x;
         let [sin, cos] = m.turn;
         // Pitch of the upper body, by the slope of the ground in the axes of the start.

@@ -225,6 +225,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.clock.last()
     }
 
+    /// Whether the clock will refuse a row of this time.
+    pub(in crate::loader) fn refuses(&self, settings: &Settings, time: f64) -> bool {
+        let mut clock = self.clock;
+        clock.tick(time, settings.gap().min(LONGEST_STEP)) == Tick::Refused
+    }
+
     /// Takes one plausible row.
     pub fn step(&mut self, settings: &Settings, mut sample: Sample) -> RowReport<M> {
         Self::correct(settings, &mut sample);

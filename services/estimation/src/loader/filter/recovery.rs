@@ -1,6 +1,7 @@
 //! When the filter starts, and when it lost its way: gaps, restarts, bounds.
 
 use super::{Belief, CgFilter, RowReport};
+use crate::loader::doubts::axles::Axles;
 use crate::loader::doubts::coupling::Coupling;
 use crate::loader::doubts::curves::Curves;
 use crate::loader::doubts::directions::Directions;
@@ -101,6 +102,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         self.belief.separate(&prior, &[0.0; N]);
         self.evidence.restart();
+        self.axles = Axles::default();
         self.coupling = Coupling::default();
         self.curves = Curves::default();
         self.directions = Directions::default();

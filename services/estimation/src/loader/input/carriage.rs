@@ -1,6 +1,7 @@
 //! How a loader carries its bucket while it drives: flat or turned in. Where it mostly seems to hang down, or to be turned over, the
 //! angle of the lift arm or of the bucket has the other sign, or another zero.
 
+use crate::math::round;
 use core::f64::consts::TAU;
 
 /// Faster than this it drives [m/s].
@@ -27,7 +28,8 @@ impl Carriage {
         if !((0.0..GAP).contains(&dt) && speed.abs() > DRIVES) {
             return;
         }
-        let floor = (lift + tilt) % TAU;
+        let floor = lift + tilt;
+        let floor = floor - TAU * round(floor / TAU);
         self.driven += dt;
         if !(CARRIED[0]..CARRIED[1]).contains(&floor) {
             self.odd += dt;
@@ -62,6 +64,14 @@ mod tests {
             }
             carriage.is_odd()
         };
+        // A sensor may count from a whole turn further on.
+        for turns in [-TAU, TAU] {
+            let mut carriage = Carriage::default();
+            for (speed, lift, tilt) in cycle {
+                (0..1000).for_each(|_| carriage.see(speed, [lift, tilt + turns], 0.01));
+            }
+            assert!(!carriage.is_odd(), "{turns}");
+        }
         assert!(!odd([1.0, 1.0]));
         assert!(odd([-1.0, 1.0]) && odd([1.0, -1.0]));
         assert!(!Carriage::default().is_odd());

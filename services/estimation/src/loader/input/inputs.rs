@@ -107,7 +107,8 @@ impl InputHold {
             sine: sin_cos(inputs.slope).0,
             acceleration: mean,
             brake: sample.brake,
-            states_mass: sample.time - self.weighed < HOLDS,
+            // A clock that was set back makes an age negative.
+            states_mass: (0.0..HOLDS).contains(&(sample.time - self.weighed)),
             articulation: sample.articulation,
             yaw_rate: sample.yaw_rate,
         }

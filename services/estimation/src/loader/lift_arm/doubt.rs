@@ -172,6 +172,13 @@ impl Doubts {
             .sums
             .add(&old, tared, -weight)
             .add(&new, by * tared, weight);
+        // The sums of the next round hold it already, or will.
+        if number < self.next {
+            self.round = self
+                .round
+                .add(&old, tared, -weight)
+                .add(&new, by * tared, weight);
+        }
         self.effects[number] = new;
         if let Some(last) = &mut self.last {
             last.total += weight * (by * by - 1.0) * tared * tared;
@@ -378,6 +385,33 @@ mod tests {
             tared.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,
             2000.0
         );
+    }
+
+    #[test]
+    fn a_number_that_is_learnt_in_the_middle_of_a_round_is_learnt_in_the_next_sums() {
+        let effects = |number: usize| [100.0 / (1.0 + number as f64), 1e-3, 2e-3];
+        let mut doubts = Doubts::default();
+        for number in 0..NUMBERS {
+            doubts.put(number, effects(number));
+        }
+        doubts.round = Sums::default();
+        for number in 0..NUMBERS {
+            if number == 5 {
+                doubts.next = number;
+                doubts.learnt(2, 3.0, 0.0);
+                doubts.learnt(7, 3.0, 0.0);
+            }
+            let by = if matches!(number, 2 | 7) && number >= 5 {
+                3.0
+            } else {
+                1.0
+            };
+            doubts.put(number, effects(number).map(|effect| by * effect));
+        }
+        let apart = |a: f64, b: f64| (a - b).abs() / b;
+        for (sum, round) in doubts.sums.variances.iter().zip(doubts.round.variances) {
+            assert!(apart(*sum, round) < 1e-12, "{sum} {round}");
+        }
     }
 
     #[test]

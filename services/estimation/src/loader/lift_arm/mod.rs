@@ -100,6 +100,8 @@ pub(super) struct LiftWitness {
     angles: Option<[f64; 2]>,
     rates: [f64; 2],
     last_time: f64,
+    /// Time of the last row with the signals of the arm, used or not [s].
+    seen: f64,
     /// The last head pressure and lift angle, and how long they have stood still while the machine moved [s].
     held: [f64; 2],
     still: [f64; 2],
@@ -157,6 +159,7 @@ impl LiftWitness {
             angles: None,
             rates: [0.0; 2],
             last_time: 0.0,
+            seen: 0.0,
             held: [f64::NAN; 2],
             still: [0.0; 2],
             saturation: Saturation::NEW,
@@ -200,10 +203,10 @@ impl LiftWitness {
             let held = lift.and_then(|_| self.answer_at(sample.time, fresh));
             return held.or_else(|| self.silent(&now, sample));
         };
-        let dt = sample.time - self.last_time;
-        self.watch([head, lift], sample, dt);
+        let since = sample.time - core::mem::replace(&mut self.seen, sample.time);
+        self.watch([head, lift], sample, since);
         if let (Some(speed), Some(tilt)) = (sample.speed, tilt) {
-            self.carriage.see(speed, [lift, tilt], dt);
+            self.carriage.see(speed, [lift, tilt], since);
         }
         if self.carriage.is_odd() || self.still.iter().any(|time| *time > STUCK) {
             self.answer = None;
@@ -213,6 +216,7 @@ impl LiftWitness {
             self.measures_rod = rod.is_some();
             self.know(ROD_ZERO, self.drawing.rod_zero(self.measures_rod));
         }
+        let dt = sample.time - self.last_time;
         let bucket = self.drawing.bucket_angle(lift, tilt);
         let old = self.angles.filter(|_| dt > 0.0 && dt < GAP);
         if old.is_none() {

@@ -339,6 +339,63 @@ fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     assert_eq!(said, None);
 }
 
+#[test]
+fn an_arm_that_was_carried_like_none_at_first_weighs_as_soon_as_it_is_carried_well() {
+    let mut witness = LiftWitness::new(&settings()).expect("a described arm");
+    let mut drive = |rows: core::ops::Range<u32>, tilt: f64| {
+        let mut said = None;
+        for k in rows {
+            let row = Sample {
+                time: 0.01 * f64::from(k),
+                speed: Some(2.0),
+                lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 5)),
+                tilt_angle: Some(tilt),
+                lift_head_pressure: Some(5e6 + 1e4 * f64::from(k % 7)),
+                lift_rod_pressure: Some(1e6),
+                ..Sample::default()
+            };
+            said = witness.step(&row, FRESH);
+        }
+        said
+    };
+    assert_eq!(drive(0..300, -0.7), None, "turned over");
+    assert!(drive(300..1000, 1.2).is_some(), "as others are");
+}
+
+#[test]
+fn a_row_whose_time_is_refused_changes_no_load() {
+    use crate::loader::{CgEstimator, Columns, Method, Status};
+    let columns = Columns::default();
+    let mut a = CgEstimator::new(&settings(), Method::FullEkf, columns).unwrap();
+    let row = |k: u32| Sample {
+        time: 0.01 * f64::from(k),
+        speed: Some(0.0),
+        front_wheel_speed: Some(0.0),
+        rear_wheel_speed: Some(0.0),
+        front_torque: Some(0.0),
+        rear_torque: Some(0.0),
+        slope: Some(0.0),
+        lift_angle: Some(0.1),
+        tilt_angle: Some(0.5),
+        lift_head_pressure: Some(9e6 + 1e4 * f64::from(k % 3)),
+        ..Sample::default()
+    };
+    for k in 0..300 {
+        a.step(&row(k));
+    }
+    let mut b = a;
+    for late in [299, 298] {
+        let twice = Sample {
+            lift_head_pressure: Some(2e6),
+            ..row(late)
+        };
+        assert_eq!(b.step(&twice).status, Status::Refused);
+    }
+    let (kept, other) = (a.step(&row(300)), b.step(&row(300)));
+    assert_eq!(kept.payload, other.payload);
+    assert_eq!(kept.cg_ratio, other.cg_ratio);
+}
+
 /// Seconds of standing like this.
 fn stays(seconds: usize, posture: [f64; 2], load: f64) -> impl Iterator<Item = Second> {
     (0..seconds).map(move |_| Second(posture[0], posture[1], load, 1.0))
