@@ -1,27 +1,16 @@
 //! Means and percentiles of columns of numbers.
 
-/// Mean of the finite values within `half` of each time.
+/// Mean of the finite values within `half` of each time; 0 where there is none. Each window is summed anew: one huge value spoils no other.
 pub fn moving_mean(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
-    let (mut first, mut last, mut sum, mut count) = (0, 0, 0.0, 0_usize);
-    let mut out = Vec::with_capacity(time.len());
-    for &t in time {
-        while last < time.len() && time[last] <= t + half {
-            if values[last].is_finite() {
-                sum += values[last];
-                count += 1;
-            }
-            last += 1;
-        }
-        while time[first] < t - half {
-            if values[first].is_finite() {
-                sum -= values[first];
-                count -= 1;
-            }
-            first += 1;
-        }
-        out.push(if count > 0 { sum / count as f64 } else { 0.0 });
-    }
-    out
+    let (mut first, mut last) = (0, 0);
+    let mut mean = |t: f64| {
+        last += time[last..].iter().take_while(|&&x| x <= t + half).count();
+        first += time[first..].iter().take_while(|&&x| x < t - half).count();
+        let there = values[first..last].iter().filter(|v| v.is_finite());
+        let count = there.clone().count().max(1);
+        there.sum::<f64>() / count as f64
+    };
+    time.iter().map(|&t| mean(t)).collect()
 }
 
 /// The value that this share of the values does not exceed; 0 of nothing.

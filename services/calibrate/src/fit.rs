@@ -161,7 +161,7 @@ impl<M: Model> Task<'_, M> {
         (next < low && now <= low + 1e-12) || (next > high && now >= high - 1e-12)
     }
 
-    fn inside(&self, place: &[f64]) -> Vec<f64> {
+    pub(crate) fn inside(&self, place: &[f64]) -> Vec<f64> {
         let parameters = self.model.parameters().iter();
         parameters
             .zip(place)

@@ -292,6 +292,8 @@ pub fn profile<M: Model>(
                 step * follows(i)
             };
         }
+        // Beyond the range of a parameter nothing is fitted.
+        let place = task.inside(&place);
         let cost = if k == 0.0 {
             fit.cost
         } else {

@@ -195,6 +195,11 @@ fn write_all(
             if !written.unwrap_or_else(|error| tell(shared, &error)) {
                 shared.unwritten.fetch_add(1, Ordering::Relaxed);
             }
+            if recorder.is_full()
+                && let Err(error) = recorder.flush()
+            {
+                tell(shared, &error);
+            }
         }
         if draining || flushed.map_or(!is_empty, |at| at.elapsed() >= FLUSH_PERIOD) {
             flushed = Some(Instant::now());
@@ -214,9 +219,9 @@ fn write_all(
     recorder.finish()
 }
 
-/// Says that the disk takes no more: not recorded.
+/// Says that the disk takes no more, or that a part is gone: not recorded.
 fn tell(shared: &Shared, error: &Error) -> bool {
-    tracing::error!(%error, "the recording stops here; estimation goes on");
+    tracing::error!(%error, "the recording has a gap; estimation goes on");
     shared.fault.store(fault::DISK, Ordering::Relaxed);
     false
 }

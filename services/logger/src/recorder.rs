@@ -109,7 +109,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records a message; false if it is not recorded.
+    /// Records a message; false if it is not recorded. Who writes flushes while a part [is due](Self::is_full).
     ///
     /// # Errors
     /// The disk takes no more. Recording stops then, and goes on by itself when there is room.
@@ -121,12 +121,14 @@ impl Recorder {
             return Err(self.stop(error));
         }
         self.mark.note(channel, envelope.stamp().sequence);
-        // However fast messages come, a part becomes at most twice as large as asked.
-        let most = self.limits.split_bytes.unwrap_or(CHUNK).min(CHUNK);
-        if writer.unflushed() >= most {
-            self.flush()?;
-        }
         Ok(true)
+    }
+
+    /// Whether so much is unflushed that it must be handed over now: however fast messages come, a part becomes at most twice as large
+    /// as asked.
+    pub fn is_full(&self) -> bool {
+        let most = self.limits.split_bytes.unwrap_or(CHUNK).min(CHUNK);
+        self.writer.as_ref().is_some_and(|w| w.unflushed() >= most)
     }
 
     /// Hands everything to the operating system, and looks after room, parts and clock.

@@ -243,7 +243,8 @@ impl Scan {
         let end = at + HEAD + Some(length).filter(|l| *l < SMALL)?;
         let (next, its) = head(bytes, end)?;
         let is_record = |opcode| (op::HEADER..=op::DATA_END).contains(&opcode);
-        let follows = end.checked_add(its).is_some_and(|e| e + HEAD <= bytes.len);
+        let after = end.checked_add(its).and_then(|e| e.checked_add(HEAD));
+        let follows = after.is_some_and(|after| after <= bytes.len);
         let whole = is_record(opcode) && is_record(next) && follows && opcode != op::CHUNK;
         whole.then(|| {
             self.damage.push(Damage {
@@ -261,14 +262,13 @@ impl Scan {
         const WINDOW: u64 = 1 << 20;
         let mut from = at;
         while from < bytes.len {
-            // Windows overlap by the head of a chunk.
             let end = (from + WINDOW).min(bytes.len);
             let window = bytes.range(from, end)?;
             for (i, byte) in window.iter().enumerate() {
                 let here = from + i as u64;
                 let found = match *byte {
                     op::CHUNK => self.prove_chunk(bytes, here),
-                    op::METADATA => self.prove_metadata(bytes, here, &window[i..]),
+                    op::METADATA => self.prove_metadata(bytes, here),
                     _ => None,
                 };
                 if let Some(end) = found {
@@ -305,9 +305,10 @@ impl Scan {
     }
 
     /// heft's own metadata.
-    fn prove_metadata(&mut self, bytes: &Bytes, at: u64, window: &[u8]) -> Option<u64> {
-        let is_ours = window.get(9..17)? == [4, 0, 0, 0, b'h', b'e', b'f', b't'];
-        is_ours.then_some(())?;
+    fn prove_metadata(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
+        let mut name = [0; 8];
+        bytes.fill(at + HEAD, &mut name)?;
+        (name == [4, 0, 0, 0, b'h', b'e', b'f', b't']).then_some(())?;
         let end = head(bytes, at)?.1.checked_add(at + HEAD)?;
         let (name, pairs) = record::metadata(&bytes.range(at + HEAD, end)?)?;
         self.add_metadata(&name, pairs);
@@ -359,7 +360,6 @@ impl Chunk {
     }
 }
 
-/// Opcode and length of the record at `at`.
 /// Where the footer at the end of the file says that the index begins.
 fn index_start(bytes: &Bytes) -> Option<u64> {
     let end = bytes.len.checked_sub(MAGIC.len() as u64)?;
@@ -369,6 +369,7 @@ fn index_start(bytes: &Bytes) -> Option<u64> {
         .filter(|start| *start > 0)
 }
 
+/// Opcode and length of the record at `at`.
 fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
     let mut head = [0; HEAD as usize];
     bytes.fill(at, &mut head)?;

@@ -86,7 +86,7 @@ impl Dates {
         let in_day = ns.rem_euclid(24 * HOUR);
         if let Some([last, then]) = self.local.replace([ns, in_day])
             && SET_BACK.contains(&then)
-            && (HOUR - STEP..HOUR).contains(&(last - ns))
+            && (HOUR - STEP..HOUR).contains(&last.saturating_sub(ns))
         {
             self.set_back += HOUR;
         }

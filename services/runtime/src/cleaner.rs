@@ -13,7 +13,8 @@ use crate::{Error, Ports};
 pub struct Cleaner {
     // `None` only while dropping: the thread ends when this half is gone.
     ask: Option<Sender<()>>,
-    done: Receiver<()>,
+    /// Whether it was done, once for each time that it was asked for.
+    done: Receiver<bool>,
     /// When it was asked for what is not done yet.
     asked_at: Option<Instant>,
 }
@@ -36,7 +37,7 @@ impl Cleaner {
                 if let Some(ports) = &ports {
                     ports.clean_up_after_the_dead();
                 }
-                if say.send(()).is_err() {
+                if say.send(ports.is_some()).is_err() {
                     return;
                 }
             }
@@ -50,7 +51,7 @@ impl Cleaner {
         })
     }
 
-    /// Cleans up; false if that is not done within `limit` since it was asked for, now or by an earlier call:
+    /// Cleans up; false if that cannot be done, or not within `limit` since it was asked for, now or by an earlier call:
     /// of many who need it nobody waits again.
     pub fn clean_up(&mut self, limit: Duration) -> bool {
         if self.asked_at.is_none() {
@@ -58,10 +59,11 @@ impl Cleaner {
             self.asked_at = asked.map(|()| Instant::now());
         }
         let waited = self.asked_at.map_or(limit, |at| at.elapsed());
-        if self.done.recv_timeout(limit.saturating_sub(waited)).is_ok() {
+        let done = self.done.recv_timeout(limit.saturating_sub(waited));
+        if done.is_ok() {
             self.asked_at = None;
         }
-        self.asked_at.is_none()
+        done.unwrap_or(false)
     }
 }
 
@@ -93,7 +95,10 @@ mod tests {
         assert!(!cleaner.clean_up(limit));
         assert!(now.elapsed() < limit, "it waited again");
         assert_eq!(asked.try_iter().count(), 1);
-        say.send(()).unwrap();
+        say.send(true).unwrap();
         assert!(cleaner.clean_up(Duration::from_millis(1)));
+        say.send(false).unwrap();
+        assert!(!cleaner.clean_up(Duration::from_millis(1)), "it could not");
+        assert!(cleaner.asked_at.is_none(), "and is asked again");
     }
 }

@@ -1,5 +1,7 @@
 //! Drives a [`Source`]: at its own pace on the clock, or as fast as the readers take it.
 
+use std::time::Duration;
+
 use messages::channels::{CREDIT, ChannelOf};
 use messages::{Credit, Message, fault};
 
@@ -47,6 +49,7 @@ pub fn run_source<S: Source>(
     sender.connect();
     let epoch = worker.setup.identity.restarts;
     let mut origin = None;
+    let mut catches_up = pace == Pace::RealTime && first > 0;
     loop {
         worker.reporter.begin();
         let next = source.next();
@@ -64,8 +67,9 @@ pub fn run_source<S: Source>(
             break;
         }
         let now = now_ns();
-        if pace == Pace::RealTime && first > 0 && now > deadline + NAP_NS {
-            // After a restart: what should have been sent meanwhile is lost, not sent late.
+        // After a restart: what should have been sent meanwhile is lost, not sent late.
+        catches_up &= now > deadline + NAP_NS;
+        if catches_up {
             continue;
         }
         for stamp in [measured.stamp_mut(), true_values.stamp_mut()] {
@@ -131,7 +135,7 @@ impl<S: Message, T: Message> Sender<S, T> {
     }
 
     fn wait_for_credit(&mut self, worker: &Worker, sequence: u64) -> bool {
-        let begun = now_ns();
+        let mut progress = (self.through, now_ns());
         loop {
             if is_ending(worker) {
                 return false;
@@ -139,15 +143,21 @@ impl<S: Message, T: Message> Sender<S, T> {
             while let Some((credit, _)) = self.credit.receive() {
                 self.through = self.through.max(credit.through);
             }
-            let seen = worker.requests.seen();
-            if sequence < self.through.min(seen).max(self.given_up) + WINDOW {
+            let through = self.through.min(worker.requests.seen());
+            if sequence < through.max(self.given_up) + WINDOW {
                 return true;
             }
-            if now_ns() - begun > GIVE_UP_NS {
+            if through > progress.0 {
+                progress = (through, now_ns());
+            }
+            let waited = now_ns() - progress.1;
+            if waited > GIVE_UP_NS {
                 self.given_up = sequence + 1;
                 return true;
             }
-            worker.bell.wait();
+            // Who would ring may be the one that died.
+            let rest = Duration::from_nanos(GIVE_UP_NS - waited);
+            worker.bell.wait_at_most(rest + Duration::from_millis(1));
         }
     }
 

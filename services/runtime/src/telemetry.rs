@@ -249,7 +249,7 @@ fn report(
             counts.health.fault = fault::DEADLINE;
             tracing::warn!("no sample for a second");
         }
-        match shared.fault.load(Ordering::Relaxed) {
+        match shared.fault.swap(fault::NONE, Ordering::Relaxed) {
             fault::NONE => {}
             code => counts.health.fault = code,
         }

@@ -47,8 +47,8 @@ pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     let limit = Duration::from_secs_f64(args.untrusted_after.clamp(0.0, 1e6) * 60.0);
     let mut changed = Vec::new();
     for (id, machine) in &mut fleet.machines {
-        let now = found(machine, limit);
         let before = std::mem::take(&mut machine.alarms.on);
+        let now = found(machine, &before, limit);
         for (kind, text) in &now {
             if !before.contains_key(kind) {
                 let (id, text) = (id.clone(), text.clone());
@@ -65,12 +65,19 @@ pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     changed
 }
 
-fn found(machine: &mut Machine, limit: Duration) -> BTreeMap<&'static str, String> {
+/// What is wrong with a machine now, in words by its kind; `before`: what was.
+fn found(
+    machine: &mut Machine,
+    before: &BTreeMap<&'static str, String>,
+    limit: Duration,
+) -> BTreeMap<&'static str, String> {
     let mut on = BTreeMap::new();
     let has_ended = machine.status.as_ref().is_some_and(|s| s.ended);
     if !machine.is_here() {
         machine.alarms.untrusted = None;
         if !has_ended && !machine.is_stranger() {
+            // Nobody knows whether the rest is over.
+            on.clone_from(before);
             let text = format!("silent for more than {} s", SILENT.as_secs());
             on.insert("silent", text);
         }
@@ -99,7 +106,9 @@ fn found(machine: &mut Machine, limit: Duration) -> BTreeMap<&'static str, Strin
             .entry(quantity.key)
             .or_insert_with(|| quantity.clone());
         if let Some(text) = drift(first, &quantity) {
-            on.insert("drift", text);
+            let all = on.entry("drift").or_default();
+            let comma = if all.is_empty() { "" } else { "; " };
+            *all += &format!("{comma}{text}");
         }
     }
     on
@@ -120,11 +129,11 @@ pub fn lines(raised: &[Alarm]) -> Vec<String> {
         kinds.entry((alarm.kind, is_over)).or_default().push(alarm);
     }
     let line = |alarms: Vec<&Alarm>| match alarms.as_slice() {
-        [first, _, last, ..] if alarms.len() > MANY => vec![format!(
+        [first, .., last] if alarms.len() > MANY => vec![format!(
             "{} machines, from {} to {}: {}",
             alarms.len(),
             first.id,
-            alarms.last().unwrap_or(last).id,
+            last.id,
             first.text
         )],
         all => all.iter().map(ToString::to_string).collect(),
@@ -166,6 +175,23 @@ mod tests {
             "{kinds:?}"
         );
         assert!(kinds.iter().any(|k| k.0 == "untrusted"), "{kinds:?}");
+    }
+
+    #[test]
+    fn what_was_wrong_before_a_machine_fell_silent_is_not_over_by_that() {
+        let mut fleet = Fleet::default();
+        let id = MachineId::new("north", "ex-1").expect("names");
+        fleet.known(&id, "excavator", "0.1");
+        let machine = fleet.machines.get_mut(&id).expect("it");
+        machine
+            .alarms
+            .on
+            .insert("drift", "Damping was 1 and is 2".into());
+        let raised = look(&mut fleet, &args());
+        assert_eq!(
+            raised.iter().map(|a| a.kind).collect::<Vec<_>>(),
+            ["silent"]
+        );
     }
 
     #[test]

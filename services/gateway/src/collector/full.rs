@@ -17,7 +17,7 @@ use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::machine::LONGEST;
 
-/// A machine must have answered by then, and a batch that is later is not waited for.
+/// A machine must have answered by then.
 const LIMIT: Duration = Duration::from_secs(10);
 /// Batches that may wait to be written.
 const QUEUE: usize = 1024;

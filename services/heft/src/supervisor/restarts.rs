@@ -63,9 +63,9 @@ impl Supervisor {
         self.taps.drain(&mut self.watch);
         let run = (self.owner.domain(), &self.plan);
         let restarted = self.workers[i].restart(run);
-        tracing::info!(service = self.workers[i].process.name, "started again");
         self.said_seen = None;
         if restarted.is_ok() && self.workers[i].due().is_none() {
+            tracing::info!(service = self.workers[i].process.name, "started again");
             self.hand_over(i);
         }
         self.spare.fill();

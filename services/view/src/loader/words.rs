@@ -223,7 +223,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("restarted", "wait for one acceleration"),
     (
         "locked drive",
-        "open the lock; a rigid centre drive cannot be used",
+        "open the lock; a rigid centre drive: weigh by lift pressures",
     ),
     (
         "one way",

@@ -4,9 +4,9 @@ use serde_json::{Value, json};
 
 use super::{Item, Mark, Plot};
 
-/// Digits of a time, and of a value: what a screen can show of it, and a reader of a zoomed part.
-const TIME: usize = 7;
+/// Digits of a value: what a screen can show of it, and a reader of a zoomed part. A time is told to a millionth of the plot's length, wherever that begins.
 const VALUE: usize = 5;
+const TIME: i32 = 6;
 
 /// Ranges, names and marks; null where there is no number.
 pub(super) fn of(plot: &Plot) -> Value {
@@ -19,27 +19,30 @@ pub(super) fn of(plot: &Plot) -> Value {
         // Null where there is no end.
         "possible": [plot.y_possible.0, plot.y_possible.1],
         "names": names,
-        "items": plot.items.iter().filter_map(item).collect::<Vec<_>>(),
+        "items": plot.items.iter().filter_map(|i| item(i, x.1 - x.0)).collect::<Vec<_>>(),
     })
 }
 
-fn item(item: &Item) -> Option<Value> {
+fn item(item: &Item, length: f64) -> Option<Value> {
+    let times = |points: &mut dyn Iterator<Item = f64>| -> Vec<Value> {
+        points.map(|t| time(t, length)).collect()
+    };
     let (label, class) = (&item.label, item.style.class());
     let mark = match &item.mark {
         Mark::Line(points) => json!({
-            "line": [column(points, TIME, |p| p.0), column(points, VALUE, |p| p.1)],
+            "line": [times(&mut points.iter().map(|p| p.0)), column(points, |p| p.1)],
         }),
         Mark::Band(points) => json!({
             "band": [
-                column(points, TIME, |p| p.0),
-                column(points, VALUE, |p| p.1),
-                column(points, VALUE, |p| p.2),
+                times(&mut points.iter().map(|p| p.0)),
+                column(points, |p| p.1),
+                column(points, |p| p.2),
             ],
         }),
         Mark::Shade(spans) => json!({
-            "shade": [column(spans, TIME, |s| s.0), column(spans, TIME, |s| s.1)],
+            "shade": [times(&mut spans.iter().map(|s| s.0)), times(&mut spans.iter().map(|s| s.1))],
         }),
-        Mark::Level(y) => json!({ "level": rounded(*y, VALUE) }),
+        Mark::Level(y) => json!({ "level": rounded(*y) }),
         Mark::Bars { .. } => return None,
     };
     let mut all = json!({ "label": label, "class": class });
@@ -49,13 +52,23 @@ fn item(item: &Item) -> Option<Value> {
     Some(all)
 }
 
-fn column<P>(points: &[P], digits: usize, pick: impl Fn(&P) -> f64) -> Vec<Value> {
-    points.iter().map(|p| rounded(pick(p), digits)).collect()
+fn column<P>(points: &[P], pick: impl Fn(&P) -> f64) -> Vec<Value> {
+    points.iter().map(|p| rounded(pick(p))).collect()
+}
+
+/// A time to so many digits of the plot's length.
+fn time(t: f64, length: f64) -> Value {
+    let decimals = TIME - length.log10().floor().clamp(-9.0, 9.0) as i32;
+    let text = format!("{t:.*}", decimals.max(0) as usize);
+    number(&text)
 }
 
 /// The number with so many significant digits, null where it is none.
-fn rounded(value: f64, digits: usize) -> Value {
-    let text = format!("{value:.*e}", digits - 1);
+fn rounded(value: f64) -> Value {
+    number(&format!("{value:.*e}", VALUE - 1))
+}
+
+fn number(text: &str) -> Value {
     match text.parse::<f64>() {
         // An integer takes two bytes less.
         Ok(v) if v.fract() == 0.0 && v.abs() < 1e9 => json!(v as i64),
@@ -77,7 +90,19 @@ mod tests {
         plot.bars("y", Style::Series(1), &[0.0, 1.0], &[1.0]);
         let items = &of(&plot)["items"];
         assert_eq!(items.as_array().map(Vec::len), Some(1));
-        let line = r#"[[0.1234568,2,3],[0.33333,null,7000]]"#;
+        let line = r#"[[0.123457,2,3],[0.33333,null,7000]]"#;
         assert_eq!(items[0]["line"].to_string(), line);
+    }
+
+    #[test]
+    fn times_since_1970_keep_their_hundredths() {
+        let mut plot = Plot::new("a", "t");
+        let begin = 1_795_300_012.34;
+        plot.line("x", Style::Series(0), &[(begin, 1.0), (begin + 60.01, 2.0)]);
+        let items = &of(&plot)["items"];
+        assert_eq!(
+            items[0]["line"][0].to_string(),
+            "[1795300012.34,1795300072.35]"
+        );
     }
 }
