@@ -311,15 +311,15 @@ table! {
         payload_min: f64 = -50.0, "kg", -1e5 to 1e5;
         /// Largest payload that an estimate may take.
         payload_max: f64 = 900.0, "kg", 0.0 to 1e5;
-        /// Random walk of the payload, variance per second (q_m).
-        q_m: f64 = 1.0, "kg^2/s", 0.0 to 1e9;
+        /// Random walk of the payload: this times 1e-5 of the squared rated payload is its variance per second (q_m).
+        q_m: f64 = 1.0, "", 0.0 to 1e9;
         /// Random walk of ln J, variance per second (q_l).
         q_l: f64 = 0.0225, "1/s", 0.0 to 1e3;
         /// Factor of the reported standard deviation of the method torque, variant "known" (c_I).
         interval_factor: f64 = 0.6, "", 0.1 to 10.0;
         /// Measures the velocity's bias over the first 0.5 s, if the machine stands then.
         calibrate_at_rest: bool = true, "";
-        /// Measures the velocity's noise in the same time, within 0.5 to 4 times the described one.
+        /// Measures the velocity's noise in the same time, within 1 to 4 times the described one.
         measure_noise_at_rest: bool = true, "";
         /// After a stand of this length the payload may be another.
         reopen_after: f64 = 0.5, "s", 0.0 to 1e6;

@@ -15,7 +15,7 @@
 //!
 //! # Measured torque (`svf-rls`)
 //!
-//! With all signals behind equal filters, `T_f = J a_f + b w_f + Fc s_f - offset 1_f`. Only the
+//! With all signals behind equal filters, `T_f = J a_f + b w_f + Fc s_f + offset 1_f`. Only the
 //! inertia (one scalar, forgetting 0.9, above a least acceleration), or with
 //! `estimate_damping`, `estimate_friction`, `estimate_offset` these too, by ordinary RLS.
 //! The posture term Jd w is not in it: while an arm moves the error reaches 25 % and more.
