@@ -28,10 +28,11 @@ const WAVERS: f64 = 0.15;
 /// Share of a stamp in the time, and in the period.
 const TIME: f64 = 0.1;
 const PERIOD: f64 = TIME * TIME / (2.0 - TIME);
-/// Rows come in bursts from this wavering on (of the square); the share of a stamp in the time there, and by how many periods the
-/// stamps may be late.
+/// Rows come in bursts from this wavering on: the variance of the steps over the square of their mean.
 const BURSTS: f64 = 0.25;
+/// Share of a stamp in the time there.
 const TIME_IN_BURSTS: f64 = 0.03;
+/// By so many periods the stamps may be late there.
 const LOST_IN_BURSTS: f64 = 40.0;
 /// Rows are apart by this share of their period at least.
 const LEAST: f64 = 0.1;

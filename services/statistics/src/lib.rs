@@ -1,4 +1,4 @@
-//! The statistics that tables, plots and evaluations show: one home, so that a percentile is the same
+//! The statistics that tables, plots and evaluations show: one home, so that a percentile that is shown is the same
 //! number everywhere.
 
 pub mod judge;

@@ -56,7 +56,7 @@ pub struct Flags {
     pub consistent: bool,
     /// Inputs are recent and complete.
     pub fresh: bool,
-    /// The 95 % interval is narrower than the stated limit.
+    /// The 95 % interval is narrower than the stated limit, the payload is not changing, and nothing is contradicted.
     pub converged: bool,
     /// These inputs can determine the inertia at all.
     pub identifiable: bool,
@@ -75,7 +75,7 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// All five reasons to believe the estimate hold, and the row was not refused.
+    /// All five reasons to believe the estimate hold, the payload is not changing, and the row was not refused.
     pub fn trusted(&self) -> bool {
         self.excited
             && self.consistent

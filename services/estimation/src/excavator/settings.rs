@@ -1,4 +1,4 @@
-//! Settings of every excavator estimator; the default is the reference machine.
+//! Settings of every excavator estimator; `Settings::of(&Description::default())` is the reference machine.
 
 pub(in crate::excavator) mod cylinder;
 pub(in crate::excavator) mod described;

@@ -339,7 +339,7 @@ table! {
         excited_torque: f64 = 300.0, "N m", 0.0 to 1e6;
         /// Verdict: the height is excited when the acceleration varies by this.
         excited_acceleration: f64 = 0.3, "m/s^2", 0.0 to 100.0;
-        /// Verdict: fresh with speed and wheel speeds at most this old.
+        /// Verdict: fresh with every needed input at most this old.
         fresh: f64 = 0.25, "s", 1e-3 to 100.0;
         /// Verdict: consistent up to this mean normalised innovation squared.
         consistent_nis: f64 = 2.0, "", 0.1 to 100.0;

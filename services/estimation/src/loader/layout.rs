@@ -5,7 +5,7 @@
 //! | all | v, w_f, w_r, K, h, lam |
 //! | 8 | .., d_f, d_r |
 //! | 10 | .., F_x, d_f, d_r, b |
-//! | 9, 11 | those of 8 or 10, tau |
+//! | 9 | those of 8, tau |
 //! | 12 | those of 10, e, tau |
 //!
 //! The measurements are v, w_f, w_r and the specific force: the first three stand where their states do.
@@ -56,7 +56,6 @@ impl Layout {
             slope_bias,
             speed_delay: match states {
                 9 => Some(8),
-                11 => Some(10),
                 12 => Some(11),
                 _ => None,
             },

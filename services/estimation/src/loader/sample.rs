@@ -50,7 +50,7 @@ pub struct Sample {
 /// The optional signals that the source has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
-    /// An accelerometer along the body axis; without it `full` runs on 8 states instead of 10.
+    /// An accelerometer along the body axis; without it `full` runs on 9 states instead of 12.
     pub acceleration: bool,
     /// Weighing.
     pub mass: bool,

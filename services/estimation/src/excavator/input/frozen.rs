@@ -4,15 +4,15 @@
 //! a coarse step of the sensor, does not. A signal that was noisy and then says exactly the same for half a
 //! second is not measured any more: a cable, a bus or a gateway repeats its last word.
 
-/// Samples of exactly one value that are taken for a fault (0.5 s at 100 Hz; the fastest source needs more).
+/// Samples of exactly one value that are taken for a fault: 0.5 s at 100 Hz.
 const REPEATS: u32 = 50;
-/// Share of increments of alternating sign above which a signal is noisy; white noise has two thirds.
+/// Share of increments of alternating sign, as a mean, above which a signal is noisy; white noise has two thirds.
 const NOISY: f64 = 0.45;
+/// Share of one sample in that mean.
+const MEMORY: f64 = 0.02;
 /// A signal that has changed so often and never repeated a value for so long is noisy too, however it moves [samples].
 const CHANGES: u32 = 500;
 const LONGEST: u32 = 5;
-/// Share of one sample in that mean.
-const MEMORY: f64 = 0.02;
 
 /// One signal.
 #[derive(Debug, Clone, Copy, Default)]

@@ -63,7 +63,7 @@ impl Hold {
         true
     }
 
-    /// The last value, unless it has not come for twice as long as the longest hold.
+    /// The last value, unless it has not come for twice the period of the signal (`shortest`).
     fn value(&self) -> Option<f64> {
         self.last.filter(|_| self.run < 2 * self.rows)
     }

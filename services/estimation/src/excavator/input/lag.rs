@@ -26,7 +26,8 @@ const MOVING: f64 = 0.06;
 const MEMORY: f64 = 0.0005;
 /// Ticks of motion that tell something: 2.5 s.
 const ENOUGH: f64 = 250.0;
-/// So many neighbouring ticks have one error in common: of 10, one machine in four found false lags under stamps that jitter (32).
+/// So many neighbouring ticks have one error in common. With 10, a quarter of 32 simulated machines whose stamps jitter found a lag that
+/// was none.
 const CORRELATED: f64 = 30.0;
 /// Logarithm of the odds at which a lag is taken for the present one.
 const BETTER: f64 = 5.0;

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! tau = sum_i m_i [x_i (g + z_i'') - z_i (x_i'' + g pitch - w^2 (x_0 + x_i))]
-//!       + sum_i [I_i alpha_i'' + w^2 (I_i - I_axial,i) sin(alpha_i) cos(alpha_i)]          i = boom, arm, bucket, payload
-//!       + sum_i [A_i cos(alpha_i) + B_i sin(alpha_i)]          what the drawing misses, learnt by `calibrate`
+//!       + sum_j [I_j alpha_j'' + w^2 (I_j - I_axial,j) sin(alpha_j) cos(alpha_j)]
+//!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          what the drawing misses, learnt by `calibrate`
+//!                                                      i = boom, arm, bucket, payload;  j = boom, arm, bucket
 //! r F = (1 + s) tau + r (z + f + F_c d)        F = n (A_h p_h - A_r p_r)
 //! ```
 //!

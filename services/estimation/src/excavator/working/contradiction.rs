@@ -1,8 +1,9 @@
 //! Does what is measured contradict what is known?
 //!
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
-//! Four things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that has changed
-//! though no joint moved it, one that no bucket holds, and a parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
+//! What speaks against that: an emptied bucket that weighs neither nothing nor what it did before; a payload that has changed though no
+//! joint moved it, or that no bucket holds; pushes that recur; a swing that is left unexplained; a constant far from what was stated; and a
+//! parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.
 

@@ -63,8 +63,9 @@ const WARMING: f64 = 60.0;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
-/// A stand longer than this may be a way to other ground on the tracks [s]: so often in each further second [1/s].
+/// In a stand longer than this the machine may have moved to other ground on its tracks [s].
 const TRAVEL: f64 = 2.0;
+/// How often it does, per further second [1/s].
 const TRAVELS: f64 = 0.02;
 /// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
 const CHANGE: f64 = 10.0;
@@ -110,7 +111,7 @@ pub(super) struct Working {
     /// Swing angle since the start [rad], its sine and cosine.
     angle: f64,
     turn: (f64, f64),
-    /// Largest torque seen, smoothed [N m].
+    /// Smoothed torque, and the largest that it has reached [N m].
     torque: f64,
     largest: f64,
     /// Sums of the innovations: a payload that changes and that no joint announces.

@@ -19,7 +19,7 @@ use crate::math::sqrt;
 const NAMED_DEVIATION: f64 = 3.0;
 const NAMED_GAIN: f64 = 1.65;
 const NAMED_BUCKET: f64 = 2.3;
-/// The description is believed as if so many constants had been as it says: one of five.
+/// The description is believed as if so many constants had been seen to be as it says, beside those of [`MACHINE`].
 const BELIEF: f64 = 1.0;
 /// Friction and damping change by this share with the oil's temperature.
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;

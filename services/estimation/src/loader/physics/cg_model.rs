@@ -4,9 +4,9 @@
 //! |---|---|---|
 //! | 6 | v, w_f, w_r, K, h, lam | the paper, (15)-(17) |
 //! | 8 | .., d_f, d_r | no accelerometer |
-//! | 10 | .., F_x, d_f, d_r, b | recommended |
-//! | 9, 11 | those of 8 or 10, tau | the speed comes late |
-//! | 12 | those of 10, e, tau | the radii give with the load, by more or less than is stated |
+//! | 10 | .., F_x, d_f, d_r, b | a calibrated machine |
+//! | 9 | those of 8, tau | no accelerometer; the speed comes late |
+//! | 12 | those of 10, e, tau | recommended: the radii give with the load, by more or less than is stated |
 //!
 //! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
 //! A late speed is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is
