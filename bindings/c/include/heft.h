@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x01954de6u
+#define HEFT_ABI 0x705a951au
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -250,6 +250,47 @@ typedef struct {
     double bucket_axial_inertia; /* Inertia of the bucket about its length (Ir3). [kg m^2] */
   } geometry;
   struct {
+    double count; /* Number of cylinders side by side. */
+    double head_area; /* Area of the piston; 0 says that nothing is known of the cylinder, and leaves its pressures out. [m^2] */
+    double head_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
+    double rod_area; /* Area of the piston less that of the rod. [m^2] */
+    double rod_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
+    double base_distance; /* Cylinder base to boom foot (a). [m] */
+    double base_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
+    double rod_distance; /* Boom foot to rod eye (c). [m] */
+    double rod_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
+    double angle; /* Angle between the two at boom angle 0 (delta). [rad] */
+    double angle_std; /* Its standard deviation. [rad] */
+    double friction; /* Friction of the seals, as a share of all pistons at 20 MPa. */
+    double friction_std; /* Its standard deviation. */
+    double friction_kept; /* Share of it that is left when the cylinder stops: all of it where it stops at once, none where it bounces. */
+    double force_offset; /* Force that the pressures show too much, by the zeros of their sensors. [N] */
+    double force_offset_std; /* Its standard deviation; "none" takes that of the sensors' zeros. [N] */
+    double span_std; /* Relative standard deviation of the moment; "none" takes those of areas, distances and angle. */
+    double span_offset_correlation; /* Correlation of the errors of force offset and span. */
+    double boom_cos; /* Moment about the boom foot that the drawing misses: with the cosine of the boom's angle to the horizontal. [N m] */
+    double boom_sin; /* With its sine. [N m] */
+    double arm_cos; /* With the cosine of the arm's angle to the horizontal. [N m] */
+    double arm_sin; /* With its sine. [N m] */
+    double bucket_cos; /* With the cosine of the bucket's angle to the horizontal. [N m] */
+    double bucket_sin; /* With its sine. [N m] */
+  } boom_cylinder;
+  struct {
+    double count; /* Number of cylinders side by side. */
+    double head_area; /* Area of the piston; 0 says that nothing is known of the cylinder, and leaves its pressures out. [m^2] */
+    double head_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
+    double rod_area; /* Area of the piston less that of the rod. [m^2] */
+    double rod_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
+    double base_distance; /* Cylinder base to arm pin (a). [m] */
+    double base_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
+    double rod_distance; /* Arm pin to rod eye (c). [m] */
+    double rod_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
+    double angle; /* Angle between the two at arm angle 0; negative, so that the lever is (delta). [rad] */
+    double angle_std; /* Its standard deviation. [rad] */
+    double friction; /* Friction of the seals, as a share of all pistons at 20 MPa. */
+    double friction_std; /* Its standard deviation. */
+  } arm_cylinder;
+  struct {
     double rate; /* Samples per second. [Hz] */
     double swing_velocity_std; /* Noise of the swing velocity (sigma_w). [rad/s] */
     double swing_angle_std; /* Noise of the swing angle, where an encoder serves in place of the velocity. [rad] */
@@ -300,11 +341,11 @@ typedef struct {
     double reject; /* Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A). */
     double payload_min; /* Smallest payload that an estimate may take. [kg] */
     double payload_max; /* Largest payload that an estimate may take. [kg] */
-    double q_m; /* Random walk of the payload, variance per second (q_m). [kg^2/s] */
+    double q_m; /* Random walk of the payload: this times 1e-5 of the squared rated payload is its variance per second (q_m). */
     double q_l; /* Random walk of ln J, variance per second (q_l). [1/s] */
     double interval_factor; /* Factor of the reported standard deviation of the method torque, variant "known" (c_I). */
     double calibrate_at_rest; /* Measures the velocity's bias over the first 0.5 s, if the machine stands then. */
-    double measure_noise_at_rest; /* Measures the velocity's noise in the same time, within 0.5 to 4 times the described one. */
+    double measure_noise_at_rest; /* Measures the velocity's noise in the same time, within 1 to 4 times the described one. */
     double reopen_after; /* After a stand of this length the payload may be another. [s] */
     double weak_onset; /* Second, more sensitive detector of torque changes (modes C and A with constant inertia). */
     double opening_rate; /* Bucket opening rate that announces a change of payload. [rad/s] */
@@ -564,6 +605,55 @@ typedef struct {
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
   } machine;
   struct {
+    double length; /* Pivot of the arm to the bucket's pin; 0 where no arm is described, and pressures are not used. [m] */
+    double length_std; /* Its standard deviation. [m] */
+    double pivot_x; /* Pivot ahead of the front axle, negative behind it. [m] */
+    double pivot_x_std; /* Its standard deviation. [m] */
+    double pivot_z; /* Pivot above the ground. [m] */
+    double pivot_z_std; /* Its standard deviation. [m] */
+    double mass; /* Mass of the arm. [kg] */
+    double mass_std; /* Its standard deviation. [kg] */
+    double mass_distance; /* Pivot to the arm's centre of mass. [m] */
+    double mass_distance_std; /* Its standard deviation. [m] */
+    double bucket_mass; /* Mass of the empty bucket. [kg] */
+    double bucket_mass_std; /* Its standard deviation. [kg] */
+    double payload_distance; /* Bucket's pin to the centre of the load, and of the bucket. [m] */
+    double payload_distance_std; /* Its standard deviation. [m] */
+    double bucket_turn; /* How far the bucket turns with the arm while nobody tilts, in angles of the arm: 1 with the tilt cylinder on the arm; with the cylinder on the frame 0 for parallel lift, .1 to .3 for a Z-bar; "none" holds both cylinders for possible. */
+    double bucket_turn_std; /* Its standard deviation; 0 for .05. */
+    double reference_angle; /* Arm angle at which the empty machine's centre of gravity is stated, up from the horizontal. [rad] */
+    double reference_tilt; /* Tilt angle at which it is stated, bucket to arm. [rad] */
+    double empty_mass; /* Mass of the empty machine; 0 for `machine.mass`. [kg] */
+    double empty_mass_std; /* Its standard deviation; 0 for 2 % of it. [kg] */
+    double empty_ratio; /* Share of its weight on the front axle; 0 for `prior.cg_ratio`. */
+    double empty_ratio_std; /* Its standard deviation; 0 for `prior.cg_ratio_std`. */
+    double empty_height; /* Height of its centre of gravity; 0 for `prior.cg_height`. [m] */
+    double empty_height_std; /* Its standard deviation; 0 for `prior.cg_height_std`. [m] */
+    double arm_cos; /* Moment about the pivot that the drawing misses: with the cosine of the arm's angle to the horizontal. [N m] */
+    double arm_sin; /* With its sine. [N m] */
+    double bucket_cos; /* With the cosine of the bucket's angle to the horizontal. [N m] */
+    double bucket_sin; /* With its sine. [N m] */
+  } lift_arm;
+  struct {
+    double count; /* How many. */
+    double head_area; /* Area of the head side of one. [m^2] */
+    double head_area_std; /* Its standard deviation. [m^2] */
+    double rod_area; /* Area of the rod side of one. [m^2] */
+    double rod_area_std; /* Its standard deviation. [m^2] */
+    double base_distance; /* Base of the cylinder to the arm's pivot. [m] */
+    double base_distance_std; /* Its standard deviation. [m] */
+    double rod_distance; /* Arm's pivot to the eye of the rod. [m] */
+    double rod_distance_std; /* Its standard deviation. [m] */
+    double angle; /* Angle between both at arm angle 0. [rad] */
+    double angle_std; /* Its standard deviation. [rad] */
+    double friction; /* Friction of the seals, as a share of the force of 20 MPa on the head side. */
+    double friction_std; /* Its standard deviation. */
+    double force_offset; /* Force that the pressures show too much, by the zeros of their sensors. [N] */
+    double force_offset_std; /* Its standard deviation; 0 for that of the sensors' zeros. [N] */
+    double span_std; /* Relative standard deviation of the moment, as calibrated; 0 for those of areas, distances, angles and masses. */
+    double span_offset_correlation; /* Correlation of the errors of force offset and span. */
+  } cylinder;
+  struct {
     double rate; /* Samples per second. [Hz] */
     double speed_std; /* Noise of the speed. [m/s] */
     double wheel_speed_std; /* Noise of the wheel speeds. [rad/s] */
@@ -642,7 +732,7 @@ typedef struct {
     double load_sensitivity_floor; /* Least error of the load sensitivity of the rolling radius that counts, whatever is stated; 0 when calibrated. */
     double excited_torque; /* Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s). [N m] */
     double excited_acceleration; /* Verdict: the height is excited when the acceleration varies by this. [m/s^2] */
-    double fresh; /* Verdict: fresh with speed and wheel speeds at most this old. [s] */
+    double fresh; /* Verdict: fresh with every needed input at most this old. [s] */
     double consistent_nis; /* Verdict: consistent up to this mean normalised innovation squared. */
     double converged_ratio; /* Verdict: the ratio has converged at this relative standard deviation. */
     double converged_height; /* Verdict: the height has converged at this standard deviation. [m] */

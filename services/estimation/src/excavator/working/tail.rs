@@ -34,7 +34,7 @@ pub(super) struct Tail {
     /// Nobody has compared the torque.
     is_open: bool,
     since: f64,
-    /// What the mixture adds to the variances of payload and inertia, over the squares of their covariances with the gain.
+    /// What the mixture adds to the variances of inertia and payload, over the squares of their covariances with the gain.
     per_square: [f64; 2],
 }
 
