@@ -1,5 +1,7 @@
 //! A run in memory: what the report is made of.
 
+use std::collections::BTreeSet;
+
 use messages::channels::{self, Channel};
 use messages::{Health, Message, SwingMotion};
 use recording::{Reader, Sensors};
@@ -16,6 +18,8 @@ pub struct Estimator<E> {
     pub channel: String,
     /// What it published.
     pub estimates: Vec<E>,
+    /// Numbers of those that a thinned run kept for their value: a plot needs them, a score leaves them out.
+    pub extremes: BTreeSet<u64>,
 }
 
 impl<E: Estimate> Estimator<E> {
@@ -249,8 +253,8 @@ fn machine<E: Estimate>(
             received += 1;
             lost.add(e);
         });
-        let estimates: Vec<E> = if stretch < 4 {
-            all.collect()
+        let (estimates, extremes) = if stretch < 4 {
+            (all.collect(), BTreeSet::new())
         } else {
             thin(all, stretch)
         };
@@ -266,6 +270,7 @@ fn machine<E: Estimate>(
             run.estimators.push(Estimator {
                 channel: channel.name.to_owned(),
                 estimates,
+                extremes,
             });
         }
     }
@@ -275,7 +280,7 @@ fn machine<E: Estimate>(
     } else {
         // Of the estimates that were kept.
         let kept = run.estimators.iter().flat_map(|e| &e.estimates);
-        let kept: std::collections::BTreeSet<u64> = kept.map(|e| e.stamp().sequence).collect();
+        let kept: BTreeSet<u64> = kept.map(|e| e.stamp().sequence).collect();
         run.truth = truths
             .filter(|t| kept.contains(&t.stamp().sequence))
             .collect();
@@ -283,8 +288,8 @@ fn machine<E: Estimate>(
     Ok(run)
 }
 
-/// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest.
-fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E> {
+/// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest; and the numbers of the latter.
+fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> (Vec<E>, BTreeSet<u64>) {
     let value = |e: &E| E::headlines().next().map_or(f64::NAN, |p| p.value(e));
     let in_order = |ends: [Option<(u64, E)>; 2]| {
         let mut both: Vec<(u64, E)> = ends.into_iter().flatten().collect();
@@ -292,13 +297,14 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
         both.dedup_by_key(|(n, _)| *n);
         both.into_iter().map(|(_, e)| e)
     };
-    let mut kept: Vec<E> = Vec::new();
+    let (mut kept, mut firsts): (Vec<E>, BTreeSet<u64>) = Default::default();
     let mut low: Option<(u64, E)> = None;
     let mut high: Option<(u64, E)> = None;
     for (n, estimate) in (0_u64..).zip(estimates) {
         let now = value(&estimate);
         if n.is_multiple_of(stretch) {
             kept.extend(in_order([low.take(), high.take()]));
+            firsts.insert(estimate.stamp().sequence);
             kept.push(estimate);
         } else if now.is_finite() {
             if low.as_ref().is_none_or(|(_, e)| now < value(e)) {
@@ -310,7 +316,9 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
         }
     }
     kept.extend(in_order([low, high]));
-    kept
+    let all = kept.iter().map(|e| e.stamp().sequence);
+    let extremes = all.filter(|n| !firsts.contains(n)).collect();
+    (kept, extremes)
 }
 
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.
@@ -375,8 +383,14 @@ mod tests {
             estimated: if n == 201 { 0 } else { bits::INERTIA },
             ..Default::default()
         };
-        let kept = thin((0..1000).map(estimate), 100);
+        let (kept, extremes) = thin((0..1000).map(estimate), 100);
         assert!(kept.len() <= 30);
+        assert!([137, 152, 970].iter().all(|n| extremes.contains(n)));
+        assert_eq!(
+            kept.len() - extremes.len(),
+            10,
+            "a score has one of each stretch"
+        );
         let kept: Vec<u64> = kept.iter().map(|e| e.stamp.sequence).collect();
         assert!(kept.windows(2).all(|w| w[0] < w[1]), "in order");
         assert!(

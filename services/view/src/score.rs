@@ -31,7 +31,11 @@ impl Score {
         let mut score = Self::default();
         let (mut held, mut held_trusted, mut trusted_count) = (0usize, 0usize, 0usize);
         let truths = run.truth_of(&estimator.estimates);
-        for (estimate, truth) in estimator.estimates.iter().zip(truths) {
+        let all = estimator.estimates.iter().zip(truths);
+        let is_extreme = |e: &E| estimator.extremes.contains(&e.stamp().sequence);
+        let mut count = 0;
+        for (estimate, truth) in all.filter(|(e, _)| !is_extreme(e)) {
+            count += 1;
             let trusted = estimate.flags() & parameter.trusted != 0;
             trusted_count += usize::from(trusted);
             let truth = truth.map_or(f64::NAN, |t| parameter.truth(t));
@@ -50,7 +54,7 @@ impl Score {
         }
         score.coverage = share(held, score.errors.len());
         score.trusted_coverage = share(held_trusted, score.trusted_errors.len());
-        score.trusted_share = share(trusted_count, estimator.estimates.len());
+        score.trusted_share = share(trusted_count, count);
         score
     }
 
@@ -105,6 +109,7 @@ mod tests {
         let estimator = Estimator {
             channel: "excavator/inertia_rls".into(),
             estimates,
+            extremes: Default::default(),
         };
         let run = MachineRun {
             estimators: vec![estimator.clone()],
@@ -115,5 +120,13 @@ mod tests {
         assert!((score.summary().expect("errors").mean + 100.0 / 30.0).abs() < 1e-9);
         assert!((score.coverage - 2.0 / 3.0).abs() < 1e-12);
         assert_eq!((score.trusted_coverage, score.trusted_share), (1.0, 0.5));
+        // The last one is there for its value: it tells nothing of how often.
+        let thinned = Estimator {
+            extremes: [3].into(),
+            ..estimator
+        };
+        let score = Score::of(&run, &thinned, &ExcavatorEstimate::PARAMETERS[0]);
+        assert_eq!(score.errors.len(), 2);
+        assert_eq!((score.coverage, score.trusted_share), (1.0, 2.0 / 3.0));
     }
 }

@@ -108,6 +108,7 @@ fn a_run_of_any_samples_makes_a_report() {
             estimators: vec![Estimator {
                 channel: "excavator/inertia_ukf".into(),
                 estimates: any.messages::<ExcavatorEstimate>(times),
+                extremes: Default::default(),
             }],
             truth: any.messages::<ExcavatorTruth>(times),
         };
@@ -115,6 +116,7 @@ fn a_run_of_any_samples_makes_a_report() {
             estimators: vec![Estimator {
                 channel: "loader/cg_ukf".into(),
                 estimates: any.messages::<LoaderEstimate>(times),
+                extremes: Default::default(),
             }],
             truth: any.messages::<LoaderTruth>(times),
         };

@@ -145,7 +145,11 @@ fn part<E: Estimate>(streams: &BTreeMap<String, Vec<Envelope>>) -> MachineRun<E>
             (SITE_ESTIMATE, name) => format!("{}/{name} at the site", E::MACHINE),
             _ => return None,
         };
-        (!estimates.is_empty()).then_some(Estimator { channel, estimates })
+        (!estimates.is_empty()).then_some(Estimator {
+            channel,
+            estimates,
+            extremes: Default::default(),
+        })
     };
     MachineRun {
         estimators: streams.iter().filter_map(estimator).collect(),

@@ -250,10 +250,12 @@ pub fn excavator(seconds: f64, rate: f64, truth: bool) -> Run {
         Estimator {
             channel: "excavator/inertia_rls".into(),
             estimates: estimates(true),
+            extremes: Default::default(),
         },
         Estimator {
             channel: "excavator/inertia_ukf".into(),
             estimates: estimates(false),
+            extremes: Default::default(),
         },
     ];
     let motion = |i: usize| SwingMotion {
@@ -290,10 +292,12 @@ pub fn loader(seconds: f64, rate: f64, truth: bool) -> Run {
         Estimator {
             channel: "loader/cg_ekf".into(),
             estimates: estimates(3),
+            extremes: Default::default(),
         },
         Estimator {
             channel: "loader/cg_ukf".into(),
             estimates: estimates(0),
+            extremes: Default::default(),
         },
     ];
     let truth = if truth {
