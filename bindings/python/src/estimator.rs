@@ -88,7 +88,7 @@ impl Estimator {
             });
         }
         if taken != values.len() {
-            return Err(self.unknown(py, values));
+            return Err(self.unknown(values));
         }
         let mut cells = Vec::with_capacity(32);
         {
@@ -197,7 +197,7 @@ impl Estimator {
     }
 
     /// The error that names a value which is none of the signals.
-    fn unknown(&self, _py: Python<'_>, values: &Bound<'_, PyDict>) -> PyErr {
+    fn unknown(&self, values: &Bound<'_, PyDict>) -> PyErr {
         let known: Vec<String> = self.signals[1..].iter().map(|s| s.to_string()).collect();
         let given = values
             .keys()

@@ -79,7 +79,7 @@ fn of_its_size(loader: &Loader) -> Loader {
 /// 350 to 600, so four times that is another unit.
 const HEAVIEST: f64 = 2400.0;
 /// Wheelbase from which on it is a machine and not a model of one [m].
-const MACHINE: f64 = 1.0;
+const LEAST_WHEELBASE: f64 = 1.0;
 
 /// What contradicts itself between keys that are each in range.
 fn contradictions(loader: &Loader) -> Vec<Error> {
@@ -106,7 +106,7 @@ fn contradictions(loader: &Loader) -> Vec<Error> {
         })
         .collect();
     let (mass, wheelbase) = (m.mass, m.wheelbase);
-    if wheelbase >= MACHINE && mass > HEAVIEST * wheelbase * wheelbase * wheelbase {
+    if wheelbase >= LEAST_WHEELBASE && mass > HEAVIEST * wheelbase * wheelbase * wheelbase {
         found.push(Error::between(
             format!("a mass of {mass} kg does not fit a wheelbase of {wheelbase} m: newtons where kilograms belong, or millimetres?"),
             "machine.mass",

@@ -9,11 +9,11 @@ use std::collections::VecDeque;
 use crate::map::Timing;
 
 pub(crate) const SECOND: i64 = 1_000_000_000;
-/// After so long without a value rows come less often,
+/// After so long without a value rows come less often.
 const SILENT: i64 = SECOND;
-/// namely so often,
+/// The period of rows then.
 const SILENT_PERIOD: i64 = SECOND / 10;
-/// and after so long there are none until the next value: the time in between is a gap.
+/// After so long without a value there are no rows until the next one: the time in between is a gap.
 const GAP: i64 = 10 * SECOND;
 /// Values under way between two rows: more than any bus carries within the longest delay.
 const MOST_WAITING: usize = 1 << 16;

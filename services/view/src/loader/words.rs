@@ -32,7 +32,10 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     };
     let width = format!(
         "half width {}\u{a0}%",
-        significant(196.0 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9), 2)
+        significant(
+            100.0 * HALF_WIDTH_95 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9),
+            2
+        )
     );
     judgement(e, value, &Part::POSITION, &width)
 }
