@@ -319,6 +319,14 @@ fn a_rod_pressure_that_nobody_measures_is_an_uncertain_one() {
 }
 
 #[test]
+fn the_gain_of_a_pressure_sensor_that_nobody_checked_is_in_doubt() {
+    let gained = |by: f64| lifted(|_, head| by * head, Some(0.7e6)).payload;
+    let [sound, off] = [gained(1.0), gained(1.1)];
+    assert!((sound.value - 3600.0).abs() < 60.0, "{sound:?}");
+    assert!((off.value - 3600.0).abs() < 1.96 * off.std, "{off:?}");
+}
+
+#[test]
 fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
