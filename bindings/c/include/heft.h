@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x705a951au
+#define HEFT_ABI 0x2c5a10d4u
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -672,6 +672,7 @@ typedef struct {
     double slope_acceleration_sensitivity_std; /* Its standard deviation, from which a calibration starts. */
     double pressure_std; /* Noise of the cylinder pressures. [Pa] */
     double pressure_offset_std; /* Standard deviation of the zero of each pressure sensor. [Pa] */
+    double pressure_gain_std; /* Standard deviation of the gain of the cylinder pressures about 1: range, unit, what a sensor lost. A calibrated span holds it. */
     double angle_offset_std; /* Standard deviation of the zeros of lift and tilt angle; 0.009 (half a degree) where somebody set them. [rad] */
   } sensors;
   struct {

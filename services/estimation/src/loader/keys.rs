@@ -213,6 +213,8 @@ table! {
         pressure_std: f64 = 5e4, "Pa", 1.0 to 1e8;
         /// Standard deviation of the zero of each pressure sensor.
         pressure_offset_std: f64 = 1e5, "Pa", 0.0 to 1e8;
+        /// Standard deviation of the gain of the cylinder pressures about 1: range, unit, what a sensor lost. A calibrated span holds it.
+        pressure_gain_std: f64 = 0.03, "", 0.0 to 1.0;
         /// Standard deviation of the zeros of lift and tilt angle; 0.009 (half a degree) where somebody set them.
         angle_offset_std: f64 = 0.035, "rad", 0.0 to 1.0;
     }

@@ -21,6 +21,9 @@ const MEMORY: f64 = 5.0;
 const DIFFER: f64 = 6.6;
 /// Standard deviation of a payload that may be believed, as a share of the machine's mass.
 const KNOWN_PAYLOAD: f64 = 0.03;
+/// Of two places of the tilt cylinder one is true, and the mean of both is off by as much as either is away, for sure: at most this share of
+/// that deviation, a twentieth of the rated payload.
+const UNDECIDED: f64 = 0.5;
 
 /// Memory of the comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,7 +80,9 @@ impl Witnesses {
             // What the slips lack is no matter of the weight.
             (answer.fresh, answer.consistent, answer.reason) = (true, true, Reason::None);
         }
-        answer.trusted_payload = believed && weighed.payload.std <= KNOWN_PAYLOAD * weighed.mass;
+        let known = KNOWN_PAYLOAD * weighed.mass;
+        answer.trusted_payload =
+            believed && weighed.payload.std <= known && weighed.undecided <= UNDECIDED * known;
         if differ {
             let reason = if weighed.wrong {
                 Reason::LiftCylinder

@@ -206,6 +206,11 @@ impl Doubts {
         (self.now, self.last) = (None, None);
     }
 
+    /// What a number that is off by its deviation does to the payload [kg].
+    pub fn of_payload(&self, number: usize) -> f64 {
+        self.effects[number][0].abs()
+    }
+
     /// Standard deviation of what the pressures show of the payload, by all numbers [kg].
     pub fn shown(&self) -> f64 {
         sqrt(self.sums.variances[0].max(0.0))

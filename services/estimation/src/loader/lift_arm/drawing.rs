@@ -97,7 +97,13 @@ impl Drawing {
             std,
             weighing: weighing(std, span, offset),
             learns_turn: leaves_turn_open(arm, cylinder),
-            doubted: if span || offset { NUMBERS } else { SPAN },
+            doubted: if offset {
+                NUMBERS
+            } else if std[SPAN] > 0.0 {
+                OFFSET
+            } else {
+                SPAN
+            },
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
             count: cylinder.count,
@@ -208,7 +214,7 @@ fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
         (0.0, sensors.angle_offset_std),
         (0.0, OTHER_BUCKET * arm.bucket_mass),
         turn(arm, cylinder.span_std > 0.0),
-        (0.0, cylinder.span_std),
+        (0.0, or(cylinder.span_std, sensors.pressure_gain_std)),
         (cylinder.force_offset, cylinder.force_offset_std),
     ]
 }

@@ -139,6 +139,8 @@ pub(super) struct Weighed {
     pub loading: Loading,
     /// Standard deviations of ratio and height of that, the empty machine being known [-, m].
     pub loading_std: [f64; 2],
+    /// How far it lies from either place of the tilt cylinder, while both are possible [kg].
+    pub undecided: f64,
     /// The content may be changing, or the ground carries a part of it.
     pub open: bool,
     /// No doubt that was stated explains what the pressures show.
@@ -448,6 +450,7 @@ impl LiftWitness {
                 ratio: ratio.value - share * empty.ratio.0,
             },
             loading_std: [widened.moved.ratio, widened.moved.height],
+            undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             open,
             wrong: self.below.is_wrong(),
             silent: false,

@@ -24,7 +24,8 @@ pub(super) const TILT_ZERO: usize = 19;
 pub(super) const EXCHANGED: usize = 20;
 /// How far the bucket turns with the arm while nobody tilts.
 pub(super) const TURN: usize = 21;
-/// Numbers of a calibration: relative error of the moment, and force that the pressures show too much.
+/// Relative error of the moment, by the pressures' gain or as a calibration left it, and force that the pressures show too much, by a
+/// calibration alone.
 pub(super) const SPAN: usize = 22;
 pub(super) const OFFSET: usize = 23;
 /// How many there are.

@@ -319,6 +319,14 @@ fn a_rod_pressure_that_nobody_measures_is_an_uncertain_one() {
 }
 
 #[test]
+fn the_gain_of_a_pressure_sensor_that_nobody_checked_is_in_doubt() {
+    let gained = |by: f64| lifted(|_, head| by * head, Some(0.7e6)).payload;
+    let [sound, off] = [gained(1.0), gained(1.1)];
+    assert!((sound.value - 3600.0).abs() < 60.0, "{sound:?}");
+    assert!((off.value - 3600.0).abs() < 1.96 * off.std, "{off:?}");
+}
+
+#[test]
 fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
@@ -685,4 +693,35 @@ fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
     assert!(last.cg_ratio.std > 2.0 * unreported[299].cg_ratio.std);
     let told = answers(Some(Payload::new(2000.0, 1.5, 1.3)))[599];
     assert!(told.cg_ratio.std < last.cg_ratio.std, "{told:?} {last:?}");
+}
+
+#[test]
+fn a_load_is_not_trusted_while_its_tilt_cylinder_may_be_in_either_place() {
+    use crate::loader::{CgEstimator, Columns, Method};
+    let weighed = |turn: Option<f64>, head: f64| {
+        let mut settings = settings();
+        settings.lift_arm.bucket_turn = turn;
+        let mut estimator =
+            CgEstimator::new(&settings, Method::FullEkf, Columns::default()).unwrap();
+        let row = |k: u32| Sample {
+            time: 0.01 * f64::from(k),
+            speed: Some(0.0),
+            lift_angle: Some(0.1),
+            tilt_angle: Some(0.0),
+            lift_head_pressure: Some(head + 1e4 * f64::from(k % 3)),
+            lift_rod_pressure: Some(0.7e6),
+            acceleration: Some(0.0),
+            ..Sample::default()
+        };
+        (0..1000)
+            .map(|k| estimator.step(&row(k)))
+            .last()
+            .expect("rows")
+    };
+    let full = 16e6;
+    let [stated, open] = [Some(0.15), None].map(|turn| weighed(turn, full));
+    assert!(stated.trusted_payload && !open.trusted_payload, "{open:?}");
+    assert!(open.payload.expect("weighed").value > 2500.0, "{open:?}");
+    let light = weighed(None, 7e6);
+    assert!(light.trusted_payload, "{light:?}");
 }

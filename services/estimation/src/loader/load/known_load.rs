@@ -173,6 +173,7 @@ mod tests {
                 ratio: 0.4,
             },
             loading_std: [0.02, 0.03],
+            undecided: 0.0,
             open: false,
             wrong: false,
             silent: false,
