@@ -119,9 +119,9 @@ fn line(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -
 /// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
 fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
     match (unit, si) {
-        ("%", "rad") => (
+        ("%" | "‰", "rad") => (
             format!(
-                "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
+                "{signal} = {{ column = {name}, unit = \"{unit}\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
             ),
             true,
         ),
@@ -210,6 +210,9 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<St
             // In America the word alone means it.
             name if unit.name == "t" && name.contains("ton") && !name.contains("tonne") => {
                 "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\""
+            }
+            name if unit.name == "rad/s" && name.contains("1/s") => {
+                "; in radians: turns a second are unit = \"turn/s\""
             }
             _ => "",
         };
