@@ -35,7 +35,19 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     out.push_str("\n[columns]\n");
     let (mut found, mut taken, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
+    if let Some([whole, below]) = seconds_and_below(&names) {
+        let [s, ns] = [whole, below].map(|at| quoted(&header[at]));
+        let _ = writeln!(
+            out,
+            "t = {{ terms = [{{ column = {s} }}, {{ column = {ns}, unit = \"ns\" }}] }}  # seconds, and nanoseconds beside them"
+        );
+        taken.extend([whole, below]);
+        found.push("t".to_owned());
+    }
     for signal in wanted::<S>() {
+        if found.contains(&signal) {
+            continue;
+        }
         let Some(at) = fitting(&signal, &names, &taken) else {
             continue;
         };
@@ -103,6 +115,25 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing,
         unknown,
         found: found.len(),
+    })
+}
+
+/// The columns of seconds and of the nanoseconds beside them, as ROS has them in its headers, where they are the time.
+fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
+    const ENDS: [(&str, &str); 3] = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")];
+    if fitting("t", names, &[]).is_some_and(|at| !names[at].contains("stamp")) {
+        return None;
+    }
+    let at = |name: &str| names.iter().position(|other| *other == name);
+    ENDS.iter().find_map(|(whole, below)| {
+        let before = names.iter().filter_map(|name| name.strip_suffix(below));
+        let mut pairs = before.map(|before| {
+            Some([
+                at(&format!("{before}{whole}"))?,
+                at(&format!("{before}{below}"))?,
+            ])
+        });
+        pairs.find_map(|pair| pair)
     })
 }
 
@@ -394,6 +425,18 @@ mod tests {
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
+    }
+
+    #[test]
+    fn seconds_with_nanoseconds_beside_them_are_the_time() {
+        let of = |names: &[&str]| seconds_and_below(names);
+        assert_eq!(
+            of(&["x", "header.stamp.sec", "header.stamp.nanosec"]),
+            Some([1, 2])
+        );
+        assert_eq!(of(&["stamp_nsecs", "stamp_secs"]), Some([1, 0]));
+        assert_eq!(of(&["time", "a.sec", "a.nanosec"]), None);
+        assert_eq!(of(&["a.sec", "b.nanosec"]), None);
     }
 
     #[test]

@@ -251,6 +251,10 @@ impl Axles {
                 "acceleration seems to be in g: the speed changes ten times as fast\n  \
                  what to do: write `unit = \"g\"` for acceleration in a signal map"
             }
+            () if together > TOGETHER && about(size * GRAVITY / 1e3, ABOUT) => {
+                "acceleration seems to be in mg: the speed changes a hundredth as fast\n  \
+                 what to do: write `unit = \"mg\"` for acceleration in a signal map"
+            }
             () if together > TOGETHER && about(size / FEET, ABOUT) => {
                 "acceleration seems to be in ft/s^2: the speed changes a third as fast\n  \
                  what to do: write `unit = \"ft/s^2\"` for acceleration in a signal map"
@@ -324,6 +328,10 @@ mod tests {
             (
                 first(|s| times(&mut s.acceleration, 1.0 / 9.81)),
                 "acceleration seems to be in g",
+            ),
+            (
+                first(|s| times(&mut s.acceleration, 1e3 / 9.81)),
+                "acceleration seems to be in mg",
             ),
             (
                 first(|s| times(&mut s.acceleration, 3.28)),
