@@ -256,6 +256,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         text: out,
         missing,
         unknown: Vec::new(),
+        of_others: Vec::new(),
         found: found.len(),
     })
 }
@@ -326,6 +327,23 @@ mod tests {
             "{}",
             said(&bag)
         );
+    }
+
+    #[test]
+    fn a_link_that_is_missing_and_a_column_of_another_unit_are_told() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let of = |header: &str| {
+            let file = dir.path().join("x.csv");
+            std::fs::write(&file, format!("{header}\n0,1,2,3\n")).expect("writable");
+            suggest(&file, &[], Some(Machine::Excavator)).expect("a table")
+        };
+        let said = of("t,swing_rate,boom,Swing torque [%]");
+        assert_eq!(said.missing, [&["arm_angle"][..], &["bucket_angle"]]);
+        assert_eq!(
+            said.of_others,
+            ["swing_torque (\"Swing torque [%]\", in %)"]
+        );
+        assert!(of("t,swing_rate,x,y").missing.is_empty());
     }
 
     #[test]

@@ -59,6 +59,12 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             missing.join(", ")
         );
     }
+    if !suggestion.of_others.is_empty() {
+        eprintln!(
+            "these are not used, as their units are of something else: {}; a scale in their lines converts them",
+            suggestion.of_others.join(", ")
+        );
+    }
     if !suggestion.unknown.is_empty() {
         eprintln!(
             "these are no units that heft knows: {}; write unit or scale into their lines",

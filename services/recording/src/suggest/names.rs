@@ -27,7 +27,7 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
 }
 
 /// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
-/// `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
+/// `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
 const WORDS: &[(&str, &[&[&str]])] = &[
     (
         "t",
@@ -68,6 +68,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=gyro"],
             &["=omega"],
             &["=angular_velocity"],
+            &["swing", "|w"],
             &["swing", "[rad/s"],
             &["slew", "[rad/s"],
         ],
@@ -393,6 +394,9 @@ fn has(name: &str, word: &str) -> bool {
     if let Some(si) = word.strip_prefix('[') {
         return unit::is_of(name, si);
     }
+    if let Some(word) = word.strip_prefix('|') {
+        return unit::words(name).contains(&word);
+    }
     let Some(word) = word.strip_prefix('^') else {
         return name.contains(word);
     };
@@ -502,6 +506,7 @@ mod tests {
                 "joint_states/swing/effort",
             ),
             ("swing_torque", "swing.w", "excavator.swing.tau"),
+            ("swing_velocity", "swing.tau", "excavator.swingJoint.w"),
         ] {
             assert_eq!(fitting(signal, &[other, own], &[]), Some(1), "{other}");
             assert_eq!(fitting(signal, &[other], &[]), None, "{other}");

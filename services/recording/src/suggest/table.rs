@@ -33,7 +33,8 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let names: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
-    let (mut found, mut taken, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found, mut taken) = (Vec::new(), Vec::new());
+    let (mut unknown, mut of_others) = (Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
     if let Some([whole, below]) = seconds_and_below(&names) {
         let [s, ns] = [whole, below].map(|at| quoted(&header[at]));
@@ -61,6 +62,9 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         if let Some(unit) = unit::foreign(&named, si) {
             let (line, is_usable) = of_another_unit(&signal, &name, unit, si);
             out += &line;
+            if !is_usable {
+                of_others.push(format!("{signal} ({name}, in {unit})"));
+            }
             found.extend(is_usable.then_some(signal));
             continue;
         }
@@ -114,6 +118,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         text: out,
         missing,
         unknown,
+        of_others,
         found: found.len(),
     })
 }
@@ -205,7 +210,7 @@ fn rest(names: &[&str], taken: &[usize]) -> String {
 }
 
 /// Angles of links, each from the one before it.
-pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
+pub(super) static LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A column that is a signal.
 struct Column {

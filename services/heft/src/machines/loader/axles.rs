@@ -40,6 +40,8 @@ const TOGETHER: f64 = 0.5;
 /// recorded, by tyres, axles and loads; .738 times as much in lbf ft.
 const MOVED: f64 = 0.95;
 const LIGHT: Range<f64> = 0.6..0.85;
+/// Less of it is moved by torques at the motor: from there to the wheel a gear has at least four turns to one.
+const AT_MOTOR: f64 = 1.24 / 4.0;
 /// Feet in a metre.
 const FEET: f64 = 3.281;
 /// A unit that is meant is within this factor, another tyre or gear too.
@@ -231,6 +233,12 @@ impl Axles {
     fn pound_feet(&self, moment: f64) -> Option<String> {
         let [_, moved] = self.moved.coefficients();
         let ratio = moved / moment;
+        if self.moved.correlation() > MOVED && ratio < AT_MOTOR {
+            return Some(format!(
+                "front_torque and rear_torque accelerate {ratio:.2} times the described mass\n  \
+                 what to do: if they are those at the motor, write `scale` for both in a signal map, the gear ratio; else check their unit"
+            ));
+        }
         let is_so = self.moved.correlation() > MOVED && LIGHT.contains(&ratio);
         is_so.then(|| {
             format!(
@@ -353,6 +361,7 @@ mod tests {
         assert_eq!(both(0.5), None);
         assert_eq!(both(0.9), None);
         assert!(both(0.7376).is_some_and(|said| said.contains("`unit = \"lbf ft\"`")));
+        assert!(both(0.04).is_some_and(|said| said.contains("the gear ratio")));
         assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
         assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
         // Without an accelerometer, in turns, and with tyres of another size nothing is said.
