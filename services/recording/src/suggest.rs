@@ -257,6 +257,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         missing,
         unknown: Vec::new(),
         of_others: Vec::new(),
+        links: suggestion::links(&found),
         found: found.len(),
     })
 }
@@ -330,6 +331,20 @@ mod tests {
     }
 
     #[test]
+    fn names_of_groups_above_those_of_columns_count_where_these_do_not_tell() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let groups = "Time,Swing,,Front,,\n[s],Rate [deg/s],Torque [kNm],Boom [deg],Arm [deg],Bucket [deg]\n";
+        let text = format!("{groups}0,1,2,3,4,5\n1,1,2,3,4,5\n");
+        std::fs::write(&file, text).expect("writable");
+        let said = suggest(&file, &[], Some(Machine::Excavator)).expect("a table");
+        assert!(said.missing.is_empty(), "{}", said.text);
+        let line = "swing_velocity = { column = \"Rate [deg/s]\", unit = \"deg/s\" }";
+        assert!(said.text.contains(line), "{}", said.text);
+        assert!(said.text.contains("t = \"[s]\""), "{}", said.text);
+    }
+
+    #[test]
     fn a_link_that_is_missing_and_a_column_of_another_unit_are_told() {
         let dir = tempfile::tempdir().expect("a folder");
         let of = |header: &str| {
@@ -338,12 +353,12 @@ mod tests {
             suggest(&file, &[], Some(Machine::Excavator)).expect("a table")
         };
         let said = of("t,swing_rate,boom,Swing torque [%]");
-        assert_eq!(said.missing, [&["arm_angle"][..], &["bucket_angle"]]);
+        assert_eq!(said.links, ["arm_angle", "bucket_angle"]);
         assert_eq!(
             said.of_others,
             ["swing_torque (\"Swing torque [%]\", in %)"]
         );
-        assert!(of("t,swing_rate,x,y").missing.is_empty());
+        assert!(of("t,swing_rate,x,y").links.is_empty());
     }
 
     #[test]

@@ -59,6 +59,12 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             missing.join(", ")
         );
     }
+    if !suggestion.links.is_empty() {
+        eprintln!(
+            "no name fits {}: without all three angles nothing is trusted",
+            suggestion.links.join(", ")
+        );
+    }
     if !suggestion.of_others.is_empty() {
         eprintln!(
             "these are not used, as their units are of something else: {}; a scale in their lines converts them",

@@ -379,7 +379,7 @@ fn is_other(signal: &str, name: &str) -> bool {
     let is_of = |key: &&str| *key == signal || key.starts_with('_') && signal.ends_with(key);
     let others = OF_OTHERS
         .iter()
-        .filter(|(keys, _)| keys.iter().any(|key| is_of(&key)));
+        .filter(|(keys, _)| keys.iter().any(|key| is_of(key)));
     let mut all = others
         .flat_map(|(_, words)| words.iter())
         .chain(&NO_MEASUREMENT);

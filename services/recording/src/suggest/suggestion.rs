@@ -1,7 +1,5 @@
 //! A first map, and what it lacks.
 
-use messages::Machine;
-
 use super::table::LINKS;
 use crate::signal::Sensors;
 
@@ -16,6 +14,8 @@ pub struct Suggestion {
     pub unknown: Vec<String>,
     /// Columns that are in a unit of something else than the signal that they are called, with what they are in.
     pub of_others: Vec<String>,
+    /// Links whose angles were not found, where that of another was.
+    pub links: Vec<&'static str>,
     /// How many signals were found.
     pub(crate) found: usize,
 }
@@ -23,15 +23,15 @@ pub struct Suggestion {
 /// Groups of signals that a machine needs one of, and none was found.
 pub(crate) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static str]> {
     let is_missing = |group: &&[&str]| !group.iter().any(|s| found.iter().any(|f| f == s));
-    let links = LINKS.each_ref().map(std::slice::from_ref);
-    // One angle without the others is no posture.
-    let has_some = LINKS.iter().any(|link| found.iter().any(|f| f == link))
-        && S::MACHINE == Machine::Excavator;
-    let links = links.into_iter().filter(|_| has_some);
-    S::REQUIRED
-        .iter()
-        .copied()
-        .chain(links)
-        .filter(is_missing)
-        .collect()
+    S::REQUIRED.iter().copied().filter(is_missing).collect()
+}
+
+/// The links of an excavator whose angles were not found, where that of another was: one without the others is no posture.
+pub(crate) fn links(found: &[String]) -> Vec<&'static str> {
+    let is_found = |link: &&str| found.iter().any(|signal| signal == link);
+    let (known, missing): (Vec<&str>, Vec<&str>) = LINKS.into_iter().partition(is_found);
+    if known.is_empty() {
+        return Vec::new();
+    }
+    missing
 }

@@ -12,7 +12,7 @@ use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
-use crate::suggest::suggestion::{Suggestion, missing};
+use crate::suggest::suggestion::{Suggestion, links, missing};
 use crate::unit;
 
 /// Numbers of a topic that are listed.
@@ -155,6 +155,7 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         missing: missing::<S>(&found_all),
         unknown: Vec::new(),
         of_others: Vec::new(),
+        links: links(&found_all),
         found: taken.len(),
     }
 }
