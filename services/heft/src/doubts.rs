@@ -340,9 +340,11 @@ mod tests {
             let loader = Description::default_of(messages::Machine::Loader);
             let mut doubts = Doubts::<Nothing>::of(&loader);
             for k in 0..1000 {
-                let mut sample = messages::LoaderSensors::default();
-                sample.lift_head_pressure = value(k);
-                sample.valid = u32::MAX;
+                let sample = messages::LoaderSensors {
+                    lift_head_pressure: value(k),
+                    valid: u32::MAX,
+                    ..Default::default()
+                };
                 doubts.add(&sample, false);
             }
             doubts.often_too_large()

@@ -23,8 +23,7 @@ use crate::topics::list;
 use crate::{Error, Kind, packed, parts, steers};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
-use suggestion::missing;
-use table::LINKS;
+use suggestion::{LINKS, missing};
 pub use table::STEEPEST;
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without

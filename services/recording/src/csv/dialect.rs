@@ -139,7 +139,7 @@ fn is_missing(cell: &[u8]) -> bool {
     // The errors of a sheet are words of its language; an instrument fills its digits.
     let is_error = matches!(cell, [b'#', .., b'!' | b'?']);
     let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-.*".contains(b));
-    MISSING.iter().any(|word| is_word(word)) || is_error || is_filled
+    MISSING.iter().any(is_word) || is_error || is_filled
 }
 
 /// The separator in Excel's first line `sep=;`.

@@ -377,9 +377,7 @@ fn is_other(signal: &str, name: &str) -> bool {
     let words = texts.iter().flat_map(|text| unit::words(text));
     let words: Vec<String> = words.map(str::to_lowercase).collect();
     let is_of = |key: &&str| *key == signal || key.starts_with('_') && signal.ends_with(key);
-    let others = OF_OTHERS
-        .iter()
-        .filter(|(keys, _)| keys.iter().any(|key| is_of(key)));
+    let others = OF_OTHERS.iter().filter(|(keys, _)| keys.iter().any(&is_of));
     let mut all = others
         .flat_map(|(_, words)| words.iter())
         .chain(&NO_MEASUREMENT);

@@ -1,7 +1,9 @@
 //! A first map, and what it lacks.
 
-use super::table::LINKS;
 use crate::signal::Sensors;
+
+/// Angles of links, each from the one before it.
+pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A first map of a file.
 #[derive(Debug)]

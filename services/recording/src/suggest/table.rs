@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
-use super::suggestion::{Suggestion, links, missing};
+use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
@@ -281,9 +281,6 @@ fn rest(names: &[String], taken: &[usize]) -> String {
         ),
     }
 }
-
-/// Angles of links, each from the one before it.
-pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A column that is a signal.
 struct Column {
