@@ -8,10 +8,10 @@ use heft_c::settings::{places, write};
 use heft_c::{Excavator, Loader, Machine};
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
 
-use crate::model::default_columns;
 use crate::model::reference::{
-    ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, TIME, VALUE,
+    ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, STATED, TIME, VALUE,
 };
+use crate::model::{default_columns, unstated};
 
 /// Where words, units and ranges of a machine stand.
 pub trait Words: Machine {
@@ -148,6 +148,7 @@ fn variables<M: Words>() -> Vec<Variable> {
     }];
     inputs::<M>(&mut all);
     parameters::<M>(&mut all);
+    stated::<M>(&mut all);
     outputs::<M>(&mut all);
     all
 }
@@ -192,6 +193,10 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
     let settings = M::Settings::default();
     let mut starts = Vec::new();
     write(&settings, |_, number| starts.push(number));
+    let unstated = unstated(&settings);
+    for key in &unstated {
+        starts[key.at] = key.start;
+    }
     for place in places(&settings) {
         let key = place.key;
         let mut text = key.doc.trim().to_owned();
@@ -206,7 +211,7 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
         }
         for i in 0..place.width() {
             let start = starts[place.first + i];
-            // "None" has no number that every importer can read.
+            // Behind the end of a list.
             if start.is_nan() {
                 continue;
             }
@@ -227,6 +232,20 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
                 ),
             });
         }
+    }
+}
+
+/// Flags that say which keys count whose default is "none".
+fn stated<M: Words>(all: &mut Vec<Variable>) {
+    for (i, key) in unstated(&M::Settings::default()).iter().enumerate() {
+        all.push(Variable {
+            kind: "Boolean",
+            name: format!("stated.{}", key.path),
+            reference: STATED + i as u32,
+            causality: "parameter",
+            text: format!("{} counts; else it is \"none\".", key.path),
+            more: " variability=\"fixed\" start=\"false\"".to_owned(),
+        });
     }
 }
 

@@ -34,12 +34,12 @@ impl Instance {
             true => Vec::new(),
             false => self.model.ignored(),
         };
-        if let Some(first) = ignored.first() {
+        if !ignored.is_empty() {
             self.is_warned = true;
             let all = ignored.join(", ");
             self.tell(
                 WARNING,
-                &format!("ignored, as not said to be connected: {all}; set has.{first} = true"),
+                &format!("values are ignored, as these are not set to true: {all}"),
             );
         }
     }

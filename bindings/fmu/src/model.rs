@@ -1,6 +1,7 @@
 //! One machine as the variables of an FMU.
 
-use heft_c::settings::{read, write};
+use estimation::keys::Form;
+use heft_c::settings::{Settings, places, read, write};
 use heft_c::{Machine, bits, sample};
 
 /// First value reference of each kind of variable; the position in the machine's table is added.
@@ -25,8 +26,12 @@ pub mod reference {
     pub const METHOD_USED: u32 = 8_000;
     /// Output: why it is not trusted.
     pub const REASON: u32 = 8_001;
+    /// Flags: this key counts, whose default is "none".
+    pub const STATED: u32 = 9_000;
 }
-use reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, TIME, VALUE};
+use reference::{
+    ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, STATED, TIME, VALUE,
+};
 
 /// What an importer can do with a machine, whichever it is. Setters and getters say whether there
 /// is such a variable.
@@ -50,8 +55,9 @@ pub trait Model {
     fn start(&mut self) -> Result<(), String>;
     /// Takes in the inputs as the row of this time \[s\], and goes on to the end of the step; false before [`Model::start`].
     fn step(&mut self, time: f64, length: f64) -> bool;
-    /// Inputs that have a value and are not said to be connected: their values are not used.
-    fn ignored(&self) -> Vec<&'static str>;
+    /// Inputs that have a value and are not said to be connected, and keys that are not said to count: the flags that are not
+    /// set, as the values are not used.
+    fn ignored(&self) -> Vec<String>;
     /// Back to the start values.
     fn reset(&mut self);
     /// The whole state.
@@ -65,6 +71,9 @@ pub struct Variables<M: Machine> {
     inputs: Vec<f64>,
     columns: u32,
     keys: Vec<f64>,
+    /// Keys whose default is "none", and whether each counts.
+    unstated: Vec<Unstated>,
+    stated: Vec<bool>,
     method: usize,
     machine: Option<M>,
     values: Vec<f64>,
@@ -78,11 +87,17 @@ impl<M: Machine> Default for Variables<M> {
     fn default() -> Self {
         let mut keys = Vec::new();
         write(&M::Settings::default(), |_, number| keys.push(number));
+        let unstated = unstated(&M::Settings::default());
+        for key in &unstated {
+            keys[key.at] = key.start;
+        }
         Self {
             time: 0.0,
             inputs: vec![0.0; M::SIGNALS.len()],
             columns: default_columns::<M>(),
             keys,
+            stated: vec![false; unstated.len()],
+            unstated,
             method: 0,
             machine: None,
             values: vec![0.0; M::VALUES.len()],
@@ -101,6 +116,34 @@ pub fn default_columns<M: Machine>() -> u32 {
     let position = |name: &&str| M::SIGNALS.iter().position(|s| s.name == *name);
     let found = required.filter_map(position);
     found.fold(0, |all, i| all | 1 << (i - 1))
+}
+
+/// A key whose default is "none".
+#[derive(Clone)]
+pub struct Unstated {
+    /// Position of its double.
+    pub at: usize,
+    /// Its name with its table.
+    pub path: &'static str,
+    /// What stands there until somebody states it: "none" has no number that every importer can read.
+    pub start: f64,
+}
+
+/// The keys whose default is "none", in their order.
+pub fn unstated<S: Settings>(settings: &S) -> Vec<Unstated> {
+    let mut numbers = Vec::new();
+    write(settings, |_, number| numbers.push(number));
+    let is_none = |at: usize, form| matches!(form, Form::OptionalNumber) && numbers[at].is_nan();
+    let keys = places(settings).filter(|place| is_none(place.first, place.key.form));
+    keys.map(|place| Unstated {
+        at: place.first,
+        path: place.key.path,
+        start: place
+            .key
+            .range
+            .map_or(0.0, |range| 0.0_f64.clamp(range.low, range.high)),
+    })
+    .collect()
 }
 
 /// Position behind `first` in a table of this length.
@@ -140,10 +183,17 @@ impl<M: Machine> Model for Variables<M> {
         let has = has.map(|i| set(self.columns, i - 1));
         let flag = at(reference, FLAG, M::FLAGS.len()).map(|i| set(self.flags, i));
         let estimated = at(reference, ESTIMATED, M::ESTIMATED.len());
-        has.or(flag).or(estimated.map(|i| set(self.estimated, i)))
+        let stated = at(reference, STATED, self.stated.len()).map(|i| self.stated[i]);
+        let estimated = estimated.map(|i| set(self.estimated, i));
+        has.or(flag).or(estimated).or(stated)
     }
 
     fn set_boolean(&mut self, reference: u32, value: bool) -> bool {
+        let stated = at(reference, STATED, self.stated.len());
+        if let Some(i) = stated.filter(|_| self.machine.is_none()) {
+            self.stated[i] = value;
+            return true;
+        }
         match at(reference, HAS, M::SIGNALS.len()) {
             Some(i) if i > 0 && self.machine.is_none() => {
                 let bit = 1 << (i - 1);
@@ -181,7 +231,12 @@ impl<M: Machine> Model for Variables<M> {
     }
 
     fn start(&mut self) -> Result<(), String> {
-        let settings = read(|i| self.keys[i]).map_err(|error| error.to_string())?;
+        let mut keys = self.keys.clone();
+        let unstated = self.unstated.iter().zip(&self.stated);
+        for (key, _) in unstated.filter(|(_, is_stated)| !**is_stated) {
+            keys[key.at] = f64::NAN;
+        }
+        let settings = read(|i| keys[i]).map_err(|error| error.to_string())?;
         let machine = M::new(&settings, self.method, self.columns);
         self.machine = Some(machine.map_err(|error| error.to_string())?);
         Ok(())
@@ -210,15 +265,17 @@ impl<M: Machine> Model for Variables<M> {
         true
     }
 
-    fn ignored(&self) -> Vec<&'static str> {
+    fn ignored(&self) -> Vec<String> {
         let inputs = M::SIGNALS.iter().zip(&self.inputs).enumerate().skip(1);
         let is_ignored = |i: usize, value: f64| {
             value != 0.0 && value.is_finite() && self.columns & (1 << (i - 1)) == 0
         };
-        inputs
-            .filter(|(i, (_, value))| is_ignored(*i, **value))
-            .map(|(_, (signal, _))| signal.name)
-            .collect()
+        let inputs = inputs.filter(|(i, (_, value))| is_ignored(*i, **value));
+        let keys = self.unstated.iter().zip(&self.stated);
+        let keys = keys.filter(|(key, is_stated)| !**is_stated && self.keys[key.at] != key.start);
+        let flags = inputs.map(|(_, (signal, _))| format!("has.{}", signal.name));
+        let keys = keys.map(|(key, _)| format!("stated.{}", key.path));
+        flags.chain(keys).collect()
     }
 
     fn reset(&mut self) {
@@ -227,5 +284,35 @@ impl<M: Machine> Model for Variables<M> {
 
     fn copy(&self) -> Box<dyn Model> {
         Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heft_c::Excavator;
+
+    #[test]
+    fn a_key_whose_default_is_none_counts_where_it_is_stated() {
+        let mut model = Variables::<Excavator>::default();
+        let gain = |key: &Unstated| key.path == "sensors.swing_torque_gain_std";
+        let i = model.unstated.iter().position(gain).expect("such a key");
+        let key = KEY + model.unstated[i].at as u32;
+        assert_eq!(model.float(key), Some(0.0));
+        assert!(model.ignored().is_empty());
+        // Out of its range, and nobody looks.
+        assert!(model.set_float(key, 7.0) && model.start().is_ok());
+        assert_eq!(model.ignored(), ["stated.sensors.swing_torque_gain_std"]);
+        let mut model = Variables::<Excavator>::default();
+        assert!(model.set_float(key, 7.0) && model.set_boolean(STATED + i as u32, true));
+        assert_eq!(model.boolean(STATED + i as u32), Some(true));
+        assert!(
+            model
+                .start()
+                .is_err_and(|error| error.contains("swing_torque_gain_std"))
+        );
+        let mut model = Variables::<Excavator>::default();
+        assert!(model.set_float(key, 0.02) && model.set_boolean(STATED + i as u32, true));
+        assert!(model.start().is_ok() && model.ignored().is_empty());
     }
 }

@@ -10,6 +10,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use config::Description;
 use messages::Machine;
 use recording::{Kind, Reader};
+use steps::Idle;
 use steps::stages::Pipeline;
 
 use crate::failure::Failure;
@@ -213,14 +214,57 @@ pub fn tell_old_names(keys: &[&str]) {
 
 /// Warns of keys that were set and do nothing.
 pub fn tell_idle_keys(description: &Description, methods: &[&str]) {
-    for idle in steps::idle_keys(description, methods) {
-        eprintln!("warning: {idle}");
+    for words in idle_words(&steps::idle_keys(description, methods)) {
+        eprintln!("warning: {words}");
     }
+}
+
+/// Words on idle keys, a line for each table of them.
+fn idle_words(keys: &[Idle]) -> Vec<String> {
+    let table = |idle: &Idle| {
+        idle.key
+            .rsplit_once('.')
+            .map_or(String::new(), |(table, _)| table.to_owned())
+    };
+    let of_table = keys.chunk_by(|a, b| table(a) == table(b));
+    let words = |keys: &[Idle]| match keys {
+        [one] => one.to_string(),
+        [first, rest @ ..] => {
+            let rest = rest
+                .iter()
+                .map(|idle| idle.key.rsplit('.').next().unwrap_or_default());
+            let rest: Vec<&str> = rest.collect();
+            format!(
+                "{}, {} have no effect under {}",
+                first.key,
+                rest.join(", "),
+                first.methods
+            )
+        }
+        [] => String::new(),
+    };
+    of_table.map(words).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn idle_keys_of_one_table_are_one_line() {
+        let idle = |key: &str| Idle {
+            key: key.into(),
+            methods: "auto".into(),
+        };
+        let keys = ["machine.a", "machine.boom.x", "machine.boom.y"].map(idle);
+        assert_eq!(
+            idle_words(&keys),
+            [
+                "machine.a has no effect under auto",
+                "machine.boom.x, y have no effect under auto"
+            ]
+        );
+    }
 
     #[test]
     fn a_class_leaves_what_the_machine_file_states() {

@@ -27,8 +27,9 @@ pub struct Doubts<L> {
     measured: Vec<Measured>,
     /// How often each signal, by its bit, was larger than any measurement.
     beyond: [usize; 32],
-    /// The ends of the values of each of `measured`.
+    /// The ends of the values of each of `measured`, and in how many rows it was larger without being a mark.
     ends: Vec<Ends>,
+    too_large: Vec<usize>,
     /// What stands for missing samples in any signal, and how often it stands in each of `measured`.
     shared: Shared,
     counts: Vec<Count>,
@@ -102,6 +103,7 @@ impl<L: Look> Doubts<L> {
             refused: 0,
             is_measured: false,
             ends: vec![Ends::default(); measured.len()],
+            too_large: vec![0; measured.len()],
             shared: Shared::default(),
             counts: vec![Count::default(); measured.len()],
             measured,
@@ -119,8 +121,12 @@ impl<L: Look> Doubts<L> {
         }
         let valid = sample.bits_of("valid");
         self.is_measured |= valid != 0;
-        let seen = self.ends.iter_mut().zip(&mut self.counts);
-        for ((index, bit, limit), (ends, count)) in self.measured.iter().zip(seen) {
+        let seen = self
+            .ends
+            .iter_mut()
+            .zip(&mut self.counts)
+            .zip(&mut self.too_large);
+        for ((index, bit, limit), ((ends, count), too_large)) in self.measured.iter().zip(seen) {
             let value = sample.get(*index).map(Value::as_f64);
             let Some(value) = value.filter(|_| valid & bit != 0) else {
                 continue;
@@ -130,6 +136,7 @@ impl<L: Look> Doubts<L> {
                 count.see(value, &self.shared);
             } else {
                 self.shared.learn(value);
+                *too_large += usize::from(!self.shared.is_mark(value));
             }
         }
         let beyond = measurable::beyond(sample, &self.measured);
@@ -156,6 +163,16 @@ impl<L: Look> Doubts<L> {
         }
         self.tell_marks();
         self.tell_ends();
+    }
+
+    /// Which signal is often larger than any measurement: its unit is another, or its machine.
+    fn often_too_large(&self) -> Option<String> {
+        let counts = self.too_large.iter().zip(&self.ends);
+        let mut counts = self.measured.iter().zip(counts);
+        counts.find_map(|((index, ..), (large, ends))| {
+            let name = <L::Sensors as Message>::FIELDS[*index].name;
+            too_large_often(name, *large, large + ends.rows())
+        })
     }
 
     /// Says which torques are at one end of their range again and again: joints have stops, and pressures a zero.
@@ -219,6 +236,7 @@ impl<L: Look> Doubts<L> {
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
+            .or_else(|| self.often_too_large())
             .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
     }
 }
@@ -258,6 +276,16 @@ fn refused_often(refused: usize, rows: usize) -> Option<String> {
     })
 }
 
+/// Why a signal cannot be what is meant, where it is too large to be measured in more than one row in so many.
+fn too_large_often(name: &str, large: usize, rows: usize) -> Option<String> {
+    (REFUSED_ONE_IN * large > rows).then(|| {
+        format!(
+            "{name} is larger than any measurement in {large} of {rows} rows, where it counts as missing\n  \
+             what to do: check its unit and scale in the signal map, and the size of the machine (--class, --config)"
+        )
+    })
+}
+
 /// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
 pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
     if 2 * refused <= rows {
@@ -280,6 +308,49 @@ mod tests {
     fn a_row_in_ten_may_be_refused() {
         assert_eq!(refused_often(10, 100), None);
         assert!(refused_often(11, 100).is_some_and(|words| words.contains("11 of 100 rows")));
+    }
+
+    /// Looks at nothing.
+    struct Nothing;
+
+    impl Look for Nothing {
+        type Described = config::Loader;
+        type Sensors = messages::LoaderSensors;
+
+        fn of(_: &config::Loader) -> Self {
+            Self
+        }
+
+        fn largest(_: &config::Loader, _: &str) -> Option<f64> {
+            Some(1e8)
+        }
+
+        fn add(&mut self, _: &messages::LoaderSensors) {}
+
+        fn fault(&self) -> Option<String> {
+            None
+        }
+    }
+
+    #[test]
+    fn one_value_in_ten_may_be_too_large_and_a_mark_is_none() {
+        assert_eq!(too_large_often("speed", 10, 100), None);
+        assert!(too_large_often("speed", 11, 100).is_some_and(|said| said.contains("speed is")));
+        let said = |value: fn(u32) -> f64| {
+            let loader = Description::default_of(messages::Machine::Loader);
+            let mut doubts = Doubts::<Nothing>::of(&loader);
+            for k in 0..1000 {
+                let sample = messages::LoaderSensors {
+                    lift_head_pressure: value(k),
+                    valid: u32::MAX,
+                    ..Default::default()
+                };
+                doubts.add(&sample, false);
+            }
+            doubts.often_too_large()
+        };
+        assert!(said(|k| 1e9 + f64::from(k)).is_some());
+        assert_eq!(said(|k| if k % 2 == 0 { 4e9 } else { 1e7 }), None);
     }
 
     #[test]

@@ -101,10 +101,18 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
     found.retain(|f| seen.insert(f.canonicalize().unwrap_or_else(|_| f.clone())));
     if found.is_empty() {
         let places: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
+        let remedy = match tables {
+            true => {
+                "name recordings (.mcap), tables (.csv), CAN logs (.log), or folders that hold some"
+            }
+            false => {
+                "name recordings of heft (.mcap), or folders that hold some; tables and CAN logs have a page by `heft estimate FILE --report PAGE`"
+            }
+        };
         return Err(Failure::input(
             "there is nothing to read",
             places.join(", "),
-            "name recordings (.mcap), tables (.csv), CAN logs (.log), or folders that hold some",
+            remedy,
         ));
     }
     Ok(found)

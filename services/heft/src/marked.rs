@@ -72,6 +72,11 @@ impl Ends {
         self.rows += 1;
     }
 
+    /// How many values were taken.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// Where the range of a signal seems to end, and how often it was there. A motion turns there without being twice at
     /// exactly one value.
     pub fn cut(&self) -> Option<(f64, usize)> {

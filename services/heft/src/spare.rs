@@ -14,6 +14,10 @@ const NEEDED: u64 = 192;
 /// The same where its services are threads of the supervisor: 390 counted, without viewers.
 const NEEDED_WITH_THREADS: u64 = 512;
 
+/// Address space of one process with services as threads: 1.13 GB were counted, most of it stacks and arenas of threads. With
+/// less the allocator ends the process in the midst of a run.
+const ADDRESSES_WITH_THREADS: u64 = 1200 << 20;
+
 /// Descriptors in reserve.
 #[derive(Default)]
 pub struct Spare(Vec<File>);
@@ -43,6 +47,38 @@ pub fn check_limit(threads: bool) -> Result<(), Failure> {
             "the limits of this shell or unit",
             "ulimit -n 4096, or LimitNOFILE=4096 in the systemd unit",
         )),
+        _ => check_addresses(getrlimit(Resource::As).current.filter(|_| threads)),
+    }
+}
+
+/// Whether a process with threads may have the memory that it needs.
+fn check_addresses(limit: Option<u64>) -> Result<(), Failure> {
+    match limit {
+        Some(limit) if limit < ADDRESSES_WITH_THREADS => Err(Failure::input(
+            format!(
+                "{} MiB of address space are permitted, a run with --threads needs {}",
+                limit >> 20,
+                ADDRESSES_WITH_THREADS >> 20
+            ),
+            "the limits of this shell or unit (ulimit -v, LimitAS)",
+            "permit more, or run without --threads: each of its processes needs less",
+        )),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_little_address_space_for_threads_is_named() {
+        assert!(check_addresses(None).is_ok());
+        assert!(check_addresses(Some(2 << 30)).is_ok());
+        let error = check_addresses(Some(300 << 20)).expect_err("too little");
+        assert!(
+            error.to_string().contains("300 MiB of address space"),
+            "{error}"
+        );
     }
 }

@@ -193,8 +193,29 @@ impl Kind {
                 PYTHON,
             ));
         }
+        if is_of_pairs(behind_comments(text)) {
+            return Err(Error::new(
+                "each row names its values (key=value), as InfluxDB's line protocol does, which heft does not read",
+                place(),
+                "write a table with the names once, above the values (InfluxDB: a query to CSV)",
+            ));
+        }
         Ok(of_text(text, named))
     }
+}
+
+/// Whether more of the parts of the first line are pairs of a name and its value than are none.
+fn is_of_pairs(text: &[u8]) -> bool {
+    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+    let parts = line
+        .split(|b| b", \t;".contains(b))
+        .filter(|part| !part.is_empty());
+    let is_pair = |part: &&[u8]| {
+        let at = part.iter().position(|b| *b == b'=');
+        at.is_some_and(|at| at > 0 && part[at + 1..].iter().any(u8::is_ascii_digit))
+    };
+    let (all, pairs) = (parts.clone().count(), parts.filter(is_pair).count());
+    pairs > 2 && 2 * pairs > all
 }
 
 /// Frames say nothing by themselves.
@@ -335,6 +356,8 @@ mod tests {
             (b"{\"t\": 0}", "JSON", "CSV"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),
             (b"\n\r\r\n\x1c\0\0\0", "Wireshark", "candump -L"),
+            (b"ex,m=e1 a=1,b=2.5,c=-3 178\n", "key=value", "CSV"),
+            (b"time=0.1 speed=2 slope=0.01\n", "key=value", "CSV"),
         ] {
             let error = of("a.csv", content).expect_err("not read").to_string();
             assert!(error.contains(what) && error.contains(remedy), "{error}");

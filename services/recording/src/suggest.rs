@@ -23,8 +23,7 @@ use crate::topics::list;
 use crate::{Error, Kind, packed, parts, steers};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
-use suggestion::missing;
-use table::LINKS;
+use suggestion::{LINKS, missing};
 pub use table::STEEPEST;
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
@@ -256,6 +255,8 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         text: out,
         missing,
         unknown: Vec::new(),
+        of_others: Vec::new(),
+        links: suggestion::links(&found),
         found: found.len(),
     })
 }
@@ -326,6 +327,37 @@ mod tests {
             "{}",
             said(&bag)
         );
+    }
+
+    #[test]
+    fn names_of_groups_above_those_of_columns_count_where_these_do_not_tell() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let groups = "Time,Swing,,Front,,\n[s],Rate [deg/s],Torque [kNm],Boom [deg],Arm [deg],Bucket [deg]\n";
+        let text = format!("{groups}0,1,2,3,4,5\n1,1,2,3,4,5\n");
+        std::fs::write(&file, text).expect("writable");
+        let said = suggest(&file, &[], Some(Machine::Excavator)).expect("a table");
+        assert!(said.missing.is_empty(), "{}", said.text);
+        let line = "swing_velocity = { column = \"Rate [deg/s]\", unit = \"deg/s\" }";
+        assert!(said.text.contains(line), "{}", said.text);
+        assert!(said.text.contains("t = \"[s]\""), "{}", said.text);
+    }
+
+    #[test]
+    fn a_link_that_is_missing_and_a_column_of_another_unit_are_told() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let of = |header: &str| {
+            let file = dir.path().join("x.csv");
+            std::fs::write(&file, format!("{header}\n0,1,2,3\n")).expect("writable");
+            suggest(&file, &[], Some(Machine::Excavator)).expect("a table")
+        };
+        let said = of("t,swing_rate,boom,Swing torque [%]");
+        assert_eq!(said.links, ["arm_angle", "bucket_angle"]);
+        assert_eq!(
+            said.of_others,
+            ["swing_torque (\"Swing torque [%]\", in %)"]
+        );
+        assert!(of("t,swing_rate,x,y").links.is_empty());
     }
 
     #[test]

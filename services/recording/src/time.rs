@@ -257,11 +257,21 @@ pub(crate) fn is_ambiguous(text: &str) -> bool {
     })
 }
 
+/// Marks of the halves of a day: of English, of Spanish sheets, Japanese, Chinese, Korean.
+const MORNING: [&str; 6] = ["AM", "A.M.", "A. M.", "午前", "上午", "오전"];
+const AFTERNOON: [&str; 6] = ["PM", "P.M.", "P. M.", "午後", "下午", "오후"];
+
 /// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM.
 fn of_day(clock: &str) -> Option<i64> {
-    let upper = clock.to_ascii_uppercase();
-    let half = |mark| Some(upper.strip_suffix(mark)?.trim_end());
-    let (clock, hours, noon) = match (half("AM"), half("PM")) {
+    let upper = clock.to_uppercase();
+    let half = |mark: &str| {
+        let clock = upper
+            .strip_suffix(mark)
+            .or_else(|| upper.strip_prefix(mark));
+        Some(clock?.trim())
+    };
+    let halves = |marks: [&str; 6]| marks.into_iter().find_map(half);
+    let (clock, hours, noon) = match (halves(MORNING), halves(AFTERNOON)) {
         (Some(clock), _) => (clock, 1..13, 0),
         (_, Some(clock)) => (clock, 1..13, 12),
         (None, None) => (clock, 0..24, 0),
@@ -383,6 +393,10 @@ mod tests {
             "20140410T213009.47",
             "20140410 213009,47Z",
             "20140410_233009.47+0200",
+            "2014-04-10 09:30:09.47 p.m.",
+            "10.04.2014 9:30:09,47 p. m.",
+            "2014/04/10 午後 9:30:09.47",
+            "2014/04/10 下午9:30:09.47",
         ] {
             assert_eq!(nanoseconds(text), instant, "{text}");
         }

@@ -51,6 +51,7 @@ pub(crate) const UNITS: &[Unit] = &[
             "degree", "degrees", "degs", "°", "grad", "degré", "degrés", "grados", "gradi", "度",
         ],
     ),
+    unit("gon", "rad", PI / 200.0, &["gons", "gradian", "gradians"]),
     unit("turn", "rad", TAU, &["rev", "turns"]),
     unit(
         "rad/s",
@@ -59,6 +60,14 @@ pub(crate) const UNITS: &[Unit] = &[
         &["rad/sec", "rads", "radps", "1/s", "rads-1", "s-1", "rad/秒"],
     ),
     unit("mrad/s", "rad/s", 1e-3, &["mrad/sec"]),
+    unit("gon/s", "rad/s", PI / 200.0, &["gons/s"]),
+    unit("rad/min", "rad/s", 1.0 / 60.0, &[]),
+    unit(
+        "deg/min",
+        "rad/s",
+        PI / 180.0 / 60.0,
+        &["°/min", "grad/min"],
+    ),
     unit(
         "deg/s",
         "rad/s",
@@ -82,6 +91,11 @@ pub(crate) const UNITS: &[Unit] = &[
         TAU / 60.0,
         &[
             "1/min",
+            "turn/min",
+            "turns/min",
+            "o/min",
+            "ot/min",
+            "dev/dak",
             "r/min",
             "rev/min",
             "u/min",
@@ -111,7 +125,9 @@ pub(crate) const UNITS: &[Unit] = &[
         &["kph", "kmh", "km/hr", "kmph", "km/hour"],
     ),
     unit("mph", "m/s", 0.44704, &["mi/h"]),
+    unit("m/min", "m/s", 1.0 / 60.0, &[]),
     unit("ft/s", "m/s", 0.3048, &["ft/sec", "fps"]),
+    unit("ft/min", "m/s", 0.3048 / 60.0, &["fpm"]),
     unit(
         "knot",
         "m/s",
@@ -120,7 +136,8 @@ pub(crate) const UNITS: &[Unit] = &[
     ),
     unit("m/s^2", "m/s^2", 1.0, &["m/s/s", "m/sec2", "ms-2"]),
     unit("ft/s^2", "m/s^2", 0.3048, &["ft/sec2", "ft/s/s"]),
-    unit("g", "m/s^2", 9.80665, &["gs", "g0"]),
+    unit("g", "m/s^2", 9.80665, &["gs", "g0", "g's"]),
+    unit("mg", "m/s^2", 9.806_65e-3, &["milli-g"]),
     unit("N", "N", 1.0, &["newton"]),
     unit("kN", "N", 1e3, &[]),
     unit("lbf", "N", 4.448_221_615_261, &[]),
@@ -128,8 +145,12 @@ pub(crate) const UNITS: &[Unit] = &[
     unit("Nm", "N m", 1.0, &[]),
     unit("kN m", "N m", 1e3, &["kn-m"]),
     unit("kNm", "N m", 1e3, &[]),
-    unit("MN m", "N m", 1e6, &[]),
+    unit("MN m", "N m", 1e6, &["mn-m"]),
     unit("MNm", "N m", 1e6, &[]),
+    unit("mN m", "N m", 1e-3, &[]),
+    unit("mNm", "N m", 1e-3, &[]),
+    unit("N mm", "N m", 1e-3, &["n-mm"]),
+    unit("N cm", "N m", 1e-2, &["n-cm"]),
     unit("daN m", "N m", 10.0, &["dan-m"]),
     unit("kgf m", "N m", 9.80665, &["kgf-m", "kgm", "kg-m", "kpm"]),
     unit("tf m", "N m", 9_806.65, &["tf-m"]),
@@ -180,7 +201,20 @@ pub(crate) const UNITS: &[Unit] = &[
         907.184_74,
         &["shorttons", "uston", "ustons"],
     ),
-    unit("t", "kg", 1e3, &["ton", "tons", "tonne", "tonnes"]),
+    unit(
+        "t",
+        "kg",
+        1e3,
+        &[
+            "ton",
+            "tons",
+            "tonne",
+            "tonnes",
+            "tonnen",
+            "metricton",
+            "metrictons",
+        ],
+    ),
     unit("kg m^2", "kg m^2", 1.0, &["kgm2"]),
     unit("N m s/rad", "N m s/rad", 1.0, &["nms/rad", "nms"]),
     unit("Pa", "Pa", 1.0, &["pascal"]),
@@ -192,7 +226,7 @@ pub(crate) const UNITS: &[Unit] = &[
         "psi",
         "Pa",
         6_894.757_293_168,
-        &["psig", "psi(g)", "lbf/in2", "lb/in2"],
+        &["psig", "psi(g)", "lbf/in2", "lb/in2", "lb/squareinch"],
     ),
     unit("ksi", "Pa", 6_894_757.293_168, &[]),
     unit("kgf/cm^2", "Pa", 98_066.5, &["kgf/cm2", "kg/cm2"]),
@@ -201,6 +235,7 @@ pub(crate) const UNITS: &[Unit] = &[
     unit("A", "A", 1.0, &["ampere", "amp", "amps"]),
     unit("mA", "A", 1e-3, &[]),
     unit("%", "", 0.01, &["percent", "pct"]),
+    unit("‰", "", 0.001, &["permille", "promille", "mm/m"]),
     unit("1", "", 1.0, &["-", "ratio"]),
 ];
 
@@ -217,17 +252,154 @@ pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
 
 /// All that it may be: `kn` is kN in other capitals, or knots.
 fn guesses(text: &str) -> impl Iterator<Item = &'static Unit> {
-    let wanted = plain(text);
-    let named = |unit: &&Unit| plain(unit.name) == wanted;
-    let known = |unit: &&Unit| unit.aliases.contains(&wanted.as_str());
-    let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
-    all.extend(UNITS.iter().filter(named));
-    all.extend(UNITS.iter().filter(known));
+    let all = known(text);
+    let all = if all.is_empty() {
+        known(&in_symbols(text))
+    } else {
+        all
+    };
     all.into_iter()
 }
 
-/// A unit in small letters, without blanks, carets, and the dots between its parts.
+fn known(text: &str) -> Vec<&'static Unit> {
+    let (written, wanted) = (bare(text), plain(text));
+    let is_written = |unit: &&Unit| bare(unit.name) == written;
+    let is_named = |unit: &&Unit| plain(unit.name) == wanted;
+    let is_known = |unit: &&Unit| unit.aliases.contains(&wanted.as_str());
+    let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
+    // An mNm is no MNm.
+    all.extend(UNITS.iter().filter(is_written));
+    all.extend(UNITS.iter().filter(is_named));
+    all.extend(UNITS.iter().filter(is_known));
+    all
+}
+
+/// The words of units, in English and elsewhere, and their symbols.
+const SYMBOLS: &[(&str, &[&str])] = &[
+    ("/", &["per"]),
+    ("2", &["squared"]),
+    (
+        "s",
+        &[
+            "sec", "second", "seconds", "sek", "sekunde", "sekund", "с", "сек", "秒", "초",
+        ],
+    ),
+    (
+        "min",
+        &["minute", "minuut", "мин", "分", "分钟", "분", "dak", "dk"],
+    ),
+    (
+        "h",
+        &["hour", "hours", "hr", "uur", "ч", "小时", "时", "時", "시"],
+    ),
+    (
+        "deg",
+        &[
+            "degree",
+            "degrees",
+            "grader",
+            "aste",
+            "astetta",
+            "graus",
+            "graden",
+            "град",
+            "градус",
+            "градусы",
+            "stopnie",
+            "stopni",
+            "stupně",
+            "stupňů",
+            "derece",
+            "度",
+            "도",
+        ],
+    ),
+    ("rad", &["radian", "radians", "рад", "弧度", "ラジアン"]),
+    (
+        "rev",
+        &[
+            "revolution",
+            "revolutions",
+            "rotations",
+            "umdrehungen",
+            "umdr",
+            "varv",
+            "tours",
+            "obr",
+            "omw",
+            "omwentelingen",
+            "toeren",
+            "omdr",
+            "kierr",
+            "kierrosta",
+            "об",
+            "转",
+            "圈",
+            "回転",
+            "회전",
+        ],
+    ),
+    (
+        "m",
+        &["meter", "meters", "metre", "metres", "м", "米", "メートル"],
+    ),
+    (
+        "mm",
+        &["millimeter", "millimeters", "millimetres", "мм", "毫米"],
+    ),
+    (
+        "km",
+        &[
+            "kilometer",
+            "kilometers",
+            "kilometre",
+            "kilometres",
+            "км",
+            "公里",
+            "千米",
+        ],
+    ),
+    ("ft", &["foot", "feet"]),
+    ("mi", &["mile", "miles"]),
+    ("N", &["newton", "newtons", "н", "牛", "牛顿"]),
+    ("kN", &["kilonewton", "kilonewtons", "кн", "千牛"]),
+    ("Nm", &["нм"]),
+    ("kNm", &["кнм", "千牛米"]),
+    ("kg", &["kilogram", "kilograms", "кг", "公斤", "千克"]),
+    ("t", &["т", "吨", "トン", "톤"]),
+    ("lb", &["pound", "pounds"]),
+    ("Pa", &["па", "帕"]),
+    ("kPa", &["кпа", "千帕"]),
+    ("MPa", &["мпа", "兆帕"]),
+    ("bar", &["бар", "巴"]),
+    ("ms", &["мс", "毫秒", "ミリ秒"]),
+    ("us", &["мкс", "微秒"]),
+];
+
+/// A unit that is written in words (`degrees per second`, `度/秒`), in symbols.
+fn in_symbols(text: &str) -> String {
+    let word = |c: &char| c.is_alphabetic();
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let end = rest.find(|c: char| c.is_alphabetic() != first.is_alphabetic());
+        let (part, more) = rest.split_at(end.unwrap_or(rest.len()));
+        let lower = part.to_lowercase();
+        let its = |(_, words): &&(&str, &[&str])| words.contains(&lower.as_str());
+        let symbol = SYMBOLS.iter().find(its).filter(|_| word(&first));
+        out.push_str(symbol.map_or(part, |(symbol, _)| symbol));
+        rest = more;
+    }
+    out
+}
+
+/// A unit in small letters.
 fn plain(text: &str) -> String {
+    bare(text).to_lowercase()
+}
+
+/// A unit without blanks, carets, and the dots between its parts.
+fn bare(text: &str) -> String {
     let kept = text.chars().filter(|c| !" .^_*·・･⋅∙•×".contains(*c));
     let one_of = |c| match c {
         '⁻' => '-',
@@ -237,7 +409,7 @@ fn plain(text: &str) -> String {
         'μ' => 'µ',
         c => c,
     };
-    kept.map(one_of).flat_map(char::to_lowercase).collect()
+    kept.map(one_of).collect()
 }
 
 /// The unit that a name tells of what is measured in `si`: in brackets, or by the words behind it (`boom_deg`, `gyro.z_deg_s`,
@@ -299,7 +471,7 @@ fn units_of(name: &str) -> Vec<&'static Unit> {
 }
 
 /// What stands before the first brackets of a name.
-fn before_brackets(name: &str) -> &str {
+pub(crate) fn before_brackets(name: &str) -> &str {
     let open = BRACKETS.map(|(open, _)| open);
     name.split(open).next().unwrap_or(name)
 }
@@ -337,7 +509,7 @@ fn is_sign(c: char) -> bool {
 }
 
 /// The words of a name: between signs and blanks, and where a capital begins one, of which a `k` may be a part (`TorquekNm`).
-fn words(name: &str) -> Vec<&str> {
+pub(crate) fn words(name: &str) -> Vec<&str> {
     let (mut words, mut begin, mut before) = (Vec::new(), 0, ' ');
     for (at, c) in name.char_indices() {
         if is_sign(c) || before.is_lowercase() && c.is_uppercase() {
@@ -420,6 +592,37 @@ mod tests {
             ("US tons", "short ton"),
         ] {
             assert_eq!(guess(text).map(|u| u.name), Some(name), "{text}");
+        }
+        for (text, name) in [
+            ("gon", "gon"),
+            ("°/min", "deg/min"),
+            ("degrees per minute", "deg/min"),
+            ("mNm", "mNm"),
+            ("mN·m", "mN m"),
+            ("MN·m", "MN m"),
+            ("MNM", "MN m"),
+            ("N-mm", "N mm"),
+            ("degrees per second", "deg/s"),
+            ("kilonewton meters", "kN m"),
+            ("newton-meters", "N m"),
+            ("miles per hour", "mph"),
+            ("meters per second squared", "m/s^2"),
+            ("pounds per square inch", "psi"),
+            ("revolutions per minute", "rpm"),
+            ("grader/s", "deg/s"),
+            ("varv/min", "rpm"),
+            ("астр", ""),
+            ("кН·м", "kN m"),
+            ("град/с", "deg/s"),
+            ("об/мин", "rpm"),
+            ("千牛·米", "kN m"),
+            ("兆帕", "MPa"),
+            ("米/秒²", "m/s^2"),
+            ("mg", "mg"),
+            ("‰", "‰"),
+        ] {
+            let found = guess(text).map_or("", |u| u.name);
+            assert_eq!(found, name, "{text}");
         }
         for text in ["", "°C", "L/h", "counts", "mPa s"] {
             assert_eq!(guess(text), None, "{text}");

@@ -59,6 +59,18 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             missing.join(", ")
         );
     }
+    if !suggestion.links.is_empty() {
+        eprintln!(
+            "no name fits {}: without all three angles nothing is trusted",
+            suggestion.links.join(", ")
+        );
+    }
+    if !suggestion.of_others.is_empty() {
+        eprintln!(
+            "these are not used, as their units are of something else: {}; a scale in their lines converts them",
+            suggestion.of_others.join(", ")
+        );
+    }
     if !suggestion.unknown.is_empty() {
         eprintln!(
             "these are no units that heft knows: {}; write unit or scale into their lines",

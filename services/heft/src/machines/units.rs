@@ -61,13 +61,15 @@ impl<const N: usize> Angles<N> {
 }
 
 /// Where the largest pressures of a recording lie, in the unit of the data: pumps of excavators and loaders give 20 to 40 MPa, and
-/// work needs some of it. Each up to the limit; beyond the last they are in Pa, and below the first nothing was measured.
-const LARGEST: [(f64, Option<&str>); 5] = [
+/// work needs some of it. Each up to the limit; those of the last are in Pa, and below the first nothing was measured. No machine has
+/// more than 70 MPa: relief valves open at 35 to 42.
+const LARGEST: [(f64, Option<&str>); 6] = [
     (1.0, None),
     (47.0, Some("MPa")),
     (560.0, Some("bar")),
     (6e3, Some("psi")),
     (1e5, Some("kPa")),
+    (7e7, None),
 ];
 /// One side alone in MPa or bar: more may be the rest in a line without pressure.
 const ALONE: usize = 2;
@@ -143,6 +145,14 @@ impl Cylinder {
                  what to do: write `unit = \"{unit}\"` for both in a signal map"
             ));
         }
+        let too_large = |place: Option<usize>| place == Some(LARGEST.len());
+        let large = [(&head, of_head), (&rod, of_rod)];
+        if let Some((name, _)) = large.into_iter().find(|(_, place)| too_large(*place)) {
+            return Some(format!(
+                "{name} seems to be in another unit: no machine has more than 700 bar\n  \
+                 what to do: check the unit of both in the signal map (psi that are read as bar are 14.5 times too large)"
+            ));
+        }
         let is_alone =
             |place: Option<usize>| place.is_some_and(|place| (1..=ALONE).contains(&place));
         let alone = [(&head, of_head), (&rod, of_rod)]
@@ -210,6 +220,9 @@ mod tests {
         assert!(alone([1e5, 1.0]).starts_with("lift_head_pressure seems to be in another unit"));
         assert!(alone([1.0, 1e5]).starts_with("lift_rod_pressure seems to be in another unit"));
         assert_eq!(alone([1.0, 10.0]), "");
+        for unit in [0.1, 1.0 / 14.5] {
+            assert!(said(unit, [0, 1]).is_some_and(|said| said.contains("700 bar")));
+        }
         assert_eq!(said(1e9, [0, 1]), None);
         assert_eq!(said(10.0, [1, 0]), None);
     }

@@ -206,7 +206,7 @@ impl<S: Sensors> Columns<S> {
             let column = &self.header[at];
             return Err(Error::new(
                 format!(
-                    "column {column} has numbers like 12{mark}345, where others have another decimal mark"
+                    "column {column} has numbers like 12{mark}345, where others have another decimal mark, or none"
                 ),
                 file,
                 "write all numbers with one decimal mark, and without marks between thousands",
@@ -248,10 +248,11 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
-    /// Whether a line has other cells than the header and is a comment.
+    /// Whether a line is a comment, which has other cells than the header or no number.
     pub(crate) fn is_comment(&self, record: &Record) -> bool {
-        let is_odd = record.len() != self.header.len();
-        is_odd && record.get(0).is_some_and(|cell| comment(cell).is_some())
+        let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(f64::is_finite);
+        let is_marked = record.get(0).is_some_and(|cell| comment(cell).is_some());
+        is_marked && (record.len() != self.header.len() || !record.iter().any(is_number))
     }
 
     /// Whether a row lacks cells: one of the columns up to the last that has a name.

@@ -66,7 +66,7 @@ impl Dialect {
 /// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
 /// sheet's formulas, dashes of a logger, the words of a historian for a bad value, what C's library on Windows prints, a
 /// database's `\N`.
-const MISSING: [&str; 38] = [
+const MISSING: [&str; 63] = [
     "na",
     "n/a",
     "n.a.",
@@ -105,12 +105,41 @@ const MISSING: [&str; 38] = [
     "nan(ind)",
     "-nan(ind)",
     "1.#inf",
+    // German, and French of sheets.
+    "k.a.",
+    "n.v.",
+    "nd",
+    "n.d.",
+    "#n/d",
+    "*",
+    "<null>",
+    "nan()",
+    "novalue",
+    "no value",
+    "not available",
+    "sna",
+    // Beyond the range of an instrument, and what a historian has in place of a value.
+    "ol",
+    "ovl",
+    "over range",
+    "under range",
+    "out of range",
+    "i/o timeout",
+    "bad input",
+    "comm fail",
+    "not connect",
+    "pt created",
+    "scan off",
+    "shutdown",
+    "offline",
 ];
 
 fn is_missing(cell: &[u8]) -> bool {
-    MISSING
-        .iter()
-        .any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+    let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
+    // The errors of a sheet are words of its language; an instrument fills its digits.
+    let is_error = matches!(cell, [b'#', .., b'!' | b'?']);
+    let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-.*".contains(b));
+    MISSING.iter().any(is_word) || is_error || is_filled
 }
 
 /// The separator in Excel's first line `sep=;`.
@@ -281,10 +310,19 @@ mod tests {
             "—",
             "-nan(ind)",
             "1.#INF",
+            "#BEZUG!",
+            "#NOMBRE?",
+            "---.--",
+            "****",
+            "OVL",
+            "I/O Timeout",
+            "k.A.",
         ] {
             let number = english.number(word.as_bytes());
             assert!(number.is_some_and(f64::is_nan), "{word}");
         }
-        assert_eq!(english.number(b"nothing"), None);
+        for text in ["nothing", "#12", "#!x", "false", "."] {
+            assert_eq!(english.number(text.as_bytes()), None, "{text}");
+        }
     }
 }

@@ -10,12 +10,22 @@ pub(super) struct Marks {
     either: [bool; 2],
     /// Nothing but a decimal mark.
     decimal: [bool; 2],
+    /// Numbers of the first kind, those below a thousand without a mark, and whether any other had none.
+    groups: u32,
+    small: u32,
+    has_large: bool,
 }
+
+/// So many numbers of each kind tell: of those with three decimals one in ten ends with a zero, which is left out where others are.
+const ENOUGH: u32 = 50;
 
 impl Marks {
     /// Looks at a number.
     pub(super) fn see(&mut self, cell: &[u8]) {
         let Some(at) = memchr::memrchr2(MARKS[0], MARKS[1], cell) else {
+            let digits = cell.strip_prefix(b"-").unwrap_or(cell);
+            self.has_large |= digits.len() > 3;
+            self.small += u32::from(digits != b"0");
             return;
         };
         let (whole, below) = (&cell[..at], &cell[at + 1..]);
@@ -25,21 +35,26 @@ impl Marks {
             && below.len() == 3
             && is_digits(below);
         let mark = usize::from(cell[at] == MARKS[1]);
+        self.groups += u32::from(is_either);
         self.either[mark] |= is_either;
         self.decimal[mark] |= !is_either;
+    }
+
+    /// Whether no thousand is without a mark, and no number below it has one.
+    fn is_grouped(&self) -> bool {
+        self.groups > ENOUGH && self.small > ENOUGH && !self.has_large
     }
 }
 
 /// The first column whose numbers cannot be told, with the mark in them: its marks may stand between thousands, and the table
-/// has the other mark for decimals.
+/// has the other mark for decimals, or only what is larger than a thousand has one.
 pub(super) fn unclear(columns: &[Marks]) -> Option<(usize, char)> {
     (0..MARKS.len()).find_map(|mark| {
         let is_other_decimal = columns.iter().any(|column| column.decimal[1 - mark]);
         let may_group = |column: &Marks| column.either[mark] && !column.decimal[mark];
-        let at = columns
-            .iter()
-            .position(may_group)
-            .filter(|_| is_other_decimal)?;
+        let tells = |column: &&Marks| is_other_decimal || column.is_grouped();
+        let is_unclear = |column: &Marks| may_group(column) && tells(&column);
+        let at = columns.iter().position(is_unclear)?;
         Some((at, char::from(MARKS[mark])))
     })
 }
@@ -47,6 +62,22 @@ pub(super) fn unclear(columns: &[Marks]) -> Option<(usize, char)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thousands_are_doubted_where_nothing_below_them_has_a_mark() {
+        let of = |text: fn(i32) -> String| {
+            let mut marks = Marks::default();
+            (0..200).for_each(|i| marks.see(text(i).as_bytes()));
+            unclear(&[marks])
+        };
+        let grouped = |i: i32| match 13 * i {
+            x if x < 1000 => x.to_string(),
+            x => format!("{}.{:03}", x / 1000, x % 1000),
+        };
+        assert_eq!(of(grouped), Some((0, '.')));
+        assert_eq!(of(|i| (f64::from(13 * i) / 1000.0).to_string()), None);
+        assert_eq!(of(|i| format!("{:.3}", f64::from(i) / 10.0)), None);
+    }
 
     #[test]
     fn thousands_are_doubted_where_the_other_mark_is_that_of_decimals() {

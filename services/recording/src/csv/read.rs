@@ -379,6 +379,8 @@ pub(crate) struct Look {
     pub units: Vec<String>,
     /// Numbers by column; NaN where a cell holds none.
     pub columns: Vec<Vec<f64>>,
+    /// Names in the row above the header, if there is one.
+    pub above: Vec<String>,
 }
 
 /// Header and the numbers of the first `most` rows.
@@ -410,5 +412,6 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         header,
         units,
         columns,
+        above: table.above,
     })
 }

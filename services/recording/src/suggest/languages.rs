@@ -1,7 +1,7 @@
 //! Names of signals in other languages than English, word by word.
 
-/// A word, or the beginning of one, and what it is in the words by which signals are found. Longer words stand before those that
-/// they contain.
+/// A word, or the beginning of one, and what it is in the words by which signals are found; `^word` only where a word of the name
+/// begins. Longer words stand before those that they contain.
 const WORDS: &[(&str, &str)] = &[
     // German.
     ("schwenk", "swing"),
@@ -43,6 +43,120 @@ const WORDS: &[(&str, &str)] = &[
     ("neigung", "inclin"),
     ("masse", "mass"),
     ("bremse", "brake"),
+    ("sollwert", "setpoint"),
+    // Swedish, Norwegian and Danish.
+    ("svängmoment", "swing torque"),
+    ("sväng", "swing"),
+    ("svingmoment", "swing torque"),
+    ("sving", "swing"),
+    ("hastighe", "speed"),
+    ("varvtal", "speed"),
+    ("vinkel", "angle"),
+    ("^bomvinkel", "boom angle"),
+    ("^bomcylinder", "boom cylinder"),
+    ("^bom", "boom"),
+    ("skop", "bucket"),
+    ("skuffe", "bucket"),
+    ("kolvsida", "head"),
+    ("stångsida", "rod"),
+    ("tryck", "press"),
+    ("trykk", "press"),
+    ("lutning längs", "pitch"),
+    ("längslutning", "pitch"),
+    ("lutning tvär", "roll"),
+    ("tvärlutning", "roll"),
+    ("lutning", "slope"),
+    ("framhjul", "front wheel"),
+    ("bakhjul", "rear wheel"),
+    ("framaxel", "front axle"),
+    ("bakaxel", "rear axle"),
+    ("lyftarm", "lift arm"),
+    ("lyft", "lift"),
+    ("tipp", "tilt"),
+    ("^tid", "time"),
+    // Finnish.
+    ("kääntönopeus", "swing speed"),
+    ("kääntömoment", "swing torque"),
+    ("kääntö", "swing"),
+    ("ajonopeus", "vehicle speed"),
+    ("nopeus", "speed"),
+    ("momentti", "torque"),
+    ("puomi", "boom"),
+    ("kaivuvar", "arm"),
+    ("kauha", "bucket"),
+    ("kulma", "angle"),
+    ("paine", "press"),
+    ("pohja", "head"),
+    ("varsi", "rod"),
+    ("etupyör", "front wheel"),
+    ("takapyör", "rear wheel"),
+    ("etuakseli", "front axle"),
+    ("taka-akseli", "rear axle"),
+    ("kaltevuus", "slope"),
+    ("kiihtyvyys", "accel"),
+    ("nosto", "lift"),
+    ("kallistus", "tilt"),
+    ("^aika", "time"),
+    // Dutch.
+    ("zwenk", "swing"),
+    ("rijsnelheid", "vehicle speed"),
+    ("snelheid", "speed"),
+    ("giek", "boom"),
+    ("^bak", "bucket"),
+    ("hoek", "angle"),
+    ("druk", "press"),
+    ("bodemzij", "head"),
+    ("stangzij", "rod"),
+    ("helling", "slope"),
+    ("voorwiel", "front wheel"),
+    ("achterwiel", "rear wheel"),
+    ("vooras", "front axle"),
+    ("achteras", "rear axle"),
+    ("versnelling", "accel"),
+    ("hefarm", "lift arm"),
+    ("kantel", "tilt"),
+    ("^tijd", "time"),
+    // Russian.
+    ("скорость движения", "vehicle speed"),
+    ("поворот", "swing"),
+    ("скорост", "speed"),
+    ("момент", "torque"),
+    ("угол", "angle"),
+    ("угла", "angle"),
+    ("стрел", "boom"),
+    ("рукоят", "arm"),
+    ("ковш", "bucket"),
+    ("давлени", "press"),
+    ("поршнев", "head"),
+    ("штоков", "rod"),
+    ("врем", "time"),
+    ("уклон", "slope"),
+    ("тангаж", "pitch"),
+    ("крен", "roll"),
+    ("передн", "front"),
+    ("задн", "rear"),
+    ("колес", "wheel"),
+    ("ускорени", "accel"),
+    ("масса", "mass"),
+    // Czech.
+    ("otáč", "swing"),
+    ("rychlost", "speed"),
+    ("úhel", "angle"),
+    ("výložník", "boom"),
+    ("násad", "arm"),
+    ("lopat", "bucket"),
+    ("tlak", "press"),
+    ("^čas", "time"),
+    // Turkish; its boom is that of Swedish.
+    ("dönüş", "swing"),
+    ("hızı", "speed"),
+    ("tork", "torque"),
+    ("açısı", "angle"),
+    ("^kol ", "arm"),
+    ("kova", "bucket"),
+    ("basınç", "press"),
+    ("eğim", "slope"),
+    ("zaman", "time"),
     // French.
     ("tourelle", "swing"),
     ("orientation", "swing"),
@@ -56,6 +170,7 @@ const WORDS: &[(&str, &str)] = &[
     ("godet", "bucket"),
     ("pression", "press"),
     ("fond de vérin", "head"),
+    ("^fond", "head"),
     ("tige", "rod"),
     ("avant", "front"),
     ("arrière", "rear"),
@@ -69,6 +184,18 @@ const WORDS: &[(&str, &str)] = &[
     ("véhicule", "vehicle"),
     ("vehicule", "vehicle"),
     ("horodatage", "timestamp"),
+    ("consigne", "setpoint"),
+    // Portuguese, where it is not like Spanish.
+    ("ângulo", "angle"),
+    ("^lança", "boom"),
+    ("braço", "arm"),
+    ("caçamba", "bucket"),
+    ("pressão", "press"),
+    ("êmbolo", "head"),
+    ("^haste", "rod"),
+    ("dianteir", "front"),
+    ("aceleração", "accel"),
+    ("inclinação", "slope"),
     // Spanish.
     ("giro", "swing"),
     ("par_", "torque_"),
@@ -144,9 +271,13 @@ const WORDS: &[(&str, &str)] = &[
     ("車速", "vehicle speed"),
     ("速度", "speed"),
     ("角度", "angle"),
+    ("目標", "target"),
+    ("指令", "command"),
     ("ボトム", "head"),
     ("ヘッド", "head"),
     ("ロッド", "rod"),
+    ("圧力", "press"),
+    ("圧", "press"),
     ("前輪", "front wheel"),
     ("後輪", "rear wheel"),
     ("前軸", "front axle"),
@@ -170,7 +301,8 @@ const WORDS: &[(&str, &str)] = &[
     ("转矩", "torque"),
     ("车速", "vehicle speed"),
     ("压力", "press"),
-    ("圧力", "press"),
+    ("目标", "target"),
+    ("设定", "target"),
     ("无杆腔", "head"),
     ("有杆腔", "rod"),
     ("前轮", "front wheel"),
@@ -212,9 +344,18 @@ const WORDS: &[(&str, &str)] = &[
 pub(super) fn english(name: &str) -> String {
     let mut name = name.to_lowercase();
     for (word, meaning) in WORDS {
-        if name.contains(word) {
-            // Words of these languages stand close together; their meanings must not grow into others.
-            name = name.replace(word, &format!(" {meaning} ").replace("_ ", "_"));
+        // Words of these languages stand close together; their meanings must not grow into others.
+        let meaning = || format!(" {meaning} ").replace("_ ", "_");
+        match word.strip_prefix('^') {
+            Some(word) => {
+                let begins = |at: &usize| !name[..*at].ends_with(char::is_alphabetic);
+                let at = name.match_indices(word).map(|(at, _)| at).find(begins);
+                if let Some(at) = at {
+                    name.replace_range(at..at + word.len(), &meaning());
+                }
+            }
+            None if name.contains(word) => name = name.replace(word, &meaning()),
+            None => {}
         }
     }
     name
@@ -223,6 +364,45 @@ pub(super) fn english(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::names::fitting;
+
+    #[test]
+    fn signals_are_found_in_the_languages_of_the_north_and_east_too() {
+        for (signal, name) in [
+            ("boom_head_pressure", "Pression vérin flèche fond (bar)"),
+            ("swing_velocity", "Svänghastighet [grader/s]"),
+            ("swing_torque", "Svängmoment [kNm]"),
+            ("boom_angle", "Bomvinkel [grader]"),
+            ("arm_angle", "Stickvinkel [grader]"),
+            ("bucket_angle", "Skopvinkel [grader]"),
+            ("boom_head_pressure", "Bomcylinder tryck kolvsida [bar]"),
+            ("front_wheel_speed", "Framhjul varvtal (varv/min)"),
+            ("rear_torque", "Moment bakaxel (kNm)"),
+            ("t", "Tid [s]"),
+            ("swing_velocity", "Kääntönopeus [°/s]"),
+            ("swing_torque", "Kääntömomentti [kNm]"),
+            ("arm_angle", "Kaivuvarren kulma [°]"),
+            ("bucket_angle", "Kauhan kulma [°]"),
+            ("t", "Aika [s]"),
+            ("speed", "Ajonopeus (km/h)"),
+            ("boom_angle", "Ângulo da lança [graus]"),
+            ("bucket_angle", "Ângulo da caçamba [graus]"),
+            ("boom_angle", "Giekhoek [graden]"),
+            ("bucket_angle", "Bakhoek [graden]"),
+            ("swing_velocity", "Скорость поворота [град/с]"),
+            ("swing_torque", "Момент поворота [кН·м]"),
+            ("arm_angle", "Угол рукояти [град]"),
+            ("boom_angle", "Úhel výložníku [°]"),
+            ("arm_angle", "Kol açısı [°]"),
+            ("boom_head_pressure", "ブームシリンダ ボトム圧 [MPa]"),
+        ] {
+            assert_eq!(
+                fitting(signal, &["x", name], &[]),
+                Some(1),
+                "{signal} {name}"
+            );
+        }
+        assert_eq!(fitting("swing_velocity", &["目标回转速度"], &[]), None);
+    }
 
     #[test]
     fn signals_are_found_in_other_languages() {

@@ -27,7 +27,7 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
 }
 
 /// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
-/// `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
+/// `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
 const WORDS: &[(&str, &[&[&str]])] = &[
     (
         "t",
@@ -68,6 +68,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=gyro"],
             &["=omega"],
             &["=angular_velocity"],
+            &["swing", "|w"],
             &["swing", "[rad/s"],
             &["slew", "[rad/s"],
         ],
@@ -88,6 +89,9 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["slew", "torque"],
             &["swing", "moment"],
             &["slew", "moment"],
+            // Of ROS and of Modelica.
+            &["swing", "effort"],
+            &["swing", "^tau"],
             &["=torque"],
             &["=moment"],
             &["swing", "[N m"],
@@ -155,8 +159,14 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["output", "shaft"],
         ],
     ),
-    ("front_torque", &[&["front", "torque"]]),
-    ("rear_torque", &[&["rear", "torque"]]),
+    (
+        "front_torque",
+        &[&["front", "torque"], &["front axle", "moment"]],
+    ),
+    (
+        "rear_torque",
+        &[&["rear", "torque"], &["rear axle", "moment"]],
+    ),
     (
         "slope",
         &[
@@ -183,7 +193,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("pitch", &[&["pitch"]]),
-    ("roll", &[&["roll"], &["=wank"]]),
+    ("roll", &[&["^roll"], &["=wank"]]),
     ("articulation", &[&["articul"], &["steer", "angle"]]),
     ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
     ("brake", &[&["brake"]]),
@@ -244,9 +254,135 @@ const WORDS: &[(&str, &[&[&str]])] = &[
 ];
 
 /// Words of what is commanded or something else than motion: a joystick measures no stick.
-const OTHERS: [&str; 9] = [
-    "joystick", "lever", "pilot", "command", "cmd", "setpoint", "valve", "flow", "temper",
+const OTHERS: [&str; 12] = [
+    "joystick",
+    "lever",
+    "pilot",
+    "command",
+    "cmd",
+    "setpoint",
+    "set point",
+    "set_point",
+    "valve",
+    "flow",
+    "temper",
+    "roller",
 ];
+
+/// What is wanted, a bound, a state or a statistic: no measurement.
+const NO_MEASUREMENT: [&str; 25] = [
+    "target",
+    "ref",
+    "reference",
+    "desired",
+    "demand",
+    "request",
+    "requested",
+    "req",
+    "limit",
+    "lim",
+    "max",
+    "min",
+    "maximum",
+    "minimum",
+    "valid",
+    "validity",
+    "status",
+    "quality",
+    "fault",
+    "error",
+    "flag",
+    "alarm",
+    "pedal",
+    "mode",
+    "std",
+];
+
+/// Signals, by their name or its end, and words that tell another quantity than these: a boom's rate is no angle of it.
+const OF_OTHERS: &[(&[&str], &[&str])] = &[
+    (
+        &["_angle", "slope", "pitch", "roll", "articulation"],
+        &[
+            "rate",
+            "vel",
+            "velocity",
+            "speed",
+            "accel",
+            "acceleration",
+            "omega",
+            "torque",
+            "moment",
+            "force",
+            "stroke",
+            "length",
+        ],
+    ),
+    (
+        &["_velocity", "_speed", "speed", "yaw_rate"],
+        &[
+            "accel",
+            "acceleration",
+            "angle",
+            "torque",
+            "moment",
+            "force",
+            "power",
+        ],
+    ),
+    (
+        &["_torque"],
+        &[
+            "rate", "vel", "velocity", "speed", "angle", "accel", "power",
+        ],
+    ),
+    (&["acceleration"], &["accelerator"]),
+    (
+        &["slope", "pitch", "roll"],
+        &["boom", "arm", "stick", "dipper", "bucket", "lift", "blade"],
+    ),
+    (&["articulation"], &["wheel", "whl"]),
+    (
+        &["mass"],
+        &["payload", "load", "bucket", "fuel", "air", "attachment"],
+    ),
+    (
+        &["t"],
+        &[
+            "cycle",
+            "zone",
+            "delta",
+            "dt",
+            "diff",
+            "step",
+            "remaining",
+            "delay",
+            "lag",
+            "response",
+        ],
+    ),
+];
+
+/// Whether a name tells that its column is no measurement of this signal.
+fn is_other(signal: &str, name: &str) -> bool {
+    // A message of the bus, or a path, may be called by its kind.
+    let own = unit::without(name).rsplit(['.', '/', '\\', '|']).next();
+    let own = own.unwrap_or(name);
+    // At the end of a name `min` passes for a unit.
+    let last = unit::words(unit::before_brackets(name)).pop();
+    let texts = [
+        own.to_owned(),
+        english(own),
+        last.unwrap_or_default().to_owned(),
+    ];
+    let words = texts.iter().flat_map(|text| unit::words(text));
+    let words: Vec<String> = words.map(str::to_lowercase).collect();
+    let is_of = |key: &&str| *key == signal || key.starts_with('_') && signal.ends_with(key);
+    let others = OF_OTHERS.iter().filter(|(keys, _)| keys.iter().any(&is_of));
+    let mut all = others
+        .flat_map(|(_, words)| words.iter())
+        .chain(&NO_MEASUREMENT);
+    all.any(|other| words.iter().any(|word| word == other))
+}
 
 /// Whether a name has a word of [`WORDS`]: an alarm is no arm.
 fn has(name: &str, word: &str) -> bool {
@@ -255,6 +391,9 @@ fn has(name: &str, word: &str) -> bool {
     }
     if let Some(si) = word.strip_prefix('[') {
         return unit::is_of(name, si);
+    }
+    if let Some(word) = word.strip_prefix('|') {
+        return unit::words(name).contains(&word);
     }
     let Some(word) = word.strip_prefix('^') else {
         return name.contains(word);
@@ -284,7 +423,8 @@ pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
                 && is_pressure(n) == is_pressure(signal)
                 && !OTHERS.iter().any(|w| n.contains(w))
         };
-        (0..lower.len()).filter(free).find(|at| fits(&lower[*at]))
+        let mut free = (0..lower.len()).filter(free);
+        free.find(|at| fits(&lower[*at]) && !is_other(signal, names[*at]))
     })
 }
 
@@ -329,6 +469,45 @@ mod tests {
             ("swing_torque", "swing_bar"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_measurement_of_a_signal_is_not_taken_for_it() {
+        for (signal, other, own) in [
+            ("boom_angle", "Boom rate", "Boom"),
+            ("boom_angle", "Boom cylinder stroke", "Boom"),
+            ("boom_angle", "Boom angle target [deg]", "Boom [deg]"),
+            ("boom_angle", "Boom angle min", "Boom angle"),
+            (
+                "swing_torque",
+                "Swing torque limit [kNm]",
+                "Swing torque [kNm]",
+            ),
+            (
+                "swing_velocity",
+                "Status Swing rate",
+                "Status.Swing rate [deg/s]",
+            ),
+            ("swing_velocity", "SwingRateValid", "SwingRate"),
+            ("pitch", "Pitch rate [deg/s]", "Pitch [deg]"),
+            ("roll", "Controller state", "IMU_roll"),
+            ("acceleration", "AccelPedalPos1", "LongAccel"),
+            ("mass", "Payload mass [kg]", "Vehicle mass [kg]"),
+            ("articulation", "Steering wheel angle", "Steer angle"),
+            ("slope", "Lift arm inclination", "Inclination"),
+            ("lift_angle", "Lift arm velocity", "Lift arm"),
+            ("t", "Cycle time [s]", "Time [s]"),
+            (
+                "swing_torque",
+                "swing.velocity",
+                "joint_states/swing/effort",
+            ),
+            ("swing_torque", "swing.w", "excavator.swing.tau"),
+            ("swing_velocity", "swing.tau", "excavator.swingJoint.w"),
+        ] {
+            assert_eq!(fitting(signal, &[other, own], &[]), Some(1), "{other}");
+            assert_eq!(fitting(signal, &[other], &[]), None, "{other}");
         }
     }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
-use super::suggestion::{Suggestion, missing};
+use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
@@ -25,89 +25,198 @@ const LOOK: usize = 20_000;
 
 /// A map for a table.
 pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
-    let Look {
-        header,
-        units,
-        columns,
-    } = csv::look(path, LOOK)?;
-    let names: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut out = opening::<S>(path);
-    out.push_str("\n[columns]\n");
-    let (mut found, mut taken, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
-    let mut links = [const { None }; LINKS.len()];
-    for signal in wanted::<S>() {
-        let Some(at) = fitting(&signal, &names, &taken) else {
-            continue;
+    let look = csv::look(path, LOOK)?;
+    let own = Draft::of::<S>(&look, look.header.clone());
+    let draft = match own.missing::<S>().is_empty() {
+        true => own,
+        false => {
+            let grouped = Draft::of::<S>(&look, grouped(&look));
+            if grouped.found.len() > own.found.len() {
+                grouped
+            } else {
+                own
+            }
+        }
+    };
+    let misread = csv::misread(&look.header, &path.display().to_string());
+    if let Some(error) = misread.filter(|_| draft.found.len() < 2) {
+        return Err(error);
+    }
+    let missing = draft.missing::<S>();
+    let mut text = opening::<S>(path);
+    text.push_str("\n[columns]\n");
+    text += &draft.out;
+    text += &lacking::<S>(&draft.found, &missing, "\"...\"");
+    text += &rest(&look.header, &draft.taken);
+    Ok(Suggestion {
+        text,
+        missing,
+        found: draft.found.len(),
+        unknown: draft.unknown,
+        of_others: draft.of_others,
+        links: links(&draft.found),
+    })
+}
+
+/// The names of columns below those of their groups, which stand once above the first of each: a sheet's merged cells.
+fn grouped(look: &Look) -> Vec<String> {
+    let mut group = "";
+    let above = look
+        .above
+        .iter()
+        .map(String::as_str)
+        .chain(std::iter::repeat(""));
+    let named = look.header.iter().zip(above).map(|(name, above)| {
+        if !above.is_empty() {
+            group = above;
+        }
+        match group {
+            "" => name.clone(),
+            group if group == name => name.clone(),
+            group => format!("{group} {name}"),
+        }
+    });
+    named.collect()
+}
+
+/// The lines of a map, and of what they are made.
+struct Draft<'a> {
+    look: &'a Look,
+    /// What the columns are called.
+    labels: Vec<String>,
+    out: String,
+    found: Vec<String>,
+    taken: Vec<usize>,
+    unknown: Vec<String>,
+    of_others: Vec<String>,
+    links: [Option<Column>; LINKS.len()],
+}
+
+impl<'a> Draft<'a> {
+    fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
+        let mut draft = Self {
+            look,
+            labels,
+            out: String::new(),
+            found: Vec::new(),
+            taken: Vec::new(),
+            unknown: Vec::new(),
+            of_others: Vec::new(),
+            links: [const { None }; LINKS.len()],
         };
-        taken.push(at);
-        let named = match units[at].as_str() {
-            "" => header[at].clone(),
-            unit => format!("{} [{unit}]", header[at]),
+        draft.stamp();
+        for signal in wanted::<S>() {
+            let names: Vec<&str> = draft.labels.iter().map(String::as_str).collect();
+            let fitting = fitting(&signal, &names, &draft.taken);
+            if let Some(at) = fitting.filter(|_| !draft.found.contains(&signal)) {
+                draft.take::<S>(signal, at);
+            }
+        }
+        draft
+    }
+
+    /// Signals that the machine needs, and nothing was found for.
+    fn missing<S: Sensors>(&self) -> Vec<&'static [&'static str]> {
+        let mut missing = missing::<S>(&self.found);
+        if !self.found.iter().any(|signal| signal == "t") {
+            missing.insert(0, &["t"]);
+        }
+        missing
+    }
+
+    /// The time in two columns.
+    fn stamp(&mut self) {
+        let names: Vec<&str> = self.labels.iter().map(String::as_str).collect();
+        if let Some([whole, below]) = seconds_and_below(&names) {
+            let [s, ns] = [whole, below].map(|at| quoted(&self.look.header[at]));
+            let _ = writeln!(
+                self.out,
+                "t = {{ terms = [{{ column = {s} }}, {{ column = {ns}, unit = \"ns\" }}] }}  # seconds, and nanoseconds beside them"
+            );
+            self.taken.extend([whole, below]);
+            self.found.push("t".to_owned());
+        }
+    }
+
+    /// Writes the line of the signal that this column is.
+    fn take<S: Sensors>(&mut self, signal: String, at: usize) {
+        self.taken.push(at);
+        let named = match self.look.units[at].as_str() {
+            "" => self.labels[at].clone(),
+            unit => format!("{} [{unit}]", self.labels[at]),
         };
         let si = unit_of::<S>(&signal);
-        let name = quoted(&header[at]);
+        let name = quoted(&self.look.header[at]);
         if let Some(unit) = unit::foreign(&named, si) {
             let (line, is_usable) = of_another_unit(&signal, &name, unit, si);
-            out += &line;
-            found.extend(is_usable.then_some(signal));
-            continue;
+            self.out += &line;
+            if is_usable {
+                self.found.push(signal);
+            } else {
+                self.of_others.push(format!("{signal} ({name}, in {unit})"));
+            }
+            return;
         }
-        let (guess, other) = unit(&signal, si, &named, &columns[at]);
-        unknown.extend(other.map(|text| format!("{text} (column {name})")));
-        let reason = guess.reason;
-        let radians = guess.unit.map_or(1.0, |unit| unit.factor);
+        let (guess, other) = unit(&signal, si, &named, &self.look.columns[at]);
+        let unknown = other.map(|text| format!("{text} (column {name})"));
+        self.unknown.extend(unknown);
         let column = Column {
             at,
             name: name.clone(),
             unit: guess.unit,
         };
+        let line = self.difference(&signal, &column, &guess.reason);
+        self.out += &line.unwrap_or_else(|| line_of(&signal, &name, guess.unit, si, &guess.reason));
         if let Some(link) = LINKS.iter().position(|link| *link == signal) {
-            let before = link.checked_sub(1).and_then(|i| links[i].as_ref());
-            let why = before.and_then(|before: &Column| {
-                let other = before.unit.map_or(1.0, |unit| unit.factor);
-                let scaled =
-                    |at: usize, by: f64| columns[at].iter().map(|x| x * by).collect::<Vec<_>>();
-                is_absolute(&header[at], &scaled(before.at, other), &scaled(at, radians))
-            });
-            if let (Some(before), Some(why)) = (before, why) {
-                let _ = writeln!(
-                    out,
-                    "{signal} = {{ terms = [{}, {}] }}  # from the horizontal, as {why}: less the link before; {reason}",
-                    column.term(""),
-                    before.term(", sign = -1")
-                );
-                links[link] = Some(column);
-                found.push(signal);
-                continue;
-            }
-            links[link] = Some(column);
+            self.links[link] = Some(column);
         }
-        out += &line(&signal, &name, guess.unit, si, &reason);
         if signal == "t" {
-            out += &other_times(at, radians, &names, &columns);
+            let names: Vec<&str> = self.labels.iter().map(String::as_str).collect();
+            let seconds = guess.unit.map_or(1.0, |unit| unit.factor);
+            self.out += &other_times(at, seconds, &names, &self.look.columns);
         }
-        found.push(signal);
+        self.found.push(signal);
     }
-    let misread = csv::misread(&header, &path.display().to_string());
-    if let Some(error) = misread.filter(|_| found.len() < 2) {
-        return Err(error);
+
+    /// The line of a link whose angle is from the horizontal: less that of the link before.
+    fn difference(&self, signal: &str, column: &Column, reason: &str) -> Option<String> {
+        let link = LINKS.iter().position(|link| *link == signal)?;
+        let before = self.links[link.checked_sub(1)?].as_ref()?;
+        let radians = |column: &Column| {
+            let factor = column.unit.map_or(1.0, |unit| unit.factor);
+            let values = self.look.columns[column.at].iter();
+            values.map(|x| x * factor).collect::<Vec<_>>()
+        };
+        let why = is_absolute(&self.labels[column.at], &radians(before), &radians(column))?;
+        Some(format!(
+            "{signal} = {{ terms = [{}, {}] }}  # from the horizontal, as {why}: less the link before; {reason}\n",
+            column.term(""),
+            before.term(", sign = -1")
+        ))
     }
-    let mut missing = missing::<S>(&found);
-    if !found.iter().any(|signal| signal == "t") {
-        missing.insert(0, &["t"]);
+}
+
+/// The columns of seconds and of the nanoseconds beside them, as ROS has them in its headers, where they are the time.
+fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
+    const ENDS: [(&str, &str); 3] = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")];
+    if fitting("t", names, &[]).is_some_and(|at| !names[at].contains("stamp")) {
+        return None;
     }
-    out += &lacking::<S>(&found, &missing, "\"...\"");
-    out += &rest(&names, &taken);
-    Ok(Suggestion {
-        text: out,
-        missing,
-        unknown,
-        found: found.len(),
+    let at = |name: &str| names.iter().position(|other| *other == name);
+    ENDS.iter().find_map(|(whole, below)| {
+        let before = names.iter().filter_map(|name| name.strip_suffix(below));
+        let mut pairs = before.map(|before| {
+            Some([
+                at(&format!("{before}{whole}"))?,
+                at(&format!("{before}{below}"))?,
+            ])
+        });
+        pairs.find_map(|pair| pair)
     })
 }
 
 /// The line of a column in this unit, with the reason.
-fn line(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -> String {
+fn line_of(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -> String {
     let Some(unit) = unit else {
         return format!("{signal} = {name}  # {reason}\n");
     };
@@ -119,9 +228,9 @@ fn line(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str) -
 /// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
 fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
     match (unit, si) {
-        ("%", "rad") => (
+        ("%" | "‰", "rad") => (
             format!(
-                "{signal} = {{ column = {name}, unit = \"%\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
+                "{signal} = {{ column = {name}, unit = \"{unit}\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
             ),
             true,
         ),
@@ -159,10 +268,10 @@ fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) ->
 }
 
 /// The columns that are none of the signals, as a comment.
-fn rest(names: &[&str], taken: &[usize]) -> String {
+fn rest(names: &[String], taken: &[usize]) -> String {
     let rest: Vec<&str> = (0..names.len())
         .filter(|at| !taken.contains(at) && !names[*at].is_empty())
-        .map(|at| names[at])
+        .map(|at| names[at].as_str())
         .collect();
     match rest.is_empty() {
         true => String::new(),
@@ -172,9 +281,6 @@ fn rest(names: &[&str], taken: &[usize]) -> String {
         ),
     }
 }
-
-/// Angles of links, each from the one before it.
-pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A column that is a signal.
 struct Column {
@@ -210,6 +316,9 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<St
             // In America the word alone means it.
             name if unit.name == "t" && name.contains("ton") && !name.contains("tonne") => {
                 "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\""
+            }
+            name if unit.name == "rad/s" && name.contains("1/s") => {
+                "; in radians: turns a second are unit = \"turn/s\""
             }
             _ => "",
         };
@@ -391,6 +500,18 @@ mod tests {
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
+    }
+
+    #[test]
+    fn seconds_with_nanoseconds_beside_them_are_the_time() {
+        let of = |names: &[&str]| seconds_and_below(names);
+        assert_eq!(
+            of(&["x", "header.stamp.sec", "header.stamp.nanosec"]),
+            Some([1, 2])
+        );
+        assert_eq!(of(&["stamp_nsecs", "stamp_secs"]), Some([1, 0]));
+        assert_eq!(of(&["time", "a.sec", "a.nanosec"]), None);
+        assert_eq!(of(&["a.sec", "b.nanosec"]), None);
     }
 
     #[test]

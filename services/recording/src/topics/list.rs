@@ -12,7 +12,7 @@ use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
-use crate::suggest::suggestion::{Suggestion, missing};
+use crate::suggest::suggestion::{Suggestion, links, missing};
 use crate::unit;
 
 /// Numbers of a topic that are listed.
@@ -154,6 +154,8 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         text,
         missing: missing::<S>(&found_all),
         unknown: Vec::new(),
+        of_others: Vec::new(),
+        links: links(&found_all),
         found: taken.len(),
     }
 }

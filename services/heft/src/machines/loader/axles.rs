@@ -40,6 +40,8 @@ const TOGETHER: f64 = 0.5;
 /// recorded, by tyres, axles and loads; .738 times as much in lbf ft.
 const MOVED: f64 = 0.95;
 const LIGHT: Range<f64> = 0.6..0.85;
+/// Less of it is moved by torques at the motor: from there to the wheel a gear has at least four turns to one.
+const AT_MOTOR: f64 = 1.24 / 4.0;
 /// Feet in a metre.
 const FEET: f64 = 3.281;
 /// A unit that is meant is within this factor, another tyre or gear too.
@@ -240,6 +242,14 @@ impl Axles {
         })
     }
 
+    /// Which part of the described mass times radius the torques move, where that is none of a machine.
+    pub(super) fn at_motor(&self, moment: f64) -> Option<f64> {
+        let [_, moved] = self.moved.coefficients();
+        let ratio = moved / moment;
+        let is_enough = self.blocks >= ENOUGH && self.moved.correlation() > MOVED;
+        (is_enough && (0.0..AT_MOTOR).contains(&ratio)).then_some(ratio)
+    }
+
     fn accelerometer(&self) -> Option<String> {
         let (together, size) = (self.acceleration.correlation(), self.acceleration.ratio());
         let line = match () {
@@ -250,6 +260,10 @@ impl Axles {
             () if together > TOGETHER && about(size * GRAVITY, ABOUT) => {
                 "acceleration seems to be in g: the speed changes ten times as fast\n  \
                  what to do: write `unit = \"g\"` for acceleration in a signal map"
+            }
+            () if together > TOGETHER && about(size * GRAVITY / 1e3, ABOUT) => {
+                "acceleration seems to be in mg: the speed changes a hundredth as fast\n  \
+                 what to do: write `unit = \"mg\"` for acceleration in a signal map"
             }
             () if together > TOGETHER && about(size / FEET, ABOUT) => {
                 "acceleration seems to be in ft/s^2: the speed changes a third as fast\n  \
@@ -268,6 +282,10 @@ mod tests {
     /// A machine of 10 t, half of it on each axle, its mass a metre up on a wheelbase of 3 m, whose wheels of .7 m slip by a
     /// twentieth of torque over load.
     fn said(change: impl Fn(&mut Sample)) -> Option<String> {
+        driven(change).fault(7e3)
+    }
+
+    fn driven(change: impl Fn(&mut Sample)) -> Axles {
         let mut axles = Axles::default();
         for k in 0..12_000 {
             let time = f64::from(k) / 100.0;
@@ -289,7 +307,20 @@ mod tests {
             change(&mut sample);
             axles.see(&sample);
         }
-        axles.fault(7e3)
+        axles
+    }
+
+    #[test]
+    fn torques_at_the_motor_are_told_from_those_of_a_machine_of_half_the_size() {
+        let ratio = |by: f64| {
+            let both = driven(move |s| {
+                times(&mut s.front_torque, by);
+                times(&mut s.rear_torque, by);
+            });
+            both.at_motor(7e3)
+        };
+        assert!(ratio(0.04).is_some_and(|ratio| (0.03..0.06).contains(&ratio)));
+        assert_eq!((ratio(0.5), ratio(1.0), ratio(-1.0)), (None, None, None));
     }
 
     fn times(value: &mut Option<f64>, by: f64) {
@@ -324,6 +355,10 @@ mod tests {
             (
                 first(|s| times(&mut s.acceleration, 1.0 / 9.81)),
                 "acceleration seems to be in g",
+            ),
+            (
+                first(|s| times(&mut s.acceleration, 1e3 / 9.81)),
+                "acceleration seems to be in mg",
             ),
             (
                 first(|s| times(&mut s.acceleration, 3.28)),

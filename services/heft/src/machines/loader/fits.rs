@@ -172,7 +172,9 @@ impl Look for Fits {
         } else {
             // One axle that contradicts the other makes the sum of both another machine's.
             let axles = self.axles.fault(self.moment);
-            return match self.plausible.mismatch() {
+            // A bucket that pushes hides from the speed what the accelerometer shows.
+            let at_motor = || self.axles.at_motor(self.moment).map(Mismatch::Mass);
+            return match self.plausible.mismatch().or_else(at_motor) {
                 Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
                     let remedy = remedy(mismatch, self.mass);
                     Some(format!("{mismatch}\n  what to do: {remedy}"))
