@@ -332,6 +332,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Payload(_)
         | Role::UpperMoment
         | Role::Swinging(_)
+        | Role::Zero(_)
         | Role::Across(_)
         | Role::Along(_) => 0.0,
     };
