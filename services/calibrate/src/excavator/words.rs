@@ -189,8 +189,14 @@ pub fn disagreement(
         }
     }
     let of_the_machine = |role: &Role| !role.is_load() && !role.is_nuisance() && !role.is_noise();
+    // At its limit a parameter is at no maximum, either.
+    let is_inside = |i: usize| {
+        let p = &swings.parameters[i];
+        let value = p.value(found.fit.place[i]);
+        p.range.0 < value && value < p.range.1
+    };
     let asked: Vec<usize> = (0..fixed.len())
-        .filter(|&i| of_the_machine(&swings.roles[i]))
+        .filter(|&i| of_the_machine(&swings.roles[i]) && is_inside(i))
         .collect();
     let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
