@@ -259,7 +259,7 @@ const FRICTION_STD: f64 = 0.5;
 /// Torque offset, as a share of the large torques.
 const OFFSET_STD: f64 = 0.03;
 /// Share of a load that swings, at all rates: nothing of what lies in a bucket, some of what slips in it or hangs.
-const SWINGING_STD: f64 = 0.15;
+pub const SWINGING_STD: f64 = 0.15;
 /// Noises within a factor of e or so.
 const NOISE_STD: f64 = 1.0;
 
