@@ -54,9 +54,11 @@ impl Site {
             "--each",
             "--payload",
             "empty.csv=0",
-            // Their lengths are as drawn.
+            // Their lengths are as drawn, and their angles exact.
             "--set",
             "machine.geometry_tolerance=0",
+            "--set",
+            "sensors.angle_offset_std=0",
         ]
         .map(String::from)
         .into();

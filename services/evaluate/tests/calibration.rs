@@ -210,6 +210,7 @@ fn lengths_within_their_tolerance_leave_the_gain_inside_its_interval() {
     let gain = |tolerance| {
         let mut description = description.clone();
         description.machine.geometry_tolerance = tolerance;
+        description.sensors.angle_offset_std = 0.0;
         let outcome = calibrate(&inputs, &Options::of(&description)).expect("known keys");
         assert_eq!(outcome.faults, Vec::<String>::new());
         let q = outcome.quantity(Role::Gain).expect("a value");

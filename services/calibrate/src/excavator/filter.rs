@@ -53,6 +53,8 @@ pub struct Guess {
     pub lever: f64,
     /// Shares of the load that swing at each of the rates.
     pub swinging: [f64; RATES.len()],
+    /// True joint angles less the measured ones [rad].
+    pub zeros: [f64; 3],
     /// First moment of the upper body [kg m].
     pub upper_moment: f64,
     /// Slope of the ground across and along the machine at the beginning of the recording [rad].
@@ -85,7 +87,12 @@ impl Inertias<'_> {
     fn row(&self, k: usize) -> f64 {
         let s = self.series;
         let g = self.guess;
-        g.upper_inertia + g.link_scale * s.links[k] + g.lever * self.payload * s.leverage[k]
+        let [mut links, mut leverage] = [s.links[k], s.leverage[k]];
+        for (zero, [of_links, of_load]) in g.zeros.iter().zip(s.per_angle[k]) {
+            links += zero * of_links;
+            leverage += zero * of_load;
+        }
+        g.upper_inertia + g.link_scale * links + g.lever * self.payload * leverage
     }
 
     /// What the swinging load takes of the momentum, as a velocity of the whole machine of inertia `j` [rad/s].

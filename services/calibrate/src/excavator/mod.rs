@@ -292,8 +292,12 @@ fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<Stri
 }
 
 /// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
-/// not stopped: half of it would sort wrongly.
+/// not stopped: half of it would sort wrongly. Angles are as measured: they would take up what is wrong with a torque.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
+    let is_zero = |role: &Role| matches!(role, Role::Zero(_));
+    let roles = swings.roles.iter().zip(fixed);
+    let fixed: Vec<bool> = roles.map(|(role, f)| *f || is_zero(role)).collect();
+    let fixed = fixed.as_slice();
     let empty: Vec<usize> = (0..swings.series.len())
         .filter(|&r| swings.stated[r].is_some_and(|t| t.value == 0.0))
         .flat_map(|r| swings.blocks_of(r))
@@ -332,6 +336,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Payload(_)
         | Role::UpperMoment
         | Role::Swinging(_)
+        | Role::Zero(_)
         | Role::Across(_)
         | Role::Along(_) => 0.0,
     };

@@ -120,7 +120,8 @@ impl Outcome {
                 }
             }
             Role::Payload(_) | Role::Lever => {}
-            Role::UpperMoment | Role::Swinging(_) | Role::Across(_) | Role::Along(_) => {}
+            Role::Swinging(_) | Role::Zero(_) => {}
+            Role::UpperMoment | Role::Across(_) | Role::Along(_) => {}
         }
     }
 

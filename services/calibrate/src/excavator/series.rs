@@ -76,6 +76,8 @@ pub struct Series {
     pub links: Vec<f64>,
     /// Inertia per kilogram of payload [m^2].
     pub leverage: Vec<f64>,
+    /// How both grow with each joint angle [kg m^2/rad, m^2/rad].
+    pub per_angle: Vec<[[f64; 2]; 3]>,
     /// First moment of boom, arm and bucket as described [kg m].
     pub moment: Vec<f64>,
     /// The same per kilogram of payload \[m\].
@@ -112,6 +114,26 @@ fn inertias(geometry: &Geometry, [boom, arm, bucket]: &[Vec<f64>; 3]) -> Vec<Ine
     angles
         .map(|((boom, arm), bucket)| geometry.inertia([*boom, *arm, *bucket]))
         .collect()
+}
+
+/// How inertia and leverage of each row grow with each joint angle [kg m^2/rad, m^2/rad].
+fn per_angle(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[[f64; 2]; 3]> {
+    const STEP: f64 = 1e-3;
+    let row = |k: usize| {
+        std::array::from_fn(|joint| {
+            let [above, below] = [STEP, -STEP].map(|by| {
+                let mut posture = std::array::from_fn(|i| postures[i][k]);
+                posture[joint] += by;
+                geometry.inertia(posture)
+            });
+            [
+                above.empty - below.empty,
+                above.per_payload - below.per_payload,
+            ]
+            .map(|d| 0.5 * d / STEP)
+        })
+    };
+    (0..postures[0].len()).map(row).collect()
 }
 
 impl Series {
@@ -155,6 +177,11 @@ impl Series {
             };
             vec![none; time.len()]
         };
+        let per_angle = if has_posture {
+            per_angle(geometry, &postures)
+        } else {
+            vec![[[0.0; 2]; 3]; time.len()]
+        };
         let of = |f: fn(&Inertia) -> f64| inertias.iter().map(f).collect::<Vec<f64>>();
         let links = inertias.iter().map(|j| j.empty - geometry.upper_inertia);
         let torque: Vec<(f64, f64)> = samples
@@ -179,6 +206,7 @@ impl Series {
             value,
             links: links.collect(),
             leverage: of(|j| j.per_payload),
+            per_angle,
             moment: of(|j| j.moment),
             radius: of(|j| j.radius),
             heading: angle.iter().map(|a| [a.cos(), a.sin()]).collect(),
@@ -481,6 +509,34 @@ mod tests {
         };
         // Three joints that step by 2 mrad would be 0.9 kg m^2; the mean of nine rows leaves a ninth.
         assert!(largest_step(0.001) < 0.3, "{}", largest_step(0.001));
+    }
+
+    #[test]
+    fn a_joint_angle_that_is_off_is_told_by_what_grows_with_it() {
+        let off = [0.02, -0.03, 0.04];
+        let series = |off: [f64; 3]| {
+            let mut samples = there_and_back(0.0);
+            for sample in &mut samples {
+                sample.posture = std::array::from_fn(|i| Some([0.6, -1.5, -0.6][i] + off[i]));
+            }
+            Series::new("a", &samples, &Geometry::default())
+        };
+        let (measured, truth) = (series([0.0; 3]), series(off));
+        let by = |part: usize| -> f64 {
+            let each = off.iter().zip(measured.per_angle[0]);
+            each.map(|(off, per)| off * per[part]).sum()
+        };
+        // What is left is of second order: the square of .03.
+        for (by, before, after) in [
+            (by(0), measured.links[0], truth.links[0]),
+            (by(1), measured.leverage[0], truth.leverage[0]),
+        ] {
+            assert!(
+                (before + by - after).abs() < 2e-3 * after,
+                "{before} {by} {after}"
+            );
+            assert!((before - after).abs() > 1e-2 * after, "{before} {after}");
+        }
     }
 
     #[test]

@@ -40,6 +40,8 @@ pub enum Role {
     Lever,
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
+    /// Zero of a joint angle.
+    Zero(usize),
     /// First moment of the upper body.
     UpperMoment,
     /// Slope of the ground in a recording, across the machine at its beginning.
@@ -66,7 +68,11 @@ impl Role {
     pub fn is_nuisance(&self) -> bool {
         matches!(
             self,
-            Self::Swinging(_) | Self::UpperMoment | Self::Across(_) | Self::Along(_)
+            Self::Swinging(_)
+                | Self::Zero(_)
+                | Self::UpperMoment
+                | Self::Across(_)
+                | Self::Along(_)
         )
     }
 }
@@ -179,6 +185,7 @@ impl Swings {
             payload: self.stated[recording].map_or(0.0, |q| q.value),
             lever: 1.0,
             swinging: [0.0; RATES.len()],
+            zeros: [0.0; 3],
             upper_moment: 0.0,
             slope: [0.0; 2],
         };
@@ -196,6 +203,7 @@ impl Swings {
                 Role::TorqueNoise => guess.torque_std = value,
                 Role::Lever => guess.lever = value,
                 Role::Swinging(i) => guess.swinging[*i] = value,
+                Role::Zero(i) => guess.zeros[*i] = value,
                 Role::UpperMoment => guess.upper_moment = value,
                 Role::Payload(r) if *r == recording => guess.payload = value,
                 Role::Across(r) if *r == recording => guess.slope[0] = value,
@@ -250,8 +258,8 @@ const DAMPING_STD: f64 = 0.3;
 const FRICTION_STD: f64 = 0.5;
 /// Torque offset, as a share of the large torques.
 const OFFSET_STD: f64 = 0.03;
-/// Share of a load that swings: nothing of what lies in a bucket, some of what slips in it or hangs.
-const SWINGING_STD: f64 = 0.1;
+/// Share of a load that swings, at all rates: nothing of what lies in a bucket, some of what slips in it or hangs.
+pub const SWINGING_STD: f64 = 0.15;
 /// Noises within a factor of e or so.
 const NOISE_STD: f64 = 1.0;
 
@@ -282,6 +290,7 @@ fn parameters(
             all.push((Role::Lever, lever));
         }
         all.extend(swinging());
+        all.extend(zeros(d));
         let loads = series.iter().zip(stated).enumerate();
         all.extend(loads.filter_map(|(r, (series, stated))| {
             let payload = payload(&series.name, *stated, d)?;
@@ -398,8 +407,23 @@ fn swinging() -> impl Iterator<Item = (Role, Parameter)> {
     RATES.into_iter().enumerate().map(|(i, rate)| {
         let key = format!("load that swings at {rate} rad/s");
         let words = format!("the share of the load that swings at {rate} rad/s");
-        let share = Parameter::described(&key, &words, "", 0.0, SWINGING_STD, (-1.0, 1.0));
+        let std = SWINGING_STD / (RATES.len() as f64).sqrt();
+        let share = Parameter::described(&key, &words, "", 0.0, std, (-1.0, 1.0));
         (Role::Swinging(i), share)
+    })
+}
+
+/// Zeros of the joint angles: with them radii err with the arm in otherwise than with the arm out.
+fn zeros(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
+    let std = d.sensors.angle_offset_std;
+    let joints = ["boom", "arm", "bucket"].into_iter().enumerate();
+    joints.filter(move |_| std > 0.0).map(move |(i, joint)| {
+        let (key, words) = (
+            format!("zero of the {joint} angle"),
+            format!("the zero of the {joint} angle"),
+        );
+        let zero = Parameter::described(&key, &words, "rad", 0.0, std, (-0.5, 0.5));
+        (Role::Zero(i), zero)
     })
 }
 

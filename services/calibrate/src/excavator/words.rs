@@ -5,7 +5,7 @@ use estimation::Quantity;
 use super::Outcome;
 use super::loads::Doubt;
 use super::series::Series;
-use super::swings::{Role, Swings};
+use super::swings::{Role, SWINGING_STD, Swings};
 use crate::agreement::{Difference, differences};
 use crate::honesty::Direction;
 use crate::model::Model;
@@ -126,7 +126,10 @@ fn still_posture(swings: &Swings) -> bool {
 pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
         let role = swings.roles[i];
-        !fixed[i] && !role.is_load() && !role.is_noise() && place[i].abs() > FAR
+        // One of the shares of a load may be all of what swings.
+        let is_share = matches!(role, Role::Swinging(_));
+        let asked = !fixed[i] && !role.is_load() && !role.is_noise() && !is_share;
+        asked && place[i].abs() > FAR
     };
     let all = (0..place.len()).filter(is_far).map(|i| {
         let p = &swings.parameters[i];
@@ -135,7 +138,16 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
             p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
         )
     });
-    all.collect()
+    let shares = (0..place.len()).filter(|&i| matches!(swings.roles[i], Role::Swinging(_)));
+    let swinging: f64 = shares.map(|i| swings.parameters[i].value(place[i])).sum();
+    let hangs = swinging.abs() > FAR * SWINGING_STD;
+    let hangs = hangs.then(|| {
+        format!(
+            "{:.0} % of the load would swing: a load that hangs, or other faults; record one that lies in the bucket",
+            100.0 * swinging
+        )
+    });
+    all.chain(hangs).collect()
 }
 
 /// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was stated wrong is
@@ -189,8 +201,14 @@ pub fn disagreement(
         }
     }
     let of_the_machine = |role: &Role| !role.is_load() && !role.is_nuisance() && !role.is_noise();
+    // At its limit a parameter is at no maximum, either.
+    let is_inside = |i: usize| {
+        let p = &swings.parameters[i];
+        let value = p.value(found.fit.place[i]);
+        p.range.0 < value && value < p.range.1
+    };
     let asked: Vec<usize> = (0..fixed.len())
-        .filter(|&i| of_the_machine(&swings.roles[i]))
+        .filter(|&i| of_the_machine(&swings.roles[i]) && is_inside(i))
         .collect();
     let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
@@ -296,4 +314,33 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
             "record more swings"
         };
     direction.undetermined(&swings.parameters, remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_share_of_a_load_may_be_all_that_swings_and_most_of_it_may_not() {
+        let swings = Swings::new(Vec::new(), Vec::new(), &config::Excavator::default());
+        let fixed = vec![false; swings.roles.len()];
+        let far_at = |places: &dyn Fn(usize) -> f64| {
+            let place = |role: &Role| match role {
+                Role::Swinging(i) => places(*i),
+                _ => 0.0,
+            };
+            let place: Vec<f64> = swings.roles.iter().map(place).collect();
+            far(&swings, &place, &fixed)
+        };
+        // A quarter of the load at one rate, and three quarters of it at all.
+        assert_eq!(
+            far_at(&|i| if i == 5 { 5.5 } else { 0.0 }),
+            Vec::<String>::new()
+        );
+        let hanging = far_at(&|_| 1.5);
+        assert!(
+            hanging.len() == 1 && hanging[0].contains("% of the load would swing"),
+            "{hanging:?}"
+        );
+    }
 }
