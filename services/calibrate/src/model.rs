@@ -1,5 +1,7 @@
 //! What a fit works on: blocks of recordings that give innovations.
 
+use std::ops::Range;
+
 use crate::Parameter;
 
 /// One innovation of a filter, before any gate, and the variance the filter expects of it.
@@ -19,6 +21,11 @@ pub struct Innovation {
 pub trait Model: Sync {
     /// The parameters, in the order of the values.
     fn parameters(&self) -> &[Parameter];
+
+    /// Parameters of which a reader wants the sum alone, and what that is, in words.
+    fn sum(&self) -> Option<(Range<usize>, &'static str)> {
+        None
+    }
 
     /// Number of blocks.
     fn blocks(&self) -> usize;

@@ -1,6 +1,7 @@
 //! What a calibration of any machine came to: the fit, what it may claim, and how to look at it.
 
 use std::fmt::Write;
+use std::ops::Range;
 
 use estimation::Quantity;
 
@@ -139,6 +140,23 @@ impl Summary<'_> {
         Some(Quantity {
             value: parameter.value(found.fit.place[i]),
             std: parameter.value_std(found.fit.place[i], found.uncertainty.std(i)),
+        })
+    }
+
+    /// The sum of some linear parameters.
+    pub fn sum(&self, parameters: Range<usize>) -> Option<Quantity> {
+        let found = self.found?;
+        let all = self.model.parameters();
+        let std = |i: usize| all[i].value_std(found.fit.place[i], 1.0);
+        let covariance = |i: usize, j: usize| found.uncertainty.covariance[(i, j)];
+        let each = parameters.clone();
+        let row = |i| -> f64 {
+            let row = parameters.clone().map(|j| std(j) * covariance(i, j));
+            std(i) * row.sum::<f64>()
+        };
+        Some(Quantity {
+            value: each.clone().map(|i| all[i].value(found.fit.place[i])).sum(),
+            std: each.map(row).sum::<f64>().max(0.0).sqrt(),
         })
     }
 

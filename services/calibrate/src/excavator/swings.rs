@@ -1,5 +1,7 @@
 //! The swings of an excavator as a model: parameters, priors, blocks.
 
+use std::ops::Range;
+
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 use estimation::excavator::{Doubts, Geometry};
@@ -218,6 +220,12 @@ impl Swings {
 impl Model for Swings {
     fn parameters(&self) -> &[Parameter] {
         &self.parameters
+    }
+
+    fn sum(&self) -> Option<(Range<usize>, &'static str)> {
+        let first = self.index(Role::Swinging(0))?;
+        let shares = first..first + RATES.len();
+        Some((shares, "the share of the load that swings, at any rate"))
     }
 
     fn blocks(&self) -> usize {

@@ -167,8 +167,15 @@ fn text(summary: &Summary<'_>) -> String {
         .map(|p| p.words.chars().count())
         .max()
         .unwrap_or(0);
+    let sum = summary.model.sum();
     for (i, p) in parameters.iter().enumerate() {
-        let Some(q) = summary.quantity(i) else {
+        let of_sum = sum.as_ref().filter(|(shares, _)| shares.contains(&i));
+        let (words, quantity) = match of_sum {
+            Some((shares, _)) if i != shares.start => continue,
+            Some((shares, words)) => (*words, summary.sum(shares.clone())),
+            None => (p.words.as_str(), summary.quantity(i)),
+        };
+        let Some(q) = quantity else {
             continue;
         };
         let held = if summary.fixed[i] {
@@ -176,7 +183,7 @@ fn text(summary: &Summary<'_>) -> String {
         } else {
             ""
         };
-        out += &format!("  {:<width$} {}{held}\n", p.words, page::figure(q, p.unit));
+        out += &format!("  {words:<width$} {}{held}\n", page::figure(q, p.unit));
     }
     let [before, after] = &found.unseen;
     out += &format!(
