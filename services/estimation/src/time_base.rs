@@ -56,6 +56,17 @@ impl TimeBase {
         self.cadence.time() + self.back
     }
 
+    /// Whether [`Self::tick`] would refuse this time.
+    pub fn refuses(&self, time: f64, gap: f64) -> bool {
+        let is_later = |last: f64| time > last && (time - last).is_finite();
+        if time.is_finite() && self.last.is_none_or(is_later) {
+            return false;
+        }
+        // Seldom: a copy is asked.
+        let mut clock = *self;
+        clock.tick(time, gap) == Tick::Refused
+    }
+
     /// Takes the time of a row; a step longer than `gap` is a jump.
     pub fn tick(&mut self, time: f64, gap: f64) -> Tick {
         if !time.is_finite() {
@@ -140,6 +151,22 @@ mod tests {
             assert_ne!(base.tick(f64::from(k) * 0.01, GAP), Tick::Refused);
         }
         base
+    }
+
+    #[test]
+    fn what_would_be_refused_is_known_beforehand() {
+        let mut base = TimeBase::default();
+        let wrong = [f64::NAN, f64::INFINITY, -1e308, 0.0, 5.0, 1e6];
+        for k in 0..400_u32 {
+            let time = match k % 7 {
+                3 => wrong[(k / 7 % 6) as usize],
+                // A clock that is set back for good.
+                _ if k > 200 => f64::from(k) * 0.01 - 50.0,
+                _ => f64::from(k) * 0.01,
+            };
+            let asked = base.refuses(time, GAP);
+            assert_eq!(asked, base.tick(time, GAP) == Tick::Refused, "{k}: {time}");
+        }
     }
 
     #[test]

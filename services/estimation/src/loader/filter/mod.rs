@@ -227,8 +227,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Whether the clock will refuse a row of this time.
     pub(in crate::loader) fn refuses(&self, settings: &Settings, time: f64) -> bool {
-        let mut clock = self.clock;
-        clock.tick(time, settings.gap().min(LONGEST_STEP)) == Tick::Refused
+        self.clock.refuses(time, settings.gap().min(LONGEST_STEP))
     }
 
     /// Takes one plausible row.
