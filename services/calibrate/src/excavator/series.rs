@@ -177,10 +177,9 @@ impl Series {
             };
             vec![none; time.len()]
         };
-        let per_angle = if has_posture {
-            per_angle(geometry, &postures)
-        } else {
-            vec![[[0.0; 2]; 3]; time.len()]
+        let per_angle = match has_posture {
+            true => per_angle(geometry, &postures),
+            false => vec![[[0.0; 2]; 3]; time.len()],
         };
         let of = |f: fn(&Inertia) -> f64| inertias.iter().map(f).collect::<Vec<f64>>();
         let links = inertias.iter().map(|j| j.empty - geometry.upper_inertia);
@@ -189,11 +188,7 @@ impl Series {
             .filter_map(|s| finite(s.torque).map(|v| (s.time, v)))
             .collect();
         let torque = Torque::new(&torque, |t| at(&time, &velocity, t));
-        let opens = if has_posture {
-            openings(&time, &postures[2])
-        } else {
-            Vec::new()
-        };
+        let opens = has_posture.then(|| openings(&time, &postures[2]));
         let angle = if has(&|s| s.angle) {
             filled(&time, &samples, |s| s.angle)
         } else {
@@ -218,7 +213,7 @@ impl Series {
             refused: 1.0 - samples.len() as f64 / rows.max(1) as f64,
             bias,
         };
-        series.swings = series.find_swings(limit, &opens);
+        series.swings = series.find_swings(limit, &opens.unwrap_or_default());
         series
     }
 

@@ -375,7 +375,25 @@ fn a_row_whose_time_is_refused_changes_no_load() {
     use crate::loader::{CgEstimator, Columns, Method, Status};
     let columns = Columns::default();
     let mut a = CgEstimator::new(&settings(), Method::FullEkf, columns).unwrap();
-    let row = |k: u32| Sample {
+    for k in 0..300 {
+        a.step(&stands(k));
+    }
+    let mut b = a;
+    for late in [299, 298] {
+        let twice = Sample {
+            lift_head_pressure: Some(2e6),
+            ..stands(late)
+        };
+        assert_eq!(b.step(&twice).status, Status::Refused);
+    }
+    let (kept, other) = (a.step(&stands(300)), b.step(&stands(300)));
+    assert_eq!(kept.payload, other.payload);
+    assert_eq!(kept.cg_ratio, other.cg_ratio);
+}
+
+/// Row `k` of a machine that stands with a pressure that lives.
+fn stands(k: u32) -> Sample {
+    Sample {
         time: 0.01 * f64::from(k),
         speed: Some(0.0),
         front_wheel_speed: Some(0.0),
@@ -383,25 +401,12 @@ fn a_row_whose_time_is_refused_changes_no_load() {
         front_torque: Some(0.0),
         rear_torque: Some(0.0),
         slope: Some(0.0),
+        acceleration: Some(0.0),
         lift_angle: Some(0.1),
         tilt_angle: Some(0.5),
         lift_head_pressure: Some(9e6 + 1e4 * f64::from(k % 3)),
         ..Sample::default()
-    };
-    for k in 0..300 {
-        a.step(&row(k));
     }
-    let mut b = a;
-    for late in [299, 298] {
-        let twice = Sample {
-            lift_head_pressure: Some(2e6),
-            ..row(late)
-        };
-        assert_eq!(b.step(&twice).status, Status::Refused);
-    }
-    let (kept, other) = (a.step(&row(300)), b.step(&row(300)));
-    assert_eq!(kept.payload, other.payload);
-    assert_eq!(kept.cg_ratio, other.cg_ratio);
 }
 
 /// Seconds of standing like this.
@@ -668,18 +673,8 @@ fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
         estimator.set_payload(reported);
         // A pressure that lives, and is gone from the third second on.
         let row = |k: u32| Sample {
-            time: 0.01 * f64::from(k),
-            speed: Some(0.0),
-            front_wheel_speed: Some(0.0),
-            rear_wheel_speed: Some(0.0),
-            front_torque: Some(0.0),
-            rear_torque: Some(0.0),
-            slope: Some(0.0),
-            acceleration: Some(0.0),
-            lift_angle: Some(0.1),
-            tilt_angle: Some(0.5),
-            lift_head_pressure: (k < 300).then(|| 9e6 + 1e4 * f64::from(k % 3)),
-            ..Sample::default()
+            lift_head_pressure: stands(k).lift_head_pressure.filter(|_| k < 300),
+            ..stands(k)
         };
         (0..600)
             .map(|k| estimator.step(&row(k)))
