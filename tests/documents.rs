@@ -348,6 +348,32 @@ fn commands_that_need_nothing_run() {
     }
 }
 
+#[test]
+fn the_machine_files_of_the_pages_are_valid() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("machine.toml");
+    let mut seen = 0;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        let blocks = text.split("```toml\n").skip(1);
+        let blocks = blocks.filter_map(|rest| rest.split("```").next());
+        for block in blocks.filter(|block| block.contains("[machine]\n")) {
+            std::fs::write(&file, block).expect("a file");
+            let machine = if block.contains("wheelbase") {
+                "loader"
+            } else {
+                "excavator"
+            };
+            let path = file.to_str().expect("a path");
+            let output = heft(&["check", path, "--machine", machine]);
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{}: {said}", page.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 1, "{seen} machine files found");
+}
+
 /// The commands of a page that simulate a machine and calibrate it, as they stand there; what the calibration said.
 fn simulated_calibration(page: &str) -> (tempfile::TempDir, String) {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
