@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -170,7 +171,7 @@ fn the_top_holds_what_it_should_and_nothing_that_a_command_left_there() {
     let mut git = Command::new("git");
     let listed = git.arg("ls-files").current_dir(root()).output();
     let Some(files) = listed.ok().filter(|o| o.status.success()) else {
-        println!("skipped: this is no checkout of git");
+        let _ = writeln!(std::io::stderr(), "skipped: this is no checkout of git");
         return;
     };
     let files = String::from_utf8(files.stdout).expect("names in UTF-8");

@@ -7,6 +7,7 @@ mod named;
 mod streams;
 
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 
 use common::{both, golden, run};
@@ -323,7 +324,10 @@ fn with_own_mounts(script: &str) -> Option<std::process::Output> {
     match output {
         Ok(output) if !both(&output).contains("not permitted") => Some(output),
         _ => {
-            println!("skipped: this user may not make a mount namespace");
+            let _ = writeln!(
+                std::io::stderr(),
+                "skipped: this user may not make a mount namespace"
+            );
             None
         }
     }
@@ -341,7 +345,7 @@ fn a_full_shared_memory_is_reported_before_anything_starts() {
         return;
     };
     if output.status.code() == Some(99) {
-        println!("skipped: this user may not mount");
+        let _ = writeln!(std::io::stderr(), "skipped: this user may not mount");
         return;
     }
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
@@ -366,7 +370,7 @@ fn a_full_disk_stops_the_recording_and_not_the_estimation() {
         return;
     };
     if output.status.code() == Some(99) {
-        println!("skipped: this user may not mount");
+        let _ = writeln!(std::io::stderr(), "skipped: this user may not mount");
         return;
     }
     let text = both(&output);

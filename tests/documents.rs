@@ -293,7 +293,11 @@ fn every_command_of_the_pages_exists_with_its_options() {
                 let option = option.split('=').next().unwrap_or_default();
                 let option = option.trim_end_matches(|c: char| !c.is_ascii_alphanumeric());
                 let option = option.split('[').next().unwrap_or_default();
-                if !help.contains(option) {
+                let is_whole = |word: &str| {
+                    let word = word.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+                    word.split(['=', '[']).next() == Some(option)
+                };
+                if !help.split_whitespace().any(is_whole) {
                     wrong.push(format!(
                         "{}: heft {}: {option}",
                         page.display(),

@@ -5,6 +5,7 @@ mod vcan;
 
 use std::collections::BTreeMap;
 use std::io::Read;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -121,7 +122,7 @@ fn a_program_in_c_reads_the_samples_that_rust_wrote() {
     compiler.args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-o"]);
     let compiled = compiler.arg(&program).arg(&source).output();
     let Ok(compiled) = compiled else {
-        println!("skipped: there is no C compiler (cc)");
+        let _ = writeln!(std::io::stderr(), "skipped: there is no C compiler (cc)");
         return;
     };
     assert!(compiled.status.success(), "{}", both(&compiled));

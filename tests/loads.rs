@@ -156,6 +156,7 @@ fn without_pressure_a_simulated_loader_has_none_and_the_recording_says_so() {
     let (recording, _) = recorded(folder.path(), "loader", "loading", &more);
     let counted = counted(folder.path(), &recording, &[]);
     let loads = counted["recordings"][0]["loads"].as_array().expect("loads");
+    assert!(!loads.is_empty(), "{counted}");
     assert!(
         loads.iter().all(|l| l["witness"] != "pressure"),
         "{counted}"

@@ -201,3 +201,27 @@ swing_torque = { topic = "/swing/pressure", field = "fluid_pressure", unit = "Pa
     let said = with_map(&["calibrate", "excavator"], &["-o", text(&at("own.toml"))]);
     assert!(!said.contains("no samples"), "{said}");
 }
+
+#[test]
+fn a_result_of_another_map_is_not_up_to_date_however_old_the_map_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("a.csv");
+    std::fs::copy(golden("excavator_input_two_swings.csv"), table).expect("a copy");
+    let map = folder.path().join("map.toml");
+    let of = |scale: &str| {
+        let torque = format!("swing_torque = {{ column = \"swing_torque\", scale = {scale} }}");
+        std::fs::write(&map, format!("[columns]\n{torque}\n")).expect("a map");
+        let file = std::fs::File::open(&map).expect("the map");
+        file.set_modified(SystemTime::UNIX_EPOCH).expect("a time");
+        let command = ["estimate", text(folder.path()), "--machine", "excavator"];
+        both(&run(&[&command[..], &["--map", text(&map)]].concat()))
+    };
+    for (scale, end) in [
+        ("1.0", " done\n"),
+        ("1.0", " up to date\n"),
+        ("1.01", " done\n"),
+    ] {
+        let said = of(scale);
+        assert!(said.contains(end), "{scale}: {said}");
+    }
+}

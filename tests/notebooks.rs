@@ -1,5 +1,6 @@
 //! The notebooks of `examples/notebooks` run from the first cell to the last, where a Python has the package.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -15,7 +16,10 @@ fn python() -> Option<String> {
 #[test]
 fn the_notebooks_run_where_python_has_this_heft() {
     let Some(python) = python() else {
-        println!("skipped: no python3 with this heft, pandas, matplotlib, nbconvert and ipykernel");
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: no python3 with this heft, pandas, matplotlib, nbconvert and ipykernel"
+        );
         return;
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/notebooks");

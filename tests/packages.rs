@@ -1,6 +1,7 @@
 //! What is handed out: where the command starts, and the package of a fleet, from programs that stand for those of
 //! `services/gateway`.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -18,7 +19,7 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
 #[test]
 fn the_package_of_a_fleet_has_its_programs_units_and_defaults() {
     if output("dpkg-deb", &["--version"]).is_none() || output("python3", &["--version"]).is_none() {
-        println!("skipped: no dpkg-deb, no python3");
+        let _ = writeln!(std::io::stderr(), "skipped: no dpkg-deb, no python3");
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,6 +4,7 @@
 
 mod common;
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -31,17 +32,19 @@ fn with_a_foe(script: &str) -> Option<Output> {
         copy.display(),
         folder.path().display()
     );
+    let mut may = Command::new("unshare");
+    let allowed = may.args(["--mount", "true"]).status();
+    let is_allowed = allowed.is_ok_and(|status| status.success());
     let output = Command::new("unshare")
         .args(["--mount", "sh", "-c", &script])
         .output();
     match output {
-        Ok(output)
-            if output.status.code() != Some(99) && !both(&output).contains("not permitted") =>
-        {
-            Some(output)
-        }
+        Ok(output) if output.status.code() != Some(99) && is_allowed => Some(output),
         _ => {
-            println!("skipped: this user cannot play another one");
+            let _ = writeln!(
+                std::io::stderr(),
+                "skipped: this user cannot play another one"
+            );
             None
         }
     }

@@ -1,5 +1,6 @@
 //! The theory of the excavator, computed anew: the page `docs/theory/excavator-steps.md` in the standard library of Python, beside heft.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -54,7 +55,7 @@ fn who_follows_the_page_computes_the_same_inertia_and_payload() {
     let mut python = Command::new("python3");
     let asked = python.args(["-c", "import tomllib"]).status();
     if !asked.is_ok_and(|status| status.success()) {
-        println!("skipped: no python3 of version 3.11");
+        let _ = writeln!(std::io::stderr(), "skipped: no python3 of version 3.11");
         return;
     }
     for scenario in ["work", "work-slope-inclinometer-4-deg", "cycle"] {

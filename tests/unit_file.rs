@@ -1,5 +1,6 @@
 //! The systemd unit, as far as a shell can try it.
 
+use std::io::Write as _;
 use std::process::{Command, Output};
 
 /// Runs what the unit runs, with `heft` replaced by a program that says its arguments, and the description at `described`.
@@ -110,7 +111,10 @@ fn analyzed(arguments: &[&str]) -> Option<Output> {
     let mut command = Command::new("systemd-analyze");
     let output = command.args(arguments).arg(unit).output();
     if output.is_err() {
-        println!("skipped: systemd-analyze is not installed");
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: systemd-analyze is not installed"
+        );
     }
     output.ok()
 }

@@ -1,5 +1,6 @@
 //! Data recorded by others: not ours to ship. The one place that knows where they are, and says so where they are not.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 /// A file or folder of the data that `HEFT_DATA` names; without that, those in `shared/data` beside the checkout. `None`
@@ -10,7 +11,8 @@ pub fn data(name: &str) -> Option<PathBuf> {
     let root = std::env::var_os("HEFT_DATA").map_or(beside.join("../shared/data"), PathBuf::from);
     let file = root.join(name);
     if !file.exists() {
-        println!(
+        let _ = writeln!(
+            std::io::stderr(),
             "skipped: {} is not here (set HEFT_DATA to the folder of recorded data)",
             file.display()
         );

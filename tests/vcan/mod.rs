@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses its own part")]
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -18,7 +19,8 @@ use socketcan::{
 /// in real time and a kernel in user mode keeps it only on a machine that is otherwise quiet.
 pub fn run_ignored_tests() {
     if std::env::var_os("HEFT_CAN").is_none() {
-        println!(
+        let _ = writeln!(
+            std::io::stderr(),
             "skipped: set HEFT_CAN=1 for the tests on a bus (three minutes, on a quiet machine)"
         );
         return;
@@ -32,7 +34,10 @@ pub fn run_ignored_tests() {
         .stdin(Stdio::null())
         .status();
     match status.map(|s| s.code()) {
-        Ok(Some(125)) | Err(_) => println!("skipped: no CAN stack here (see tests/tools/with-can)"),
+        Ok(Some(125)) | Err(_) => drop(writeln!(
+            std::io::stderr(),
+            "skipped: no CAN stack here (see tests/tools/with-can)"
+        )),
         Ok(code) => assert_eq!(code, Some(0), "a test on the bus failed, see above"),
     }
 }

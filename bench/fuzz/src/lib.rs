@@ -144,7 +144,11 @@ impl Target {
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
         let found = fs::read_dir(root.join("tests/fuzz").join(self.name));
         let found = found.into_iter().flatten().flatten().map(|e| e.path());
-        let named = self.seeds.iter().map(|file| root.join(file));
+        let named = self.seeds.iter().map(|file| {
+            let file = root.join(file);
+            assert!(file.exists(), "{} is no file to begin with", file.display());
+            file
+        });
         let mut files: Vec<PathBuf> = named.chain(found).collect();
         files.sort();
         let read = |file: PathBuf| {

@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -91,7 +92,7 @@ fn a_program_finds_the_installed_library_by_pkg_config_and_by_cmake() {
         ));
     }
     if said.is_empty() {
-        println!("skipped: neither pkg-config nor cmake");
+        let _ = writeln!(std::io::stderr(), "skipped: neither pkg-config nor cmake");
     }
     for output in said {
         assert!(output.status.success() && output.stdout.starts_with(b"inertia "));

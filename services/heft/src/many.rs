@@ -202,8 +202,11 @@ pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
 
 /// Whether a result is there and none of its sources is newer.
 pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
-    let made = recording::changed(result);
-    made.is_some() && sources.iter().all(|s| recording::changed(s) <= made)
+    let Some(made) = recording::changed(result) else {
+        return false;
+    };
+    let is_older = |source: &&Path| recording::changed(source).is_some_and(|at| at <= made);
+    sources.iter().all(is_older)
 }
 
 /// Does all jobs; how each ended, in their order.

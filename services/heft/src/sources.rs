@@ -115,8 +115,10 @@ fn recorded<M: Sensors>(
     let (mut end, duration) = (None, plan.duration.unwrap_or(f64::INFINITY));
     let is_within = move |(sample, _): &(M, M::Truth)| {
         let time = sample.stamp().time;
-        let end = *end.get_or_insert(time + duration);
-        time.partial_cmp(&end) != Some(Ordering::Greater)
+        if time.is_finite() {
+            end.get_or_insert(time + duration);
+        }
+        end.is_none_or(|end| time.partial_cmp(&end) != Some(Ordering::Greater))
     };
     Ok(sensor::Recorded::new(samples.rows()?.take_while(is_within)))
 }

@@ -12,7 +12,7 @@ mod file;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -157,11 +157,15 @@ impl Memory {
             .with_extension(format!("{}.new", std::process::id()));
         let written = (|| {
             let mut options = fs::OpenOptions::new();
-            let mut file = options
-                .write(true)
-                .create_new(true)
-                .mode(0o600)
-                .open(&new)?;
+            options.write(true).create_new(true).mode(0o600);
+            let mut file = match options.open(&new) {
+                // In a container the process id is always the same: a file that a cut of power left.
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+                    fs::remove_file(&new)?;
+                    options.open(&new)?
+                }
+                opened => opened?,
+            };
             file.write_all(text.as_bytes())?;
             file.sync_all()?;
             fs::rename(&new, &self.file)
@@ -251,6 +255,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
         let methods = BTreeMap::new();
+        // What a cut of power left of a process that had the same number.
+        let left = file.with_extension(format!("{}.new", std::process::id()));
+        fs::write(left, "half").unwrap();
         let (mut memory, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
         assert!(said.contains("nothing to remember yet"), "{said}");
         memory.see(&LOADER_CG_UKF, &estimate(0.50, 0));

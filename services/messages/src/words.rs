@@ -90,6 +90,8 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
         let said = match (Words::of_field(M::WORDS, field.name), value) {
             (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
             _ if is_missing(field.name, value) => Said::Missing,
+            // A row without a time has none, whatever its bits say.
+            (_, Value::F64(number)) if !number.is_finite() => Said::Missing,
             _ => Said::Number(value),
         };
         Some((Cow::Borrowed(field.name), said))

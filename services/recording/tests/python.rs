@@ -2,6 +2,7 @@
 //! installed into a virtual environment below the target folder; where that is not possible within
 //! a minute, the test says so and passes.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -51,7 +52,8 @@ fn python(module: &str, packages: &[&str]) -> Option<PathBuf> {
     );
     let found = has(&own);
     if !found {
-        println!(
+        let _ = writeln!(
+            std::io::stderr(),
             "skipped: python3 with {} cannot be installed here",
             packages.join(" and ")
         );

@@ -1,5 +1,6 @@
 //! What a recording keeps, and what is left of it when it is cut off, damaged or refused.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use messages::channels::{self, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, HEALTH, Visitor};
@@ -441,7 +442,10 @@ fn a_disk_that_fills_up_leaves_a_recording_that_can_be_read_and_mended() {
         command.env(SMALL_DISK, dir.path()).output()
     };
     if !unshare(mount).is_ok_and(|o| o.status.success()) {
-        println!("skipped: a small disk cannot be mounted here");
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: a small disk cannot be mounted here"
+        );
         return;
     }
     let name = "a_disk_that_fills_up_leaves_a_recording_that_can_be_read_and_mended";

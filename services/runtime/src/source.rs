@@ -48,7 +48,7 @@ pub fn run_source<S: Source>(
     };
     sender.connect();
     let epoch = worker.setup.identity.restarts;
-    let mut origin = None;
+    let mut timeline = Timeline::default();
     let mut catches_up = pace == Pace::RealTime && first > 0;
     loop {
         worker.reporter.begin();
@@ -58,11 +58,11 @@ pub fn run_source<S: Source>(
             break;
         };
         let stamp = measured.stamp();
-        let origin = *origin.get_or_insert(stamp.time);
+        let offset = timeline.offset(stamp.time);
         if stamp.sequence < first {
             continue;
         }
-        let deadline = due(start_ns, stamp.time - origin);
+        let deadline = due(start_ns, offset);
         if !sender.wait_for_turn(&worker, pace, stamp.sequence, deadline) {
             break;
         }
@@ -173,9 +173,36 @@ impl<S: Message, T: Message> Sender<S, T> {
     }
 }
 
+/// A longer step between two rows is a clock that was set [s]: nobody waits for it.
+const LONGEST_PAUSE: f64 = 3600.0;
+
+/// When rows are due, by their times, which may be those of a clock that was set, or none.
+#[derive(Debug, Default)]
+struct Timeline {
+    origin: Option<f64>,
+    /// Offset of the row before [s].
+    last: f64,
+}
+
+impl Timeline {
+    /// Time since the first row [s]. A row without a time is due with the one before it, and so is one after the clock was set.
+    fn offset(&mut self, time: f64) -> f64 {
+        if !time.is_finite() {
+            return self.last;
+        }
+        let offset = time - *self.origin.get_or_insert(time);
+        if (offset - self.last).abs() <= LONGEST_PAUSE {
+            self.last = offset;
+        } else {
+            self.origin = Some(time - self.last);
+        }
+        self.last
+    }
+}
+
 fn due(start_ns: u64, offset: f64) -> u64 {
-    // A duration within a run: far below 2^53 ns; a row that goes back in time is due at once.
-    start_ns + (offset.max(0.0) * 1e9) as u64
+    // A row that goes back in time is due at once.
+    start_ns.saturating_add((offset.max(0.0) * 1e9) as u64)
 }
 
 fn wait_for_time(worker: &Worker, deadline: u64) -> bool {
@@ -203,5 +230,31 @@ pub(crate) fn finish(worker: &Worker) {
             worker.control.say("drained");
         }
         worker.bell.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_without_a_time_and_a_clock_that_is_set_hold_up_nothing() {
+        let mut timeline = Timeline::default();
+        let times = [f64::NAN, 12.3, 12.4, 1.7e9, 1.7e9 + 0.1, 12.7, 1e300, 12.8];
+        let offsets = times.map(|time| timeline.offset(time));
+        for (offset, expected) in offsets
+            .into_iter()
+            .zip([0.0, 0.0, 0.1, 0.1, 0.2, 0.2, 0.2, 0.2])
+        {
+            assert!((offset - expected).abs() < 1e-6, "{offsets:?}");
+        }
+        assert_eq!(due(u64::MAX - 5, 1.0), u64::MAX);
+    }
+
+    #[test]
+    fn a_pause_of_the_recorder_is_a_pause() {
+        let mut timeline = Timeline::default();
+        let offsets = [5.0, 5.1, 305.0, 304.0].map(|time| timeline.offset(time));
+        assert!((offsets[2] - 300.0).abs() < 1e-9 && (offsets[3] - 299.0).abs() < 1e-9);
     }
 }

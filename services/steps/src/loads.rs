@@ -24,7 +24,7 @@ use scale::Scale;
 use why::why;
 pub use why::{reason_and_flags, why_words};
 
-/// Loads that are remembered; sums know all.
+/// Loads that a counter remembers while the machine works; sums know all.
 const REMEMBERED: usize = 1000;
 
 /// What the counter is given beside the description.
@@ -62,6 +62,8 @@ pub struct LoadCounter {
     /// Samples have had pressures, and a mass.
     measured: [bool; 2],
     loads: VecDeque<Load>,
+    /// So many of them.
+    remembered: usize,
 }
 
 impl LoadCounter {
@@ -96,6 +98,16 @@ impl LoadCounter {
             pressure: None,
             measured: [false; 2],
             loads: VecDeque::new(),
+            remembered: REMEMBERED,
+        }
+    }
+
+    /// The same for a recording, whose loads are all asked for at its end.
+    #[must_use]
+    pub fn remembering_all(self) -> Self {
+        Self {
+            remembered: usize::MAX,
+            ..self
         }
     }
 
@@ -288,9 +300,11 @@ impl LoadCounter {
     /// Remembers what is reported of a load.
     fn note(&mut self, events: Events) -> Events {
         if let Some(load) = events.load {
-            self.loads.retain(|known| known.number != load.number);
+            // What is said again is the latest, or the one before.
+            let known = self.loads.iter().rposition(|l| l.number == load.number);
+            known.and_then(|i| self.loads.remove(i));
             self.loads.push_back(load);
-            if self.loads.len() > REMEMBERED {
+            if self.loads.len() > self.remembered {
                 self.loads.pop_front();
             }
         }
@@ -305,6 +319,32 @@ mod tests {
 
     fn description(text: &str) -> Description {
         Description::parse(text, "test", None).expect("a description")
+    }
+
+    #[test]
+    fn of_a_recording_every_load_is_remembered_and_live_the_latest() {
+        let machine = description("[machine]\nkind = \"loader\"\n");
+        let counter = LoadCounter::new(&machine, Options::default());
+        let numbers = |mut counter: LoadCounter| -> Vec<u32> {
+            // Each is said once as carried and once as dumped.
+            for number in (1..=1001).flat_map(|n| [n, n]) {
+                let load = Load {
+                    number,
+                    ..Load::default()
+                };
+                counter.note(Events {
+                    load: Some(load),
+                    ..Events::default()
+                });
+            }
+            counter.loads().map(|load| load.number).collect()
+        };
+        assert!(
+            numbers(counter.clone().remembering_all())
+                .into_iter()
+                .eq(1..=1001)
+        );
+        assert!(numbers(counter).into_iter().eq(2..=1001));
     }
 
     #[test]

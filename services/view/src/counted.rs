@@ -31,7 +31,7 @@ messages::machines!(read);
 /// Takes samples and estimates in the order of their time, each sample before its estimate.
 fn count<S: Sensors, E: Estimate>(
     reader: &Reader,
-    mut counter: LoadCounter,
+    counter: LoadCounter,
 ) -> Result<Option<Account>, Error> {
     let pipeline = Pipeline::of(E::MACHINE);
     let recorded = reader.channels();
@@ -41,11 +41,16 @@ fn count<S: Sensors, E: Estimate>(
         return Ok(None);
     };
     let mut samples = reader.stream::<S>(S::SENSORS.name)?.peekable();
+    let mut counter = counter.remembering_all();
     let mut trucks = Vec::new();
     for estimate in reader.stream::<E>(channel.name)? {
         let time = estimate.stamp().time;
-        // A sample whose time is NaN holds up none.
-        let is_due = |s: &S| s.stamp().time.partial_cmp(&time) != Some(Ordering::Greater);
+        // A sample without a time holds up none; before an estimate without one come only such.
+        let is_due = |s: &S| {
+            let sampled = s.stamp().time;
+            let is_later = sampled.partial_cmp(&time) == Some(Ordering::Greater);
+            !is_later && (time.is_finite() || !sampled.is_finite())
+        };
         while let Some(sample) = samples.next_if(is_due) {
             trucks.extend(counter.see(&sample.envelope()).truck);
         }

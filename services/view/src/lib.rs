@@ -34,7 +34,7 @@ pub mod words;
 
 pub use judgement::Judgement;
 pub use report::{NOT_WHOLE, compared, loads_page, page, picture, report};
-pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};
+pub use run::{Estimator, Input, MachineRun, Parts, Run, Thinned, lost};
 
 /// A layout of Foxglove for recordings of both machines.
 pub const FOXGLOVE_LAYOUT: &str = include_str!("../assets/foxglove-layout.json");

@@ -363,12 +363,16 @@ pub fn total_words(total: &Total) -> String {
 pub fn clock(time: f64) -> String {
     const DAY: f64 = 86_400.0;
     const SINCE_1970: f64 = 1e9;
-    let shown = if time >= SINCE_1970 {
-        time.rem_euclid(DAY)
+    if time < 0.0 {
+        return format!("-{}", clock(-time));
+    }
+    // Rounded first: there is no 24:00:00.
+    let rounded = (time * 10.0).round();
+    let tenths = if time >= SINCE_1970 {
+        rounded.rem_euclid(10.0 * DAY)
     } else {
-        time
-    };
-    let tenths = (shown * 10.0).round() as i64;
+        rounded
+    } as i64;
     let (seconds, tenths) = (tenths.div_euclid(10), tenths.rem_euclid(10));
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     if time >= SINCE_1970 {
@@ -476,5 +480,7 @@ mod tests {
         assert_eq!(clock(62.34), "1:02.3");
         assert_eq!(clock(3723.0), "1:02:03");
         assert_eq!(clock(1_700_000_000.0), "22:13:20 UTC");
+        assert_eq!(clock(1_700_006_399.96), "00:00:00 UTC");
+        assert_eq!(clock(-65.0), "-1:05.0");
     }
 }

@@ -77,7 +77,10 @@ fn machine<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>) {
     }
     let history = panels::history::panels(part);
     page.section(&format!("What the {} did", E::MACHINE), history);
-    one_by_one::write(&mut page.body, part);
+    // A pause is seen between neighbours alone.
+    if run.thinned.is_empty() {
+        one_by_one::write(&mut page.body, part);
+    }
     page.section("Why heft trusts it, or not", panels::rules::panels(part));
     tables::comparison(&mut page.body, run, part);
     page.section("Errors against the truth", panels::error::panels(part));

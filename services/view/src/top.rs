@@ -1,6 +1,6 @@
 //! The terminal dashboard: for those who have only a terminal.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
 use messages::{Message, fault};
@@ -349,6 +349,9 @@ fn header<'a>(names: &[&'a str]) -> Row<'a> {
     Row::new(names.to_vec()).style(Style::new().add_modifier(Modifier::DIM))
 }
 
+/// A process tells of itself some times a second; what one has told that is silent for so long is over.
+const SILENT: Duration = Duration::from_secs(2);
+
 fn process_row(name: &str, p: &ProcessState, now: Instant) -> ([String; 11], Style) {
     let (h, ns) = (&p.health, |ns: u64| nanoseconds(ns as f64));
     let trouble = h.lost > 0 || h.restarts > 0 || h.fault != fault::NONE;
@@ -357,15 +360,21 @@ fn process_row(name: &str, p: &ProcessState, now: Instant) -> ([String; 11], Sty
     } else {
         fault::text(h.fault)
     };
-    let style = if trouble {
+    let is_silent = now.saturating_duration_since(p.seen) > SILENT;
+    let style = if trouble || is_silent {
         Style::new().fg(Color::Yellow)
     } else {
         Style::new()
     };
+    let (state, rate) = if is_silent {
+        ("silent".to_owned(), "-".to_owned())
+    } else {
+        (state_name(h.state).to_owned(), grouped(p.rate(), 0))
+    };
     let cells = [
         name.to_owned(),
-        state_name(h.state).to_owned(),
-        grouped(p.rate(), 0),
+        state,
+        rate,
         ns(h.age_p50_ns),
         ns(h.age_p999_ns),
         ns(h.step_p50_ns),

@@ -42,6 +42,22 @@ fn the_report_tells_inertia_uncertainty_reasons_and_truth() {
     );
 }
 
+/// Of a part of the samples nobody sees where a swing ends.
+#[test]
+fn swings_are_told_apart_only_where_every_sample_is_there() {
+    let mut run = common::excavator(20.0, 100.0, true);
+    assert!(report(&run).contains("<h2>Each swing"));
+    run.thinned.push(view::Thinned {
+        channel: "excavator/inertia_ukf".into(),
+        stretch: 4,
+        received: 80_000,
+        lost: 0,
+    });
+    let html = report(&run);
+    assert!(!html.contains("<h2>Each swing"));
+    assert!(html.contains("each swing or drive by itself, are left out"));
+}
+
 #[test]
 fn the_report_tells_position_and_height_apart() {
     let html = report(&common::loader(60.0, 100.0, true));

@@ -161,6 +161,12 @@ fn run(arguments: &Arguments, heft: &Path) -> Result<bool, String> {
     }
     let begun = Instant::now();
     let rows = attempts(arguments, heft, begun);
+    if rows.is_empty() {
+        return Err(format!(
+            "no attack has `{}` in its name; without --only all of them are tried",
+            arguments.only
+        ));
+    }
     print(&rows);
     println!(
         "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",

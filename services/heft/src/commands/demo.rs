@@ -36,9 +36,19 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
     let _signal = Signals::catch()?;
     let folder = folder(None, "demo")?;
     let (sender, lines) = channel::<Line>();
-    let mut runs = Vec::new();
+    let mut runs: Vec<Child> = Vec::new();
     for (index, machine) in Machine::ALL.into_iter().enumerate() {
-        runs.push(start(machine, &folder, index, is_verbose, sender.clone())?);
+        match start(machine, &folder, index, is_verbose, sender.clone()) {
+            Ok(run) => runs.push(run),
+            Err(failure) => {
+                // Nobody would read what the others say.
+                for run in &mut runs {
+                    let _ = run.kill();
+                    let _ = run.wait();
+                }
+                return Err(failure);
+            }
+        }
     }
     drop(sender);
     let mut screen = Screen::default();

@@ -132,7 +132,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
         target: args.target,
         pause: args.pause,
     };
-    let mut counter = LoadCounter::new(&description, options);
+    let mut counter = LoadCounter::new(&description, options).remembering_all();
     let (mut trucks, mut truths) = (Vec::new(), Truths::default());
     let entry = machines::entry(description.machine());
     let read = (entry.follow)(&args.with, input, &description, &mut |message| {

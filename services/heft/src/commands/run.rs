@@ -155,6 +155,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     span.record("process", "supervisor");
     span.record("machine", machine.name());
     span.record("domain", domain.name());
+    // A run that is refused before it starts is none.
+    if let (Some(site), Some(machine)) = (&args.fleet.site, &args.fleet.machine_id) {
+        plan.run = plan.run.count(site, machine);
+    }
     let supervisor = Supervisor::start(&domain, plan, watch, Signals::catch()?)?;
     let (end, watch) = supervisor.run()?;
     if let End::Refused(error) = end {

@@ -308,6 +308,7 @@ fn markdown(table: &Table) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
     use std::process::Command;
 
     use super::*;
@@ -322,7 +323,10 @@ mod tests {
             .arg(&source)
             .output();
         let Ok(found) = compiled else {
-            println!("skipped: there is no compiler {compiler}");
+            let _ = writeln!(
+                std::io::stderr(),
+                "skipped: there is no compiler {compiler}"
+            );
             return;
         };
         let said = String::from_utf8_lossy(&found.stderr);

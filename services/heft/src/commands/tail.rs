@@ -103,7 +103,9 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         bytes: Vec::new(),
     };
     let stop = Signals::catch()?;
-    while !stop.came() && run.is_alive() {
+    loop {
+        // What was sent before the end is still there.
+        let is_over = stop.came() || !run.is_alive();
         run.drain(&mut writer);
         writer
             .bytes
@@ -111,10 +113,12 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         if !crate::out::pass(&writer.bytes) {
             return Ok(());
         }
+        if is_over {
+            return Ok(());
+        }
         writer.bytes.clear();
         std::thread::sleep(NAP);
     }
-    Ok(())
 }
 
 impl Sink for Writer {

@@ -12,6 +12,7 @@ use view::top::{TopState, draw};
 
 use crate::attached::{Attached, find};
 use crate::failure::Failure;
+use crate::signals::Signals;
 
 /// Time between two pictures.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -80,6 +81,8 @@ fn print_once(run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failu
 }
 
 fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failure> {
+    // A signal leaves the terminal as it was, too.
+    let stop = Signals::catch()?;
     let mut terminal = ratatui::try_init().map_err(|e| {
         Failure::input(
             format!("cannot draw here: {e}"),
@@ -99,7 +102,7 @@ fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(),
                 break Ok(());
             }
         }
-        if wants_to_quit() {
+        if stop.came() || wants_to_quit() {
             break Ok(());
         }
     };
@@ -110,15 +113,19 @@ fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(),
     result
 }
 
+/// A key that ends it, or a terminal that is gone.
 fn wants_to_quit() -> bool {
-    if !event::poll(PERIOD).unwrap_or(false) {
-        return false;
+    match event::poll(PERIOD) {
+        Ok(false) => return false,
+        Ok(true) => {}
+        Err(_) => return true,
     }
     match event::read() {
         Ok(Event::Key(key)) => {
             matches!(key.code, KeyCode::Char('q') | KeyCode::Esc)
                 || (key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL))
         }
-        _ => false,
+        Err(_) => true,
+        Ok(_) => false,
     }
 }

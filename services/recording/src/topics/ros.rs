@@ -89,6 +89,7 @@ impl Definitions {
             little,
             widest,
             with_nul: true,
+            records: most_records(bytes),
         };
         self.record(&self.main, &mut bytes, 0)
     }
@@ -101,12 +102,14 @@ impl Definitions {
             little: true,
             widest: 1,
             with_nul: false,
+            records: most_records(message),
         };
         self.record(&self.main, &mut bytes, 0)
     }
 
     fn record(&self, name: &str, bytes: &mut Bytes<'_>, depth: usize) -> Option<Node> {
         (depth < DEEPEST).then_some(())?;
+        bytes.records = bytes.records.checked_sub(1)?;
         let fields = self.types.get(name)?;
         if fields.is_empty() && bytes.with_nul {
             bytes.take(1)?; // CDR knows no structure without a member
@@ -123,7 +126,7 @@ impl Definitions {
             Count::Fixed(count) => count,
             Count::Sequence => usize::try_from(bytes.uint(4)?).ok()?,
         };
-        // Nothing that is in a list takes less than a byte.
+        // What is in a list takes a byte at least, but for types without fields.
         (count <= bytes.bytes.len() - bytes.at).then_some(())?;
         if count > LONGEST {
             for _ in 0..count {
@@ -229,6 +232,16 @@ struct Bytes<'a> {
     widest: usize,
     /// Texts end with a zero, which their length counts.
     with_nul: bool,
+    /// So many records may follow.
+    records: usize,
+}
+
+/// A message has no more records than this beside one a byte: in ROS 1 those of types without fields take none, and types may be made of
+/// such.
+const EMPTY: usize = 1000;
+
+fn most_records(message: &[u8]) -> usize {
+    message.len() + EMPTY
 }
 
 impl<'a> Bytes<'a> {
@@ -293,6 +306,22 @@ mod tests {
             assert_eq!(node.number(&z, None), Some(5.0));
             assert_eq!(types.cdr(&bytes[..bytes.len() - 1]), None, "cut off");
         }
+    }
+
+    #[test]
+    fn types_that_take_no_bytes_end_too() {
+        let nothing = "MSG: a/T20\n";
+        let mut text = String::from("T1 a\nT1[16] b\n");
+        for i in 1..20 {
+            let rule = "=".repeat(16);
+            text += &format!(
+                "{rule}\nMSG: a/T{i}\nT{next} a\nT{next}[16] b\n",
+                next = i + 1
+            );
+        }
+        text += &format!("{}\n{nothing}", "=".repeat(16));
+        let types = Definitions::parse("a/T0", &text).expect("complete");
+        assert_eq!(types.ros1(&[0; 64]), None);
     }
 
     #[test]

@@ -218,7 +218,10 @@ fn recordings<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
             text(recording),
             estimator.method().into(),
             format!("{} s", grouped(seconds, 1)),
-            stretches(all, E::motion, least).len().to_string(),
+            thinned.map_or_else(
+                || stretches(all, E::motion, least).len().to_string(),
+                |_| "–".into(),
+            ),
             trusted.collect::<Vec<_>>().join(" / "),
             grouped(received as f64, 0),
             grouped(lost as f64, 0),

@@ -48,7 +48,8 @@ pub(super) fn write(body: &mut String, run: &Run) {
             body,
             "<p class=\"other\"><b>A long run</b>: plots, errors and latencies are made from a part of its {} \
              samples, of each {} the first and those with the highest and the lowest estimate. Losses are \
-             counted over all. Innovations are left out.</p>",
+             counted over all. Innovations, and each swing or drive by itself, are left out; <code>heft loads</code> counts \
+             loads from all samples.</p>",
             grouped(thinned.received as f64, 0),
             grouped(thinned.stretch as f64, 0),
         );

@@ -39,7 +39,10 @@ impl Driver {
             .iter()
             .all(|p| Path::new(p).exists());
         if !installed {
-            println!("skipped: no chromium and chromedriver here");
+            let _ = writeln!(
+                std::io::stderr(),
+                "skipped: no chromium and chromedriver here"
+            );
             return None;
         }
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");

@@ -12,7 +12,6 @@ use view::number;
 use super::args::CalibrateArgs;
 use super::inputs;
 use super::stated::scales;
-use crate::build::IDENTITY;
 use crate::failure::Failure;
 use crate::many::{self, Job, Outcome};
 use crate::results;
@@ -66,7 +65,7 @@ fn job(args: &CalibrateArgs, folder: &Path) -> Result<Job, Failure> {
     let is_done = !args.many.again
         && many::is_newer(&description, &sources)
         && std::fs::read_to_string(&description)
-            .is_ok_and(|text| text.contains(&inputs::asked(&options)) && text.contains(IDENTITY));
+            .is_ok_and(|text| inputs::is_result_of(&text, &files, &options));
     Ok(Job {
         input: folder.to_owned(),
         arguments,
@@ -85,9 +84,6 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     for (name, stated) in [("--payload", &args.payload), ("--mass", &args.mass)] {
         all.extend(stated.iter().filter(is_here).map(|t| format!("{name}={t}")));
     }
-    let pairs = args.there_and_back.iter();
-    let own_pairs = pairs.filter(|text| text.split(',').all(is_meant));
-    all.extend(own_pairs.map(|text| format!("--out-and-back={text}")));
     // Scales of this name in the folder of the machine, or else the file that is named.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
         let (file, named) = scales(text);
@@ -96,6 +92,9 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
         let file = file.map_or(String::new(), |f| format!("{f}="));
         format!("--weigh={file}{}", place.display())
     }));
+    let pairs = args.there_and_back.iter();
+    let own_pairs = pairs.filter(|text| text.split(',').all(is_meant));
+    all.extend(own_pairs.map(|text| format!("--out-and-back={text}")));
     all
 }
 

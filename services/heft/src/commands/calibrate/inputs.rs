@@ -117,18 +117,7 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
         "Calibrated by heft {IDENTITY} on {} from",
         recording::date_and_time(runtime::since_1970().as_secs())
     )];
-    for file in &args.files {
-        let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
-        let parts: Vec<&Path> = match &reader {
-            Some(reader) => reader.files().collect(),
-            None => vec![file],
-        };
-        for part in parts {
-            let bytes = std::fs::read(part).map_err(|e| Failure::file("read", part, &e))?;
-            let hash = recording::sha256(&bytes);
-            lines.push(format!("  {}  sha256 {hash}", part.display()));
-        }
-    }
+    lines.extend(hashes(&args.files)?);
     let stated = [
         ("--payload", &args.payload),
         ("--mass", &args.mass),
@@ -141,6 +130,44 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
     let all: Vec<String> = options(args).into_iter().chain(stated).collect();
     lines.push(asked(&all));
     Ok(lines)
+}
+
+/// A line for each recording, with its hash.
+fn hashes(files: &[PathBuf]) -> Result<Vec<String>, Failure> {
+    let mut lines = Vec::new();
+    for file in files {
+        let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
+        let parts: Vec<&Path> = match &reader {
+            Some(reader) => reader.files().collect(),
+            None => vec![file],
+        };
+        for part in parts {
+            let bytes = std::fs::read(part).map_err(|e| Failure::file("read", part, &e))?;
+            let hash = recording::sha256(&bytes);
+            lines.push(format!("  {}{HASH}{hash}", part.display()));
+        }
+    }
+    Ok(lines)
+}
+
+/// Between a recording and its hash in a result.
+const HASH: &str = "  sha256 ";
+
+/// Whether a result is what this version makes of these recordings with these options.
+pub(super) fn is_result_of(result: &str, files: &[PathBuf], options: &[String]) -> bool {
+    let Ok(hashes) = hashes(files) else {
+        return false;
+    };
+    let said: Vec<&str> = result
+        .lines()
+        .filter_map(|line| line.strip_prefix('#'))
+        .map(|line| line.strip_prefix(' ').unwrap_or(line))
+        .collect();
+    let asked = asked(options);
+    let recordings = said.iter().filter(|line| line.contains(HASH));
+    recordings.copied().eq(&hashes)
+        && said.contains(&asked.as_str())
+        && said.iter().any(|line| line.contains(IDENTITY))
 }
 
 /// Options that decide what comes out, beside what is stated of the recordings.
@@ -164,6 +191,25 @@ pub(super) fn asked(options: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_result_is_of_its_recordings_and_of_all_that_was_asked_and_of_no_more() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [a, b] = ["a.csv", "b.csv"].map(|name| folder.path().join(name));
+        [&a, &b].map(|file| std::fs::write(file, "t\n1\n").expect("a file"));
+        let option = |text: &str| text.to_owned();
+        let asked_for = [option("--class=21t"), option("--payload=b.csv=500")];
+        let files = [a, b];
+        let mut lines = vec![format!("Calibrated by heft {IDENTITY} on a day from")];
+        lines.extend(hashes(&files).expect("they are there"));
+        lines.push(asked(&asked_for));
+        let result: String = lines.iter().map(|line| format!("# {line}\n")).collect();
+        assert!(is_result_of(&result, &files, &asked_for));
+        assert!(!is_result_of(&result, &files, &asked_for[..1]));
+        assert!(!is_result_of(&result, &files[..1], &asked_for));
+        std::fs::write(&files[1], "t\n2\n").expect("a file");
+        assert!(!is_result_of(&result, &files, &asked_for));
+    }
 
     #[test]
     fn recordings_are_called_as_shortly_as_tells_them_apart() {

@@ -15,16 +15,20 @@ use crate::many::{self, Job, Outcome};
 use crate::results;
 use crate::way::{method, way};
 
-/// What the result depends on beside the input: program, method, description.
-pub fn identity(args: &EstimateArgs, description: &Description) -> String {
+/// What the result depends on beside the input: program, method, signal map, description.
+pub fn identity(args: &EstimateArgs, description: &Description, map: Option<&Path>) -> String {
     let smooth = if args.smooth { " --smooth" } else { "" };
     let trust = if args.require_trust {
         " --require-trust"
     } else {
         ""
     };
+    let map = map.and_then(|map| std::fs::read(map).ok());
+    let map = map.map_or_else(String::new, |map| {
+        format!(" map {},", recording::sha256(map))
+    });
     format!(
-        "{} --method {}{smooth}{trust}, description {}",
+        "{} --method {}{smooth}{trust},{map} description {}",
         crate::build::IDENTITY,
         method(description.machine(), args.with.method.as_deref()),
         recording::sha256(description.to_toml())
@@ -73,13 +77,14 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
     let Ok(description) = described(args.machine, &args.with.description, input) else {
         return false;
     };
-    let same = identity(args, &description);
+    let map = map(args, input);
+    let same = identity(args, &description, map);
     let parts = recording::Reader::open(input)
         .ok()
         .filter(|_| is_recording(input));
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
-    sources.extend(args.with.map.as_deref());
+    sources.extend(map);
     // A result that is in doubt is made again, so that it is said again.
     let is_same = read(summary).is_some_and(|s| {
         let made_by = s.get("heft").and_then(Value::as_str);
@@ -87,6 +92,11 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
         made_by.is_some_and(|by| by.ends_with(&same)) && !is_doubtful
     });
     many::is_newer(table, &sources) && many::is_newer(summary, &sources) && is_same
+}
+
+/// The map of an input; a recording of heft needs none.
+fn map<'a>(args: &'a EstimateArgs, input: &Path) -> Option<&'a Path> {
+    args.with.map.as_deref().filter(|_| !is_of_heft(input))
 }
 
 fn is_recording(input: &Path) -> bool {
@@ -101,7 +111,7 @@ fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) ->
     let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
     option("--output", table);
     option("--json", summary);
-    if let Some(map) = args.with.map.as_deref().filter(|_| !is_of_heft(input)) {
+    if let Some(map) = map(args, input) {
         option("--map", map);
     }
     all.extend(args.with.description.again());

@@ -78,7 +78,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     };
     let judged = is_trusted.and_then(|()| doubts.judge(&samples.lacks()));
     if let Some(json) = &args.json {
-        let made_by = many::identity(args, description);
+        let made_by = many::identity(args, description, args.with.map.as_deref());
         let refused = rows.saturating_sub(written);
         found.write(
             json,

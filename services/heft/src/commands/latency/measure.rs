@@ -54,7 +54,8 @@ impl Passage {
         })
     }
 
-    fn add(&mut self, chain: &Chain, text: &str) {
+    /// What a probe noted of a round of so many samples.
+    fn add(&mut self, chain: &Chain, text: &str, samples: u64) {
         let mut expected = 0;
         for arrival in arrivals(text) {
             self.lost += arrival.sequence.saturating_sub(expected);
@@ -67,6 +68,7 @@ impl Passage {
                 histogram.saturating_record(span);
             }
         }
+        self.lost += samples.saturating_sub(expected);
     }
 }
 
@@ -126,16 +128,17 @@ pub fn expected(duration: f64, spins: bool) -> f64 {
 pub fn measure(chain: &Chain, conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
     let mut result = Measured::new(chain, conditions)?;
     let seconds = duration / ROUNDS as f64;
+    let samples = (seconds * conditions.rate) as u64;
     let by_bells = Conditions {
         spin: None,
         ..conditions.clone()
     };
     for round in 0..ROUNDS {
         let text = run_pipeline(chain, conditions, seconds, round, Wake::Bell)?;
-        result.ours.add(chain, &text);
+        result.ours.add(chain, &text, samples);
         if conditions.spin.is_some() {
             let text = run_pipeline(chain, &by_bells, seconds, round, Wake::Bell)?;
-            result.by_bell.add(chain, &text);
+            result.by_bell.add(chain, &text, samples);
         }
         let text = run_pipeline(chain, &by_bells, seconds, round, Wake::Event)?;
         for arrival in arrivals(&text).skip(WARM_UP) {

@@ -105,10 +105,7 @@ impl Plan {
             restored: None,
             fleet: Fleet::of(&args.fleet)?,
             begun_ms: runtime::since_1970().as_millis() as u64,
-            run: match (&args.fleet.site, &args.fleet.machine_id) {
-                (Some(site), Some(machine)) => FleetRun::draw().count(site, machine),
-                _ => FleetRun::draw(),
-            },
+            run: FleetRun::draw(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             recording: PathBuf::new(),
             limits: args.limits.clone(),

@@ -22,6 +22,8 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
             payload,
         });
     }
+    // A fit lasts, and a recording may be gone by then.
+    let origin = origin(args)?;
     let stop = interrupt()?;
     let outcome = machine::calibrate(
         &inputs,
@@ -33,6 +35,6 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
         },
     )
     .map_err(unknown_key)?;
-    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    let written = outcome.description(d, &origin).map(|(_, text)| text);
     finish(args, &outcome.summary(), written)
 }

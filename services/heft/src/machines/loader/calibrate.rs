@@ -40,6 +40,8 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
             payload: payloads[i],
         });
     }
+    // A fit lasts, and a recording may be gone by then.
+    let origin = origin(args)?;
     let stop = interrupt()?;
     let outcome = machine::calibrate(
         &inputs,
@@ -54,7 +56,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         },
     )
     .map_err(unknown_key)?;
-    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    let written = outcome.description(d, &origin).map(|(_, text)| text);
     finish(args, &outcome.summary(), written)
 }
 
@@ -68,6 +70,13 @@ fn weighed(args: &CalibrateArgs, d: &config::Loader) -> Result<Vec<StatedLoad>, 
             Some(file) => 1 + position(args, file, "--weigh", text)?,
         };
         let reference = reference(scales, d)?;
+        if all[at] != StatedLoad::default() {
+            return Err(Failure::input(
+                "two axle weighings are stated for the same machine",
+                format!("--weigh {text}"),
+                "state one for the empty machine, and one for each recording",
+            ));
+        }
         all[at] = StatedLoad::weighed(&reference, SCALE_STD);
     }
     Ok(all)
