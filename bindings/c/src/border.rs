@@ -34,7 +34,7 @@ pub enum Code {
     NotInitialised = -4,
     /// No key has this name.
     NoSuchKey = -5,
-    /// A mistake of the library; the memory must be initialised anew.
+    /// A mistake of the library; the memory must be initialised anew. Without an operating system the program stops instead.
     Internal = -6,
     /// The program was compiled with the header of another library.
     OtherHeader = -7,
@@ -64,7 +64,7 @@ impl Code {
         (
             Self::Internal,
             "HEFT_INTERNAL",
-            "a mistake of the library; initialise the memory anew",
+            "a mistake of the library, told on standard error; initialise the memory anew. Without an operating system it stops instead",
         ),
         (
             Self::OtherHeader,
@@ -302,8 +302,8 @@ unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     unsafe { core::ptr::addr_of!((*block).text.bytes).cast() }
 }
 
-/// Nothing if `body` panicked: a panic must not cross the border. Without an operating system a
-/// panic ends in the panic handler.
+/// Nothing if `body` panicked: a panic must not cross the border, where the profile lets it unwind (`bindings` does).
+/// Without an operating system (`controller`) a panic ends in the panic handler.
 #[cfg(any(feature = "std", test))]
 fn guarded<T>(body: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(body)).ok()
@@ -454,3 +454,23 @@ export!(
     heft_loader_save,
     heft_loader_restore
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_at_the_border() {
+        assert_eq!(guarded(|| 7), Some(7));
+        assert_eq!(guarded(|| -> u32 { panic!("a mistake") }), None);
+        // It comes so far in the library that others link too.
+        let profiles = include_str!("../../../Cargo.toml");
+        let of = |name| {
+            profiles
+                .split_once(name)
+                .and_then(|(_, rest)| rest.split_once("\n\n"))
+        };
+        let (bindings, _) = of("[profile.bindings]").expect("a profile");
+        assert!(!bindings.contains("panic"), "{bindings}");
+    }
+}

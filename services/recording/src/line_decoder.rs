@@ -199,7 +199,7 @@ impl<S: Sensors> LineDecoder<S> {
         self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
-            if columns.is_comment(record) {
+            if columns.is_no_row(record) {
                 self.rows -= 1;
             } else if let Some((what, remedy)) = columns.misfit(record) {
                 self.refuse(&format!("is no row of the table: {what}; {remedy}"));
