@@ -25,6 +25,8 @@ static uint64_t memory[HEFT_SIZE_MAX / 8];
                 return 2;                                                                \
             }                                                                            \
         }                                                                                \
+        if (heft_##name##_complete(&settings))                                           \
+            return 2;                                                                    \
         if (heft_##name##_size() > sizeof memory                                         \
             || heft_##name##_init(memory, sizeof memory, &settings, method, columns)) {  \
             fprintf(stderr, "%s\n", heft_##name##_error(memory));                        \

@@ -405,7 +405,7 @@ fn plain(text: &str) -> String {
 }
 
 /// How the sign of a degree looks in a page, in LaTeX, and where its encoding was taken for another, once or twice.
-const DEGREES: [&str; 5] = ["Ã‚Â°", "Â°", "&deg;", "&deg", "$^\\circ$"];
+const DEGREES: [&str; 7] = ["Ã‚Â°", "ã‚â°", "Â°", "â°", "&deg;", "&deg", "$^\\circ$"];
 /// What it becomes alone or before a stroke, where it was written in code page 850 or on a Macintosh, or was lost.
 const LOST_DEGREE: [char; 3] = ['ø', '¡', '\u{fffd}'];
 
