@@ -101,6 +101,9 @@ impl NoNumber {
         let is_ambiguous = self.is_time && time::is_ambiguous(&self.text);
         let remedy = match () {
             () if is_ambiguous => "write the year first, as in 2026-11-21 16:00:00.25",
+            () if self.is_header && self.is_of_words => {
+                "the header stands here once more, of other columns or in another order: make a file of each recording"
+            }
             () if self.is_of_words => {
                 "its line has words alone: where another table begins there, make a file of each; else delete the line"
             }
