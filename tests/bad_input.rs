@@ -86,6 +86,11 @@ fn what_a_cell_should_be_is_said_where_it_is_something_else() {
     refused(thousands, &["1,250.5", "decimal point"]);
     let twice = "t,swing_velocity\n0,0\n0.01,0\nt,swing_velocity\n0,0\n";
     refused(twice, &["in.csv:4", "header stands here once more"]);
+    // Without the second header its rows would be of other columns.
+    let turned = "t,swing_velocity\n0,0\n0.01,0\nswing_velocity,t\n0,0\n";
+    refused(turned, &["in.csv:4", "make a file of each"]);
+    let quote = "t,swing_velocity\n0,0\n\"0.01,0\n0.02,0\n";
+    refused(quote, &["in.csv:3", "close the quote"]);
     let preface = "Logger 2.1\nMachine: EX-22\nt [s] swing velocity\n0 0\n";
     refused(preface, &["Logger 2.1", "delete what stands above"]);
     let blanks = "t swing_velocity\n2026-11-26 01:02:03 0\n";

@@ -358,6 +358,23 @@ fn what_cannot_be_served_is_said() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
+    // Two exports joined: rows below the second header are of other columns; a mark of the encoding is no name.
+    let header = "machine,t,swing_velocity,swing_torque";
+    let joined = format!(
+        "{header}\na,0,0,0\n{header}\n\u{feff}a,0.01,0,0\nmachine,t,swing_torque,swing_velocity\na,0.02,9,0\n{header}\na,0.03,0,0\n"
+    );
+    std::fs::write(&input, joined).expect("a file");
+    let output = run(&["serve", "excavator", path]);
+    let said = both(&output).replace(path, "IN");
+    for words in [
+        "1 machines, 3 samples",
+        "line 3 of IN is the header once more",
+        "line 5 of IN belongs to another table",
+        "line 6 of IN belongs to another table",
+        "4 lines left out",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
     let folder = run(&[
         "serve",
         "excavator",

@@ -33,14 +33,18 @@ certificate() { # NAME ADDRESSES
   [ -e "$1.pem" ] && return
   key "$1"
   openssl req -new -key "$1.key" -subj "/CN=$1" -out "$1.csr"
-  openssl x509 -req -in "$1.csr" -CA ca.pem -CAkey ca.key -CAcreateserial -days "$days" -out "$1.pem" -extfile \
-    <(printf 'subjectAltName=%s\nbasicConstraints=CA:FALSE\nkeyUsage=digitalSignature\nextendedKeyUsage=serverAuth,clientAuth' "$2") 2>/dev/null
-  rm "$1.csr"
+  printf 'subjectAltName=%s\nbasicConstraints=CA:FALSE\nkeyUsage=digitalSignature\nextendedKeyUsage=serverAuth,clientAuth' "$2" > "$1.ext"
+  # It talks where all is well; a certificate that is there is a whole one.
+  if ! said=$(openssl x509 -req -in "$1.csr" -CA ca.pem -CAkey ca.key -CAcreateserial -days "$days" -out "$1.new" -extfile "$1.ext" 2>&1); then
+    printf 'keys.sh: no certificate for %s: %s\n' "$1" "$said" >&2; exit 1
+  fi
+  rm "$1.csr" "$1.ext"
   cat > "$1.json5" <<END
 { transport: { link: { tls: {
   root_ca_certificate: "$PWD/ca.pem", connect_private_key: "$PWD/$1.key", connect_certificate: "$PWD/$1.pem",
   enable_mtls: true, close_link_on_expiration: true } } } }
 END
+  mv "$1.new" "$1.pem"
 }
 certificate router "DNS:$router,DNS:localhost,IP:127.0.0.1"
 certificate collector "DNS:collector"

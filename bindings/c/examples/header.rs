@@ -274,6 +274,11 @@ int32_t heft_NAME_defaults(heft_NAME_settings *settings);
  * set) if the key cannot take the value. */
 int32_t heft_NAME_set(heft_NAME_settings *settings, const char *key, double value);
 
+/* Gives each key that still has the reference machine's value that of a machine of the stated size (SIZES), as
+ * a machine file does. Call it once, when all keys that you know are set. HEFT_REFUSED where a key cannot have its value:
+ * then nothing is changed. */
+int32_t heft_NAME_complete(heft_NAME_settings *settings);
+
 /* What heft_NAME_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
 int32_t heft_NAME_init_as(void *memory, size_t size, const heft_NAME_settings *settings,
                           uint32_t method, uint32_t columns, uint32_t abi);
@@ -306,7 +311,14 @@ int32_t heft_NAME_save(const void *memory, void *state, size_t size);
  * `memory` is as it was: the state is damaged, of another machine, or of another build of the library. */
 int32_t heft_NAME_restore(void *memory, size_t size, const void *state, size_t state_size);
 "#;
-    out.push_str(&text.replace("NAME", name));
+    // What tells a size.
+    let sizes = match name {
+        "excavator" => {
+            "machine.operating_mass, rated_payload and swing_torque, lengths of boom and arm"
+        }
+        _ => "machine.mass, wheel_radius, prior.cg_height",
+    };
+    out.push_str(&text.replace("NAME", name).replace("SIZES", sizes));
 }
 
 /// Loads: what is the same for every machine.

@@ -51,7 +51,7 @@ uint32_t heft_abi(void);
 #define HEFT_REFUSED (-3) /* a setting, the method or the columns cannot be used; the error text tells which */
 #define HEFT_NOT_INITIALISED (-4) /* the memory holds no estimator of this machine */
 #define HEFT_NO_SUCH_KEY (-5) /* no key has this name */
-#define HEFT_INTERNAL (-6) /* a mistake of the library; initialise the memory anew */
+#define HEFT_INTERNAL (-6) /* a mistake of the library, told on standard error; initialise the memory anew. Without an operating system it stops instead */
 #define HEFT_OTHER_HEADER (-7) /* the program was compiled with the header of another library: take both from one */
 
 /* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */
@@ -385,6 +385,11 @@ int32_t heft_excavator_defaults(heft_excavator_settings *settings);
 /* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none, HEFT_REFUSED (and nothing is
  * set) if the key cannot take the value. */
 int32_t heft_excavator_set(heft_excavator_settings *settings, const char *key, double value);
+
+/* Gives each key that still has the reference machine's value that of a machine of the stated size (machine.operating_mass, rated_payload and swing_torque, lengths of boom and arm), as
+ * a machine file does. Call it once, when all keys that you know are set. HEFT_REFUSED where a key cannot have its value:
+ * then nothing is changed. */
+int32_t heft_excavator_complete(heft_excavator_settings *settings);
 
 /* What heft_excavator_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
 int32_t heft_excavator_init_as(void *memory, size_t size, const heft_excavator_settings *settings,
@@ -749,6 +754,11 @@ int32_t heft_loader_defaults(heft_loader_settings *settings);
 /* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none, HEFT_REFUSED (and nothing is
  * set) if the key cannot take the value. */
 int32_t heft_loader_set(heft_loader_settings *settings, const char *key, double value);
+
+/* Gives each key that still has the reference machine's value that of a machine of the stated size (machine.mass, wheel_radius, prior.cg_height), as
+ * a machine file does. Call it once, when all keys that you know are set. HEFT_REFUSED where a key cannot have its value:
+ * then nothing is changed. */
+int32_t heft_loader_complete(heft_loader_settings *settings);
 
 /* What heft_loader_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
 int32_t heft_loader_init_as(void *memory, size_t size, const heft_loader_settings *settings,

@@ -9,7 +9,7 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use crate::settings::{Unfit, can_take, position, read, write};
+use crate::settings::{Unfit, can_take, completed, position, read, write};
 use crate::table::{Answer, Machine, answer, sample};
 use crate::{Excavator, Loader, abi};
 
@@ -34,7 +34,7 @@ pub enum Code {
     NotInitialised = -4,
     /// No key has this name.
     NoSuchKey = -5,
-    /// A mistake of the library; the memory must be initialised anew.
+    /// A mistake of the library; the memory must be initialised anew. Without an operating system the program stops instead.
     Internal = -6,
     /// The program was compiled with the header of another library.
     OtherHeader = -7,
@@ -64,7 +64,7 @@ impl Code {
         (
             Self::Internal,
             "HEFT_INTERNAL",
-            "a mistake of the library; initialise the memory anew",
+            "a mistake of the library, told on standard error; initialise the memory anew. Without an operating system it stops instead",
         ),
         (
             Self::OtherHeader,
@@ -292,6 +292,25 @@ unsafe fn set<M: Machine>(numbers: *mut f64, name: *const c_char, number: f64) -
 }
 
 /// # Safety
+/// As [`defaults`].
+unsafe fn complete<M: Machine>(numbers: *mut f64) -> Code {
+    if numbers.is_null() {
+        return Code::Null;
+    }
+    // SAFETY: the caller's promise.
+    match unsafe { settings::<M>(numbers) } {
+        Ok(stated) => {
+            // SAFETY: the caller's promise.
+            write(&completed(stated), |i, number| unsafe {
+                numbers.add(i).write(number);
+            });
+            Code::Ok
+        }
+        Err(_) => Code::Refused,
+    }
+}
+
+/// # Safety
 /// `memory` is null or was given to `init`.
 unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     let block = memory.cast::<Block<M>>();
@@ -302,8 +321,8 @@ unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     unsafe { core::ptr::addr_of!((*block).text.bytes).cast() }
 }
 
-/// Nothing if `body` panicked: a panic must not cross the border. Without an operating system a
-/// panic ends in the panic handler.
+/// Nothing if `body` panicked: a panic must not cross the border, where the profile lets it unwind (`bindings` does).
+/// Without an operating system (`controller`) a panic ends in the panic handler.
 #[cfg(any(feature = "std", test))]
 fn guarded<T>(body: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(body)).ok()
@@ -346,7 +365,7 @@ extern "C" fn heft_abi() -> u32 {
 macro_rules! export {
     (
         $machine:ty, $size:ident, $init:ident, $step:ident, $error:ident, $defaults:ident, $set:ident, $clear:ident,
-        $state_size:ident, $save:ident, $restore:ident
+        $complete:ident, $state_size:ident, $save:ident, $restore:ident
     ) => {
         #[unsafe(no_mangle)]
         extern "C" fn $size() -> usize {
@@ -401,6 +420,12 @@ macro_rules! export {
         }
 
         #[unsafe(no_mangle)]
+        unsafe extern "C" fn $complete(settings: *mut f64) -> Code {
+            // SAFETY: the promise of the header.
+            unsafe { complete::<$machine>(settings) }
+        }
+
+        #[unsafe(no_mangle)]
         extern "C" fn $state_size() -> usize {
             state_size::<$machine>()
         }
@@ -437,6 +462,7 @@ export!(
     heft_excavator_defaults,
     heft_excavator_set,
     heft_excavator_clear,
+    heft_excavator_complete,
     heft_excavator_state_size,
     heft_excavator_save,
     heft_excavator_restore
@@ -450,7 +476,28 @@ export!(
     heft_loader_defaults,
     heft_loader_set,
     heft_loader_clear,
+    heft_loader_complete,
     heft_loader_state_size,
     heft_loader_save,
     heft_loader_restore
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_at_the_border() {
+        assert_eq!(guarded(|| 7), Some(7));
+        assert_eq!(guarded(|| -> u32 { panic!("a mistake") }), None);
+        // It comes so far in the library that others link too.
+        let profiles = include_str!("../../../Cargo.toml");
+        let of = |name| {
+            profiles
+                .split_once(name)
+                .and_then(|(_, rest)| rest.split_once("\n\n"))
+        };
+        let (bindings, _) = of("[profile.bindings]").expect("a profile");
+        assert!(!bindings.contains("panic"), "{bindings}");
+    }
+}

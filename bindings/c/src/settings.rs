@@ -13,6 +13,9 @@ pub trait Settings: Default {
     fn table(&self, index: usize) -> Option<&dyn Table>;
     /// The same, to write.
     fn table_mut(&mut self, index: usize) -> Option<&mut dyn Table>;
+    /// The defaults of a machine of the size that it states.
+    #[must_use]
+    fn of_its_size(&self) -> Self;
 }
 
 /// The tables of a description in their order.
@@ -30,6 +33,9 @@ macro_rules! tables {
                     $($index => Some(&mut self.$table),)+
                     _ => None,
                 }
+            }
+            fn of_its_size(&self) -> Self {
+                self.of_its_size()
             }
         }
     };
@@ -175,6 +181,22 @@ pub fn read<S: Settings>(get: impl Fn(usize) -> f64) -> Result<S, Unfit> {
         }
     }
     Ok(settings)
+}
+
+/// A description whose keys that still have the reference machine's value get that of a machine of the stated size, as those of
+/// a machine file do that it does not state.
+pub fn completed<S: Settings>(stated: S) -> S {
+    let (plain, sized) = (S::default(), stated.of_its_size());
+    let mut all = stated;
+    for Place { at, .. } in places(&plain) {
+        let of = |settings: &S| settings.table(at.0).and_then(|table| table.get(at.1));
+        let is_open = of(&all) == of(&plain);
+        if let (true, Some(value), Some(table)) = (is_open, of(&sized), all.table_mut(at.0)) {
+            // A default fits its key.
+            table.set(at.1, &value);
+        }
+    }
+    all
 }
 
 /// The value that these doubles mean.

@@ -32,6 +32,17 @@ int main(void)
     assert(heft_loader_set(&settings, "machine.mass", -1.0) == HEFT_REFUSED);
     assert(settings.machine.mass == 5000.0);
     assert(heft_loader_set(&settings, "machine.weight", 1.0) == HEFT_NO_SUCH_KEY);
+    assert(heft_loader_complete(NULL) == HEFT_NULL);
+    settings.machine.mass = NAN;
+    assert(heft_loader_complete(&settings) == HEFT_REFUSED);
+    /* What nobody states follows from the mass, and what is stated stays. */
+    settings.machine.mass = 20000.0;
+    settings.machine.wheelbase = 3.5;
+    assert(heft_loader_complete(&settings) == HEFT_OK);
+    assert(settings.machine.mass == 20000.0 && settings.machine.wheelbase == 3.5);
+    assert(settings.machine.wheel_radius > 0.7 && settings.prior.cg_height > 1.2);
+    assert(heft_loader_defaults(&settings) == HEFT_OK);
+    settings.machine.mass = 5000.0;
     assert(heft_loader_set(&settings, "machine.mass.", 1.0) == HEFT_NO_SUCH_KEY);
 
     /* Before init, or with memory that cannot serve. */

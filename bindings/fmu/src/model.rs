@@ -1,7 +1,7 @@
 //! One machine as the variables of an FMU.
 
 use estimation::keys::Form;
-use heft_c::settings::{Settings, places, read, write};
+use heft_c::settings::{Settings, completed, places, read, write};
 use heft_c::{Machine, bits, sample};
 
 /// First value reference of each kind of variable; the position in the machine's table is added.
@@ -236,8 +236,8 @@ impl<M: Machine> Model for Variables<M> {
         for (key, _) in unstated.filter(|(_, is_stated)| !**is_stated) {
             keys[key.at] = f64::NAN;
         }
-        let settings = read(|i| keys[i]).map_err(|error| error.to_string())?;
-        let machine = M::new(&settings, self.method, self.columns);
+        let stated = read(|i| keys[i]).map_err(|error| error.to_string())?;
+        let machine = M::new(&completed(stated), self.method, self.columns);
         self.machine = Some(machine.map_err(|error| error.to_string())?);
         Ok(())
     }

@@ -10,70 +10,9 @@ tables!(
     Loader,
     Machine::Loader,
     contradictions,
-    of_its_size,
+    Loader::of_its_size,
     [machine, lift_arm, lift_cylinder, sensors, prior, estimator]
 );
-
-/// Per cube root of its mass [m/kg^(1/3)]: wheelbase, wheel radius, reach of the bucket, height of the centre of
-/// gravity. Means over loaders of 5 to 15 t, of the radius over rolling tyres of 2.5 to 50 t (10.0/75-15.3 to 35/65R33); they scatter
-/// by 5 %, the height by 15 %.
-const WHEELBASE: f64 = 0.136;
-const RADIUS: f64 = 0.0289;
-const REACH: f64 = 0.094;
-const HEIGHT: f64 = 0.051;
-/// Relative standard deviation of a radius that nobody states.
-const RADIUS_STD: f64 = 0.05;
-/// Inertia of an axle over mass times squared wheel radius: two wheels of 3.5 % of the mass each, with .7 of the radius as radius of gyration.
-const AXLE: f64 = 0.035;
-/// Forces and torques that grow with the weight, as shares of mass [N/kg], and of mass times radius.
-const SPADE: f64 = 0.0638;
-const DIG: f64 = 0.532;
-const EXCITED: f64 = 0.116;
-/// Shares of the height: its spread, its limits, what an estimate leaves open, what is enough, its random walk.
-const SPREAD: f64 = 0.145;
-const LIMITS: [f64; 2] = [0.33, 2.8];
-const FLOOR: f64 = 0.0444;
-const ENOUGH: f64 = 0.0889;
-const WALK: f64 = 3.3e-5;
-
-/// A mass that differs by no more from the reference machine's is its own, weighed or calibrated.
-const SAME: f64 = 0.05;
-
-/// The defaults of a loader of the stated mass; those of the reference machine where none is stated.
-fn of_its_size(loader: &Loader) -> Loader {
-    let mut d = Loader::default();
-    let mass = loader.machine.mass;
-    if (mass / d.machine.mass - 1.0).abs() <= SAME {
-        return d;
-    }
-    let stated = |value: f64, default: f64, guess: f64| {
-        if value == default { guess } else { value }
-    };
-    let length = mass.cbrt();
-    let (m, p, e) = (&mut d.machine, &mut d.prior, &mut d.estimator);
-    let radius = stated(loader.machine.wheel_radius, m.wheel_radius, RADIUS * length);
-    let height = stated(loader.prior.cg_height, p.cg_height, HEIGHT * length);
-    m.mass = mass;
-    m.wheelbase = WHEELBASE * length;
-    m.wheel_radius = radius;
-    m.bucket_reach = REACH * length;
-    m.axle_inertia = AXLE * mass * radius * radius;
-    // Also where it followed from the mass before.
-    if radius == RADIUS * length {
-        p.radius_std = RADIUS_STD;
-    }
-    p.cg_height = height;
-    p.cg_height_std = SPREAD * height;
-    p.spade_force_std = SPADE * mass;
-    e.q_spade_force = 0.5 * SPADE * mass;
-    e.dig_force = DIG * mass;
-    e.excited_torque = EXCITED * mass * radius;
-    [e.cg_height_min, e.cg_height_max] = LIMITS.map(|share| share * height);
-    e.cg_height_floor = FLOOR * height;
-    e.converged_height = ENOUGH * height;
-    e.q_cg_height = WALK * height;
-    d
-}
 
 /// A machine as long as a loader weighs at most so much per cube of its wheelbase [kg/m^3]: those of 5 to 50 t have
 /// 350 to 600, so four times that is another unit.

@@ -151,6 +151,9 @@ fn unreadable(input: &str, error: &std::io::Error) -> Failure {
     Failure::input(what, input, "check what writes to it")
 }
 
+/// What is said of rows below another header than the first.
+const OTHER_TABLE: &str = "belongs to another table, as its header has other columns, or in another order: give each its own heft serve";
+
 /// Sends each row to the shard of its machine.
 struct Router<'a, S: Sensors> {
     input: &'a Arc<str>,
@@ -163,6 +166,8 @@ struct Router<'a, S: Sensors> {
     bytes: Vec<u8>,
     /// Lines read.
     lines: u64,
+    /// Whether the rows are those of another header, and so of other columns.
+    is_foreign: bool,
     samples: u64,
     refused: u64,
 }
@@ -184,6 +189,7 @@ impl<'a, S: Sensors> Router<'a, S> {
             decoders: Vec::new(),
             bytes: Vec::new(),
             lines: 0,
+            is_foreign: false,
             samples: 0,
             refused: 0,
         }
@@ -255,8 +261,22 @@ impl<'a, S: Sensors> Router<'a, S> {
         if line.trim_ascii().is_empty() {
             return Ok(());
         }
+        let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
         let name = match self.column.take(line)? {
+            NamedLine::Row(_) if self.is_foreign => {
+                self.refuse(OTHER_TABLE);
+                return Ok(());
+            }
             NamedLine::Row(name) => name,
+            NamedLine::Header(is_same) => {
+                self.is_foreign = !is_same;
+                self.refuse(if is_same {
+                    "is the header once more"
+                } else {
+                    OTHER_TABLE
+                });
+                return Ok(());
+            }
             NamedLine::Above => {
                 if self.column.is_found() {
                     // What the header lacks is said now, not at the first row.

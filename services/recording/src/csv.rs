@@ -13,6 +13,7 @@ mod read;
 pub(crate) use cells::Cells;
 pub(crate) use columns::{Columns, listed, misread};
 pub(crate) use dialect::Dialect;
+pub(crate) use dialect::name;
 pub use estimate::{Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};
 pub use export::{export, is_export};

@@ -30,7 +30,7 @@ const PACKED: &str = "gz";
 pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 39] = [
+const FOREIGN: [(&[u8], &str, &str); 41] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -106,6 +106,8 @@ const FOREIGN: [(&[u8], &str, &str); 39] = [
         "packed by lz4",
         "unpack it: lz4 -d FILE",
     ),
+    (b"\xff\xfe\0\0", FOUR, TO_UTF8),
+    (b"\0\0\xfe\xff", FOUR, TO_UTF8),
     (b"BZh", "packed by bzip2", "unpack it: bunzip2 -k FILE"),
     (b"\xfd7zXZ", "packed by xz", "unpack it: unxz -k FILE"),
     (b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE"),
@@ -117,6 +119,8 @@ const DATE: &[u8] = b"date ";
 const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
 const RECORD: &str = "record the bus with candump -L, and give that log";
 const PAGE: &str = "a page, perhaps of a login";
+const FOUR: &str = "text in four bytes a character (UTF-32)";
+const TO_UTF8: &str = "convert it: iconv -f UTF-32 -t UTF-8 FILE > NEW";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
@@ -353,6 +357,7 @@ mod tests {
                 "can_logconvert",
             ),
             (b"\n<html>", "a page", "download"),
+            (b"\xff\xfe\0\0t\0\0\0", "UTF-32", "iconv"),
             (b"{\"t\": 0}", "JSON", "CSV"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),
             (b"\n\r\r\n\x1c\0\0\0", "Wireshark", "candump -L"),

@@ -199,7 +199,7 @@ impl<S: Sensors> LineDecoder<S> {
         self.rows += 1;
         if let Kind::Table(columns, cells) = &mut self.kind {
             let record = cells.split(line);
-            if columns.is_comment(record) {
+            if columns.is_no_row(record) {
                 self.rows -= 1;
             } else if let Some((what, remedy)) = columns.misfit(record) {
                 self.refuse(&format!("is no row of the table: {what}; {remedy}"));
@@ -365,7 +365,16 @@ pub struct NameColumn {
     lines: csv::Lines,
     /// What a decoder of the rows is to be given before them.
     above: Vec<Vec<u8>>,
-    found: Option<(Cells, usize)>,
+    found: Option<Found>,
+}
+
+/// The header, and the column in it.
+#[derive(Debug)]
+struct Found {
+    dialect: Dialect,
+    cells: Cells,
+    names: Vec<String>,
+    at: usize,
 }
 
 /// What a line of such a table is.
@@ -375,6 +384,8 @@ pub enum NamedLine {
     Above,
     /// A row, and what it says in the column; nothing where it says nothing.
     Row(Option<String>),
+    /// A header once more, of files that were joined, and whether it is that of the rows before.
+    Header(bool),
 }
 
 impl NameColumn {
@@ -406,15 +417,17 @@ impl NameColumn {
     pub fn take(&mut self, line: &[u8]) -> Result<NamedLine, Error> {
         let text = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
         match self.lines.take(text) {
-            csv::Line::Row => return Ok(NamedLine::Row(self.of(line))),
+            csv::Line::Row => return Ok(self.of(text)),
             csv::Line::FirstRow { header, dialect } => {
                 self.find(&header, dialect)?;
-                return Ok(NamedLine::Row(self.of(line)));
+                return Ok(self.of(text));
             }
             csv::Line::Header(dialect) => self.find(text, dialect)?,
             // Only the last comment can be the header: they may be without end.
             csv::Line::Comment => self.above.retain(|line| csv::comment(line).is_none()),
-            csv::Line::Nothing if text.trim_ascii().is_empty() => return Ok(NamedLine::Above),
+            csv::Line::Nothing if text.trim_ascii().is_empty() || self.is_found() => {
+                return Ok(NamedLine::Above);
+            }
             csv::Line::Nothing | csv::Line::Units(_) => {}
         }
         self.above.push(text.to_vec());
@@ -434,18 +447,33 @@ impl NameColumn {
             };
             Error::new(what, format!("{}:1", self.input), remedy)
         })?;
-        self.found = Some((cells, at));
+        self.found = Some(Found {
+            dialect,
+            cells,
+            names,
+            at,
+        });
         Ok(())
     }
 
-    fn of(&mut self, line: &[u8]) -> Option<String> {
-        let (cells, at) = self.found.as_mut()?;
-        let record = cells.split(line);
-        let text = String::from_utf8_lossy(record.get(*at)?).into_owned();
+    fn of(&mut self, line: &[u8]) -> NamedLine {
+        let Some(found) = &mut self.found else {
+            return NamedLine::Row(None);
+        };
+        let record = found.cells.split(line);
+        let is_name = |cell: &[u8]| cell == self.name.as_bytes();
+        let is_word = |cell: &[u8]| found.dialect.number(cell).is_none();
+        if record.get(found.at).is_some_and(is_name)
+            || record.iter().any(is_name) && record.iter().all(is_word)
+        {
+            let is_same = record.iter().map(csv::name).eq(found.names.iter().cloned());
+            return NamedLine::Header(is_same);
+        }
+        let text = record.get(found.at).map(String::from_utf8_lossy);
         // A quote that is left open, or a line end inside of one, is half a name.
-        let is_whole = !text.chars().any(|c| c.is_control() || c == '"');
-        // Nor is the header once more a machine.
-        (is_whole && !text.is_empty() && text != self.name).then_some(text)
+        let is_whole = |text: &str| !text.chars().any(|c| c.is_control() || c == '"');
+        let text = text.filter(|text| is_whole(text) && !text.is_empty());
+        NamedLine::Row(text.map(|text| text.into_owned()))
     }
 }
 

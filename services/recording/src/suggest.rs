@@ -255,6 +255,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         text: out,
         missing,
         unknown: Vec::new(),
+        of_second: Vec::new(),
         of_others: Vec::new(),
         links: suggestion::links(&found),
         found: found.len(),
@@ -410,6 +411,11 @@ mod tests {
         assert_eq!(said.unknown, ["furlong/h (column \"speed [furlong/h]\")"]);
         assert!(said.text.contains("2000 lb is unit = \"short ton\""));
         assert!(of("t,speed [mph],mass [tonne]").unknown.is_empty());
+        let said = of("t,front_wheel_speed [1/s],rear_wheel_speed [rad/s]");
+        assert_eq!(
+            said.of_second,
+            ["front_wheel_speed (column \"front_wheel_speed [1/s]\")"]
+        );
     }
 
     #[test]

@@ -54,9 +54,12 @@ pub(crate) struct Dates {
     /// Time and place in its day of the row before, of dates without a zone, and by how much their clock was set back.
     local: Option<[i64; 2]>,
     set_back: i64,
+    /// Whether a 61st second has come: what follows is a second later than its date says.
+    has_leapt: bool,
 }
 
-const HOUR: i64 = 3_600_000_000_000;
+const SECOND: i64 = 1_000_000_000;
+const HOUR: i64 = 3600 * SECOND;
 /// At the end of summer time, from 3 or 2 o'clock on, local time goes an hour back, in Lisbon at 2 and in the Azores at 1. Rows are
 /// no further apart than the second.
 const STEP: i64 = 10_000_000_000;
@@ -67,7 +70,9 @@ impl Dates {
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
         // Days that are counted and those of a calendar have nothing in common.
         let ns = match self.day.is_empty() {
-            true => dated(text, &mut self.order).map(|ns| self.through_summer_time(text, ns)),
+            true => compact(text)
+                .or_else(|| dated(text, &mut self.order))
+                .map(|ns| self.through_summer_time(text, ns) + self.leap(text)),
             false => None,
         };
         let is_counted = self.first.is_none() || !self.day.is_empty();
@@ -91,6 +96,15 @@ impl Dates {
             self.set_back += HOUR;
         }
         ns + self.set_back
+    }
+
+    /// A leap second is the 61st of its minute, and has the number of the one that follows.
+    fn leap(&mut self, text: &str) -> i64 {
+        let ends = |at: usize| !text[at + 3..].starts_with(|c: char| c.is_ascii_digit());
+        let is_leap = text.find(":60").is_some_and(ends);
+        let has_leapt = self.has_leapt;
+        self.has_leapt |= is_leap;
+        if has_leapt && !is_leap { SECOND } else { 0 }
     }
 
     /// A date of which nobody knows what is the day, or the year, with its time of day.
@@ -180,6 +194,22 @@ const MONTHS: [&str; 12] = [
 /// `DD/MM/YYYY` or `DD-Mon-YYYY` where it is clear which is the month.
 pub(crate) fn date(text: &str) -> Option<i64> {
     dated(text, &mut None)
+}
+
+/// Whether a cell may be a date whose fourteen digits nothing parts: `20141004213009.5`.
+pub(crate) fn is_compact(cell: &[u8]) -> bool {
+    let digits = cell.iter().take_while(|b| b.is_ascii_digit()).count();
+    let of_century = cell.starts_with(b"19") || cell.starts_with(b"20");
+    of_century
+        && digits == 14
+        && std::str::from_utf8(cell).is_ok_and(|text| compact(text).is_some())
+}
+
+/// Such a date.
+fn compact(text: &str) -> Option<i64> {
+    let (day, clock) = text.split_at_checked(8)?;
+    let parted = clock.as_bytes().first().is_some_and(u8::is_ascii_digit);
+    parted.then(|| basic(&format!("{day}T{clock}")))?
 }
 
 /// `20141004T213009.5`, the basic form of ISO 8601.
@@ -476,6 +506,38 @@ mod tests {
         let mut dates = Dates::default();
         assert_eq!(dates.seconds("2026-10-25 16:59:59.5"), Some(0.0));
         assert_eq!(dates.seconds("2026-10-25 16:00:00"), Some(-3599.5));
+    }
+
+    #[test]
+    fn a_leap_second_is_a_second() {
+        let mut dates = Dates::default();
+        for (text, seconds) in [
+            ("2016-12-31T23:59:59.5Z", 0.0),
+            ("2016-12-31T23:59:60.0Z", 0.5),
+            ("2016-12-31T23:59:60.999Z", 1.499),
+            ("2017-01-01T00:00:00Z", 1.5),
+            ("2017-01-01T00:01:00Z", 61.5),
+        ] {
+            assert_eq!(dates.seconds(text), Some(seconds), "{text}");
+        }
+        assert_eq!(Dates::default().seconds("10:00:00:600"), Some(0.0));
+    }
+
+    #[test]
+    fn fourteen_digits_are_a_date_where_they_can_be_one() {
+        let mut dates = Dates::default();
+        for (text, seconds) in [("20260713135959.99", 0.0), ("20260713140000", 0.01)] {
+            assert!(is_compact(text.as_bytes()), "{text}");
+            assert_eq!(dates.seconds(text), Some(seconds), "{text}");
+        }
+        for text in [
+            "20261313135959",
+            "1783951180123",
+            "17839511801234",
+            "2026071313595",
+        ] {
+            assert!(!is_compact(text.as_bytes()), "{text}");
+        }
     }
 
     #[test]

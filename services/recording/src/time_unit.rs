@@ -3,7 +3,7 @@
 use crate::unit;
 
 /// Units that others give times in.
-const UNITS: [&str; 6] = ["ms", "us", "100ns", "ns", "min", "day"];
+const UNITS: [&str; 7] = ["ms", "us", "100ns", "ns", "min", "h", "day"];
 
 /// The usual step of these times \[s\] and the unit that they seem to be in: the rows are as much further apart, or closer,
 /// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
@@ -48,6 +48,7 @@ mod tests {
             (1e4, Some("us")),
             (1e5, Some("100ns")),
             (0.01 / 60.0, Some("min")),
+            (0.01 / 3600.0, Some("h")),
             (0.01 / 86_400.0, Some("day")),
             (0.01, None),
             (0.1, None),

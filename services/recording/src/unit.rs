@@ -40,6 +40,12 @@ pub(crate) const UNITS: &[Unit] = &[
     unit("ns", "s", 1e-9, &["nsec", "nanos", "nanoseconds"]),
     unit("100ns", "s", 1e-7, &["tick", "ticks"]),
     unit("min", "s", 60.0, &["minutes"]),
+    unit(
+        "h",
+        "s",
+        3600.0,
+        &["hr", "hour", "hours", "stunden", "heures", "horas"],
+    ),
     unit("day", "s", 86400.0, &["days"]),
     unit("rad", "rad", 1.0, &["radian", "radians", "弧度"]),
     unit("mrad", "rad", 1e-3, &[]),
@@ -398,8 +404,25 @@ fn plain(text: &str) -> String {
     bare(text).to_lowercase()
 }
 
+/// How the sign of a degree looks in a page, in LaTeX, and where its encoding was taken for another, once or twice.
+const DEGREES: [&str; 7] = ["Ã‚Â°", "ã‚â°", "Â°", "â°", "&deg;", "&deg", "$^\\circ$"];
+/// What it becomes alone or before a stroke, where it was written in code page 850 or on a Macintosh, or was lost.
+const LOST_DEGREE: [char; 3] = ['ø', '¡', '\u{fffd}'];
+
+/// A text whose signs of degrees are what they were.
+fn with_degrees(text: &str) -> String {
+    let lost = text.trim().strip_prefix(LOST_DEGREE);
+    match lost.filter(|rest| rest.is_empty() || rest.starts_with('/')) {
+        Some(rest) => format!("°{rest}"),
+        None => DEGREES
+            .iter()
+            .fold(text.to_owned(), |text, sign| text.replace(sign, "°")),
+    }
+}
+
 /// A unit without blanks, carets, and the dots between its parts.
 fn bare(text: &str) -> String {
+    let text = with_degrees(text);
     let kept = text.chars().filter(|c| !" .^_*·・･⋅∙•×".contains(*c));
     let one_of = |c| match c {
         '⁻' => '-',
@@ -545,6 +568,16 @@ pub(crate) fn same(a: &Unit, b: &Unit) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn degrees_of_old_encodings_are_degrees() {
+        for text in ["Â°", "ø", "¡", "&deg;", "\u{fffd}"] {
+            assert_eq!(guess(text).map(|u| u.name), Some("deg"), "{text}");
+            let a_second = format!("{text}/s");
+            assert_eq!(guess(&a_second).map(|u| u.name), Some("deg/s"), "{text}");
+        }
+        assert_eq!(guess("hours").map(|u| u.name), Some("h"));
+    }
 
     #[test]
     fn what_others_write_is_understood() {

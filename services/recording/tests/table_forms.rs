@@ -353,3 +353,45 @@ fn a_table_of_two_machines_is_no_recording_of_one() {
         "{error}"
     );
 }
+
+#[test]
+fn what_nobody_sees_and_rows_of_nothing_change_no_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = rows();
+    let (first, second) = rows.split_at(200);
+    let (first, second) = (first.join("\n"), second.join("\n"));
+    let plain = format!("{HEADER}\n{first}\n{second}\n");
+    let expected = read(&written(folder.path(), "a.csv", plain.as_bytes())).expect("rows");
+    let bar = "+---------+----------+---------+";
+    for (name, content) in [
+        (
+            "joined.csv",
+            format!("\u{feff}{HEADER}\n{first}\n\u{feff}{second}\n"),
+        ),
+        (
+            "unseen.csv",
+            format!("\u{200b}t,swing_\u{ad}velocity,\u{200f}swing_torque\n{first}\n{second}\n"),
+        ),
+        ("filled.csv", format!("{plain}{}", ",,\n".repeat(500))),
+        (
+            "first.csv",
+            format!("{HEADER}\n{}{first}\n{second}\n", ",,\n".repeat(50)),
+        ),
+        (
+            "kinds.csv",
+            format!("{HEADER}\ndouble,double,double\n{first}\n{second}\n"),
+        ),
+        (
+            "toa5.csv",
+            format!("{HEADER}\ns,rad/s,N m\n,Smp,Smp\n{first}\n{second}\n"),
+        ),
+        (
+            "database.csv",
+            format!("{bar}\n{HEADER}\n{bar}\n{first}\n{second}\n{bar}\n").replace(',', "|"),
+        ),
+    ] {
+        let found = read(&written(folder.path(), name, content.as_bytes()));
+        let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(found, expected, "{name}");
+    }
+}

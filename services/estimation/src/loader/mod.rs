@@ -8,7 +8,7 @@
 //! | file or room | idea |
 //! |---|---|
 //! | `sample`, `estimate`, `settings`, `method` | what goes in and comes out |
-//! | [`keys`] | the keys of a description |
+//! | [`keys`], `size` | the keys of a description; their defaults by the machine's mass |
 //! | `physics` | the machine's equations: [`axle_loads`], [`wheel_dynamics`], [`cg_model`] |
 //! | `layout` | where each quantity stands in the state |
 //! | `input` | from rows to inputs of a step |
@@ -39,6 +39,7 @@ mod physics;
 mod reason;
 mod sample;
 pub mod settings;
+mod size;
 mod verdict;
 pub mod weigh;
 

@@ -95,8 +95,8 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
             "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
         ));
     }
-    let store = Store::open(&args.db).map_err(|e| store::failed(&e))?;
-    let fleet = store.fleet().map_err(|e| store::failed(&e))?;
+    let store = Store::open(&args.db).map_err(|e| store::failed(&e, &args.db))?;
+    let fleet = store.fleet().map_err(|e| store::failed(&e, &args.db))?;
     let fleet = Arc::new(Mutex::new(fleet));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
@@ -195,7 +195,7 @@ impl Collector<'_> {
                 done = self.store.forget(self.args.keep);
             }
             if let Err(why) = done {
-                self.wait_for_the_disk(store::failed(&why), events, stop);
+                self.wait_for_the_disk(store::failed(&why, &self.args.db), events, stop);
             }
         }
         Ok(())

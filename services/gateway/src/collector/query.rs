@@ -7,6 +7,7 @@ use rusqlite::{Connection, OpenFlags, params};
 use serde_json::json;
 
 use super::intake::decode;
+use super::store;
 use super::table::{Format, Table};
 use crate::{error, wall_ms};
 
@@ -78,20 +79,16 @@ pub(super) fn milliseconds(text: &str) -> Result<i64, String> {
 /// # Errors
 /// There is none.
 pub fn open(db: &Path) -> Result<Connection, String> {
+    if !db.exists() {
+        let remedy = "`heft fleet --db FILE` makes it";
+        return Err(error("there is no history", db.display(), remedy));
+    }
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let sql = Connection::open_with_flags(db, flags);
-    let sql = sql.and_then(|sql| {
-        sql.busy_timeout(std::time::Duration::from_secs(5))?;
+    let sql = store::connect(db, flags).and_then(|sql| {
         sql.query_row("SELECT count(*) FROM machine", [], |_| Ok(()))?;
         Ok(sql)
     });
-    sql.map_err(|e| {
-        error(
-            format!("there is no history: {e}"),
-            db.display(),
-            "`heft fleet --db FILE` makes it",
-        )
-    })
+    sql.map_err(|e| store::failed(&e, db))
 }
 
 /// Writes what is asked for.
@@ -111,10 +108,11 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
         What::Events => messages(&sql, args, "events/", out),
     };
     done.map_err(|e| match e {
-        QueryError::Sql(e) => error(
-            format!("the history: {e}"),
+        QueryError::Sql(e) => store::failed(&e, &args.db),
+        QueryError::Damaged { bad, all } => error(
+            format!("{bad} of {all} messages are damaged; they are left out"),
             args.db.display(),
-            "a collector of the same version made it?",
+            "`sqlite3 FILE 'PRAGMA integrity_check'` says more",
         ),
         QueryError::Io(e) => error(
             format!("cannot write: {e}"),
@@ -127,6 +125,11 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
 enum QueryError {
     Sql(rusqlite::Error),
     Io(io::Error),
+    /// So many messages are none of their streams.
+    Damaged {
+        bad: usize,
+        all: usize,
+    },
 }
 
 impl From<rusqlite::Error> for QueryError {
@@ -171,10 +174,13 @@ fn messages(
     let since = wall_ms() as i64 - args.since;
     let mut rows = query.query(params![kind, since, args.site, args.machine])?;
     let mut table = Table::new(args.format);
+    let (mut bad, mut all) = (0, 0);
     while let Some(row) = rows.next()? {
+        all += 1;
         let words: [String; 2] = [row.get(0)?, row.get(1)?];
         let (run, stream, wall): (i64, String, i64) = (row.get(2)?, row.get(3)?, row.get(4)?);
         let Some(message) = decode(&stream, &row.get::<_, Vec<u8>>(5)?) else {
+            bad += 1;
             continue;
         };
         let first: i64 = row.get(6)?;
@@ -190,7 +196,10 @@ fn messages(
         ];
         table.row(out, &said, &message)?;
     }
-    Ok(())
+    match bad {
+        0 => Ok(()),
+        bad => Err(QueryError::Damaged { bad, all }),
+    }
 }
 
 fn alarms(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), QueryError> {
@@ -225,6 +234,66 @@ fn alarms(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<()
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn asked(db: &Path) -> Result<(), String> {
+        use clap::Parser;
+        #[derive(clap::Parser)]
+        struct Cli {
+            #[command(flatten)]
+            args: QueryArgs,
+        }
+        let db = db.to_str().expect("UTF-8");
+        let cli = Cli::parse_from(["query", "--db", db, "--what", "estimates"]);
+        query(&cli.args, &mut Vec::new())
+    }
+
+    #[test]
+    fn what_is_no_history_is_said_and_left_as_it_is() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let words = |name: &str| asked(&path(name)).expect_err(name);
+        assert!(words("none").contains("`heft fleet --db FILE` makes it"));
+        let made = std::process::Command::new("mkfifo")
+            .arg(path("pipe"))
+            .status();
+        assert!(made.is_ok_and(|status| status.success()));
+        std::fs::create_dir(path("folder")).expect("a folder");
+        std::fs::write(path("table.csv"), "t,speed\n0,1\n").expect("written");
+        for name in ["pipe", "folder", "table.csv"] {
+            let said = words(name);
+            assert!(said.contains(name) && said.contains("--db"), "{said}");
+        }
+        for table in ["x (a)", "machine (a)"] {
+            let file = path("other.sqlite");
+            let sql = Connection::open(&file).expect("a database");
+            let made = sql.execute_batch(&format!("DROP TABLE IF EXISTS x; CREATE TABLE {table}"));
+            made.expect("a table");
+            drop(sql);
+            let before = std::fs::read(&file).expect("bytes");
+            assert!(words("other.sqlite").contains("no history of a fleet"));
+            assert!(store::Store::open(&file).is_err(), "{table}");
+            assert_eq!(std::fs::read(&file).expect("bytes"), before, "{table}");
+        }
+    }
+
+    #[test]
+    fn a_damaged_message_of_a_history_is_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let db = folder.path().join("fleet.sqlite");
+        drop(store::Store::open(&db).expect("a history"));
+        assert_eq!(asked(&db), Ok(()));
+        let sql = Connection::open(&db).expect("a database");
+        let now = wall_ms();
+        let filled = sql.execute_batch(&format!(
+            "INSERT INTO machine (id, site, name) VALUES (1, 'north', 'ex-1');
+             INSERT INTO run (machine, run, first_ms) VALUES (1, 7, {now});
+             INSERT INTO stream (id, machine, run, name) VALUES (1, 1, 7, 'estimate/inertia_ukf');
+             INSERT INTO message VALUES (1, 1, NULL, {now}, {now}, x'ffff');"
+        ));
+        filled.expect("a message");
+        let said = asked(&db).expect_err("damage");
+        assert!(said.contains("1 of 1 messages are damaged"), "{said}");
+    }
 
     #[test]
     fn how_far_back_is_a_number_and_a_unit() {

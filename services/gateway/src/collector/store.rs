@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::time::Duration;
 
-use rusqlite::{Connection, OptionalExtension, params};
+use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
 
 use super::alarm::Alarm;
 use super::intake::{StreamMessage, decode};
@@ -97,12 +97,35 @@ struct Owner {
 }
 
 /// What is said of a history that cannot be read or written.
-pub fn failed(error: &rusqlite::Error) -> String {
-    crate::error(
-        format!("the history: {error}"),
-        "--db",
-        "check the path, the permissions and the free space",
-    )
+pub fn failed(error: &rusqlite::Error, db: &Path) -> String {
+    use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};
+    let remedy = match error.sqlite_error_code() {
+        Some(DatabaseCorrupt) => {
+            "it is damaged: move it away; a new one asks the machines for what they still have, and `sqlite3 FILE .recover` prints what can be read of it"
+        }
+        Some(NotADatabase) => "name a file of its own: --db FILE",
+        _ => "check the path, the permissions and the free space",
+    };
+    crate::error(format!("the history: {error}"), db.display(), remedy)
+}
+
+/// Opens a file that is a history, or nothing yet: another program's database is left as it is, and a pipe is not waited for.
+pub(super) fn connect(file: &Path, flags: OpenFlags) -> rusqlite::Result<Connection> {
+    let none = || {
+        let code = rusqlite::ffi::Error::new(rusqlite::ffi::SQLITE_NOTADB);
+        rusqlite::Error::SqliteFailure(code, Some("this is no history of a fleet".into()))
+    };
+    if file.metadata().is_ok_and(|about| !about.is_file()) {
+        return Err(none());
+    }
+    let sql = Connection::open_with_flags(file, flags)?;
+    sql.busy_timeout(Duration::from_secs(10))?;
+    let tables =
+        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'";
+    let ours = "SELECT count(*) FROM pragma_table_info('machine') WHERE name IN ('site', 'kind')";
+    let count = |text| sql.query_row(text, [], |row| row.get::<_, i64>(0));
+    let is_ours = count(tables)? == 0 || count(ours)? == 2;
+    if is_ours { Ok(sql) } else { Err(none()) }
 }
 
 impl Store {
@@ -111,8 +134,7 @@ impl Store {
     /// # Errors
     /// It cannot be written, or is no history.
     pub fn open(file: &Path) -> rusqlite::Result<Self> {
-        let sql = Connection::open(file)?;
-        sql.busy_timeout(Duration::from_secs(10))?;
+        let sql = connect(file, OpenFlags::default())?;
         sql.execute_batch(SCHEMA)?;
         let old = "SELECT count(*) FROM pragma_table_info('stream') WHERE name = 'epoch'";
         if sql.query_row(old, [], |row| row.get::<_, i64>(0))? > 0 {

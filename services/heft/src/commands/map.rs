@@ -77,6 +77,12 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             suggestion.unknown.join(", ")
         );
     }
+    if !suggestion.of_second.is_empty() {
+        eprintln!(
+            "1/s is taken as rad/s: {}; where it counts turns, write unit = \"turn/s\" into their lines",
+            suggestion.of_second.join(", ")
+        );
+    }
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::cells::Record;
 use super::dialect::{self, BLANK, Dialect};
-use super::front::comment;
+use super::front::{comment, is_rule};
 use super::marks::{self, Marks};
 use crate::Error;
 use crate::counter::Counter;
@@ -69,6 +69,8 @@ pub(crate) struct NoNumber {
     pub is_time: bool,
     /// Whether it is the name of a column: a header stands here once more.
     pub is_header: bool,
+    /// Whether its line has words alone that are not those of the header.
+    pub is_of_words: bool,
 }
 
 impl NoNumber {
@@ -78,10 +80,20 @@ impl NoNumber {
         let name = text.trim_start_matches('\u{feff}');
         Self {
             is_header: header.iter().any(|column| column == name),
+            is_of_words: false,
             text: text.chars().take(SHOWN).collect(),
             column: column.to_owned(),
             is_time,
         }
+    }
+
+    /// The same in a line: what stands beside it tells whether another table begins there.
+    fn within(mut self, record: &Record, header: &[String], dialect: Dialect) -> Self {
+        let written = || record.iter().filter(|cell| !cell.is_empty());
+        let are_words = written().all(|cell| dialect.number(cell).is_none());
+        let are_same = record.iter().map(dialect::name).eq(header.iter().cloned());
+        self.is_of_words = are_words && !are_same && written().count() > 1;
+        self
     }
 
     /// As an error.
@@ -89,6 +101,12 @@ impl NoNumber {
         let is_ambiguous = self.is_time && time::is_ambiguous(&self.text);
         let remedy = match () {
             () if is_ambiguous => "write the year first, as in 2026-11-21 16:00:00.25",
+            () if self.is_header && self.is_of_words => {
+                "the header stands here once more, of other columns or in another order: make a file of each recording"
+            }
+            () if self.is_of_words => {
+                "its line has words alone: where another table begins there, make a file of each; else delete the line"
+            }
             () if self.is_header => {
                 "the header stands here once more: make a file of each recording, or delete the line"
             }
@@ -248,8 +266,16 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
+    /// Whether a line is no row: it has nothing in its cells, as sheets fill their ends, is a database's rule, or a comment.
+    pub(crate) fn is_no_row(&self, record: &Record) -> bool {
+        let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
+        is_first_empty && record.iter().all(<[u8]>::is_empty)
+            || record.len() == 1 && record.get(0).is_some_and(is_rule)
+            || self.is_comment(record)
+    }
+
     /// Whether a line is a comment, which has other cells than the header or no number.
-    pub(crate) fn is_comment(&self, record: &Record) -> bool {
+    fn is_comment(&self, record: &Record) -> bool {
         let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(f64::is_finite);
         let is_marked = record.get(0).is_some_and(|cell| comment(cell).is_some());
         is_marked && (record.len() != self.header.len() || !record.iter().any(is_number))
@@ -280,6 +306,9 @@ impl<S: Sensors> Columns<S> {
             (_, Dialect { separator: BLANK }) if !has_more => {
                 "complete or delete the row; where blanks separate, a missing sample is NaN"
             }
+            _ if record.iter().any(|cell| cell.contains(&b'\n')) => {
+                "close the quote that opens in this row, or delete it"
+            }
             _ if has_more && cells == width + 1 => {
                 "name every column, that of the rows' names too (in R: col.names = NA), or delete the row"
             }
@@ -309,33 +338,36 @@ impl<S: Sensors> Columns<S> {
         for (line, value) in self.lines.iter_mut().zip(&mut self.values) {
             let mut sum = None;
             for part in &line.parts {
-                let x = match part {
-                    Part::Constant(value) => *value,
-                    Part::Cell { at, conversion } => {
-                        let cell = record.get(*at).unwrap_or_default();
-                        match self.dialect.number(cell) {
-                            Some(x) => {
-                                if self.dialect.separator != b',' {
-                                    self.marks[*at].see(cell);
+                let x =
+                    match part {
+                        Part::Constant(value) => *value,
+                        Part::Cell { at, conversion } => {
+                            let cell = record.get(*at).unwrap_or_default();
+                            match self.dialect.number(cell) {
+                                Some(x) if !(line.is_time && time::is_compact(cell)) => {
+                                    if self.dialect.separator != b',' {
+                                        self.marks[*at].see(cell);
+                                    }
+                                    let x = match line.is_time && line.parts.len() == 1 {
+                                        true => self.counter.count(x),
+                                        false => x,
+                                    };
+                                    conversion.apply(x)
                                 }
-                                let x = match line.is_time && line.parts.len() == 1 {
-                                    true => self.counter.count(x),
-                                    false => x,
-                                };
-                                conversion.apply(x)
-                            }
-                            None => {
-                                let text = std::str::from_utf8(cell).ok();
-                                let text = text.filter(|_| line.is_time);
-                                let date = text.and_then(|text| self.dates.seconds(text));
-                                date.ok_or_else(|| {
-                                    let header = &self.header;
-                                    NoNumber::of(cell, &header[*at], header, line.is_time)
-                                })?
+                                _ => {
+                                    let text = std::str::from_utf8(cell).ok();
+                                    let text = text.map(|text| text.trim_start_matches('\u{feff}'));
+                                    let text = text.filter(|_| line.is_time);
+                                    let date = text.and_then(|text| self.dates.seconds(text));
+                                    date.ok_or_else(|| {
+                                        let header = &self.header;
+                                        NoNumber::of(cell, &header[*at], header, line.is_time)
+                                            .within(record, header, self.dialect)
+                                    })?
+                                }
                             }
                         }
-                    }
-                };
+                    };
                 if let Some(sampler) = &mut self.sampler {
                     sampler.values[sampled] = x;
                     sampled += 1;
@@ -556,6 +588,7 @@ const LONG: [&[&str]; 2] = [
         "_field",
         "kanal",
         "topic",
+        "series",
     ],
     &[
         "value", "_value", "varvalue", "val", "wert", "valeur", "valor", "reading",

@@ -46,10 +46,15 @@ impl Dialect {
     }
 
     /// A number as sheets show it: a decimal comma, a minus sign that is no hyphen, thousands grouped by thin blanks or
-    /// apostrophes.
+    /// apostrophes, `="1.5"` for a number that a sheet shall not turn; and as Fortran prints it, `1.5D-3`. A mark of the
+    /// encoding stands before the first number of a file that was joined to another.
     fn as_typeset(self, text: &str) -> Option<f64> {
-        let groups = ['\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}'];
-        let plain = text.replace(groups, "").replace('\u{2212}', "-");
+        let formula = text.strip_prefix("=\"").and_then(|t| t.strip_suffix('"'));
+        let groups = [
+            '\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}', '\u{feff}',
+        ];
+        let plain = formula.unwrap_or(text).replace(groups, "");
+        let plain = with_e(plain.replace('\u{2212}', "-"));
         let number = plain.parse().ok().filter(|_| plain != text);
         number.or_else(|| self.with_decimal_comma(&plain))
     }
@@ -63,10 +68,18 @@ impl Dialect {
     }
 }
 
+/// A number whose exponent of double precision begins with a `D`, with an `E`. Without a decimal mark it may be hexadecimal.
+fn with_e(text: String) -> String {
+    match text.find(['d', 'D']) {
+        Some(at) if text[..at].contains(['.', ',']) => text.replace(['d', 'D'], "e"),
+        _ => text,
+    }
+}
+
 /// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
 /// sheet's formulas, dashes of a logger, the words of a historian for a bad value, what C's library on Windows prints, a
 /// database's `\N`.
-const MISSING: [&str; 63] = [
+const MISSING: [&str; 66] = [
     "na",
     "n/a",
     "n.a.",
@@ -111,8 +124,11 @@ const MISSING: [&str; 63] = [
     "nd",
     "n.d.",
     "#n/d",
+    "n/d",
+    "n/v",
     "*",
     "<null>",
+    "[null]",
     "nan()",
     "novalue",
     "no value",
@@ -139,7 +155,14 @@ fn is_missing(cell: &[u8]) -> bool {
     // The errors of a sheet are words of its language; an instrument fills its digits.
     let is_error = matches!(cell, [b'#', .., b'!' | b'?']);
     let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-.*".contains(b));
-    MISSING.iter().any(is_word) || is_error || is_filled
+    // LibreOffice numbers its errors; C's library shows the bits.
+    let begins = |word: &str| {
+        let head = cell.get(..word.len());
+        head.is_some_and(|head| head.eq_ignore_ascii_case(word.as_bytes()))
+    };
+    let is_bits = (begins("nan(") || begins("-nan(")) && cell.ends_with(b")");
+    let is_numbered = begins("err:") && cell[4..].iter().all(u8::is_ascii_digit);
+    MISSING.iter().any(is_word) || is_error || is_filled || is_bits || is_numbered
 }
 
 /// The separator in Excel's first line `sep=;`.
@@ -154,6 +177,17 @@ pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
         [] => Some(b'\t'),
         _ => None,
     }
+}
+
+/// The name of a column, without what nobody sees: marks of the encoding, of a direction, of where a word may be parted.
+pub(crate) fn name(bytes: &[u8]) -> String {
+    let unseen = |c: char| {
+        matches!(
+            c,
+            '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}'
+        )
+    };
+    text(bytes).replace(unseen, "").trim().to_owned()
 }
 
 /// A text that is UTF-8, or else Latin-1.
@@ -284,6 +318,11 @@ mod tests {
         );
         assert_eq!(english.number("12\u{202f}345.5".as_bytes()), Some(12345.5));
         assert_eq!(german.number("\u{2212}12'345,5".as_bytes()), Some(-12345.5));
+        assert_eq!(english.number(b"-1.5D-03"), Some(-0.0015));
+        assert_eq!(german.number(b"1,5d2"), Some(150.0));
+        assert_eq!(english.number(b"=\"-1.5\""), Some(-1.5));
+        assert_eq!(english.number("\u{feff}1.5".as_bytes()), Some(1.5));
+        assert_eq!(english.number(b"1D5"), None, "hexadecimal");
         // Between comma and comma it may be either mark.
         assert_eq!(english.number(b"12,345"), None);
         assert_eq!(english.number(b"12 345"), None);
@@ -317,6 +356,9 @@ mod tests {
             "OVL",
             "I/O Timeout",
             "k.A.",
+            "nan(0x8000000000000)",
+            "Err:502",
+            "[null]",
         ] {
             let number = english.number(word.as_bytes());
             assert!(number.is_some_and(f64::is_nan), "{word}");

@@ -45,7 +45,7 @@ pub(crate) struct Lines {
 impl Lines {
     /// What the next line is.
     pub(crate) fn take(&mut self, line: &[u8]) -> Line {
-        if line.trim_ascii().is_empty() {
+        if line.trim_ascii().is_empty() || is_rule(line) {
             return Line::Nothing;
         }
         if self.is_below {
@@ -79,6 +79,13 @@ impl Lines {
     }
 }
 
+/// Whether a line is a rule that a database draws around its rows: `+------+------+`.
+pub(crate) fn is_rule(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    let dashes = line.iter().filter(|b| **b == b'-').count();
+    dashes > 2 && 2 * dashes > line.len() && line.iter().all(|b| b"-+|".contains(b))
+}
+
 /// What a line of comment says.
 pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
     let text = line.trim_ascii_start();
@@ -98,9 +105,10 @@ pub(crate) struct Front {
     /// Bytes before the header.
     pub start: usize,
     pub dialect: Dialect,
-    /// Units in a line of their own, a text for each column, and whether that is the one below the header.
+    /// Units in a line of their own, a text for each column.
     pub units: Option<Vec<String>>,
-    pub has_units_below: bool,
+    /// How many lines below the header say more of the columns: units, kinds of numbers, means or samples.
+    pub below: usize,
     /// Names in the row above the header, which count where it has an empty cell.
     pub above: Vec<String>,
     /// Whether each row has a name before its cells, in quotes and without a header, as R's `write.table` writes it.
@@ -134,9 +142,21 @@ impl Front {
                         Some(Line::Units(units)) => Some(units),
                         _ => None,
                     };
+                    let header = cells(line, dialect);
+                    let mut count = usize::from(units.is_some());
+                    let mut further = None;
                     if units.is_some() {
                         below = lines.next();
                     }
+                    while count < MOST_BELOW
+                        && let Some((_, row)) = below
+                        && is_words(row, dialect, header.len())
+                    {
+                        further = further.or_else(|| several_units(&header, row, dialect));
+                        count += 1;
+                        below = lines.next();
+                    }
+                    let units = units.or(further);
                     // Blanks may also stand within the names.
                     let width = cells(line, dialect).len();
                     let is_of = |width| below.is_none_or(|(_, row)| is_row(row, dialect, width));
@@ -150,13 +170,11 @@ impl Front {
                     let is_named = |row: &[u8]| {
                         row.trim_ascii_start().starts_with(b"\"") && is_row(row, dialect, width + 1)
                     };
-                    let header = cells(line, dialect);
                     let over = |(_, line)| several_units(&header, line, dialect);
-                    let has_units_below = units.is_some();
                     return Some(Self {
                         units: units
                             .or_else(|| self::lines(&head[begin..at], 0).filter_map(over).last()),
-                        has_units_below,
+                        below: count,
                         has_row_names: below.is_some_and(|(_, row)| is_named(row)),
                         above: above(&head[begin..at], &header, dialect),
                         start,
@@ -168,7 +186,7 @@ impl Front {
                         start: after_mark,
                         dialect,
                         units: None,
-                        has_units_below: false,
+                        below: 0,
                         above: Vec::new(),
                         has_row_names: false,
                     });
@@ -187,9 +205,8 @@ fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
         let number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
         row.len() == header.len() && !row.iter().any(number)
     };
-    let text = |cell: &[u8]| dialect::text(cell).trim().to_owned();
     let last = last.filter(is_header);
-    last.map_or_else(Vec::new, |row| row.iter().map(text).collect())
+    last.map_or_else(Vec::new, |row| row.iter().map(dialect::name).collect())
 }
 
 /// Units in a line away from the names: several, since one alone may be a word.
@@ -202,6 +219,27 @@ fn several_units(header: &Record, line: &[u8], dialect: Dialect) -> Option<Vec<S
         }
     }
     (texts.iter().filter(|text| !text.is_empty()).count() > 1).then_some(texts)
+}
+
+/// Lines below a header that may say more of its columns.
+const MOST_BELOW: usize = 3;
+
+/// Whether a line below a header has words alone, which are no samples and no times. An empty cell may be one, and a row of
+/// nothing is a sample that is missing.
+fn is_words(line: &[u8], dialect: Dialect, width: usize) -> bool {
+    let row = cells(line, dialect);
+    let mut written = row.iter().filter(|cell| !cell.is_empty()).peekable();
+    let is_word = |cell: &[u8]| {
+        let begins = cell
+            .first()
+            .is_some_and(|b| b.is_ascii_alphabetic() || b"<[(".contains(b));
+        begins && !cell.contains(&b':') && dialect.number(cell).is_none()
+    };
+    // Between blanks stand the words of a sentence.
+    dialect.separator != BLANK
+        && row.len() == width
+        && written.peek().is_some()
+        && written.all(is_word)
 }
 
 /// Lines above a header that are looked for it.
@@ -259,7 +297,9 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
         .windows(2)
         .find(|two| several_units(&cells(two[0].1, dialect), two[1].1, dialect).is_some());
     if let Some([names, _]) = over_units {
-        return Some(names.0);
+        // Kinds of numbers stand below the names, and repeat.
+        let are_kinds = repeats(&cells(names.1, dialect)) && !repeats(&cells(first, dialect));
+        return (!are_kinds).then_some(names.0);
     }
     let names = above
         .last()
@@ -269,15 +309,17 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
     // A group is written once, or above each of its columns.
     let mut pairs = of_first.iter().zip(of_names.iter());
     let is_padded = pairs.any(|(first, name)| first.is_empty() && !name.is_empty());
-    let repeats = |cells: &Record| {
-        let mut all: Vec<_> = cells.iter().filter(|cell| !cell.is_empty()).collect();
-        all.sort_unstable();
-        all.windows(2).any(|two| two[0] == two[1])
-    };
     let repeats_alone = repeats(&of_first) && !repeats(&of_names);
     let is_name = |cell: &[u8]| cell.first().is_some_and(u8::is_ascii_alphabetic);
     let is_pair = of_names.len() == 2 && !above.is_empty() && of_names.iter().all(is_name);
     (is_padded || repeats_alone || is_pair).then_some(names.0)
+}
+
+/// Whether two cells say the same.
+fn repeats(cells: &Record) -> bool {
+    let mut all: Vec<_> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+    all.sort_unstable();
+    all.windows(2).any(|two| two[0] == two[1])
 }
 
 /// Whether a line may be a row of so many cells. Sentences have blanks and numbers too.
@@ -463,6 +505,37 @@ mod tests {
         // A header that lacks a name is one all the same.
         assert_eq!(of("t,speed\n0,1,2\n1,1,2\n").0, "t,speed");
         assert_eq!(of("t,speed\ns,m/s\n0,1\n").0, "t,speed");
+    }
+
+    #[test]
+    fn lines_of_words_below_the_names_are_no_samples() {
+        let front = |below: &str| {
+            let text = format!("t,swing,boom,note\n{below}0,1,2,3\n");
+            let front = Front::of(text.as_bytes()).expect("a front");
+            (front.below, front.units)
+        };
+        let units = Some(["s", "rpm", "deg", ""].map(str::to_owned).to_vec());
+        for below in [
+            "s,rpm,deg,\n,Smp,Avg,\n",
+            "double,double,double,string\ns,rpm,deg,\n",
+            "s,rpm,deg,-\nAbs. min,,,\n",
+        ] {
+            assert_eq!(front(below), (2, units.clone()), "{below}");
+        }
+        assert_eq!(front("float64,float64,float64,object\n"), (1, None));
+        for sample in ["NaN,,,\n", ",,,\n", "0,x,,\n", "Mon 10:00:00,,,\n", "a,b\n"] {
+            assert_eq!(front(sample).0, 0, "{sample}");
+        }
+    }
+
+    #[test]
+    fn the_rules_of_a_database_are_no_rows() {
+        let rule = "+-----+-------+\n";
+        let (header, separator, _) = of(&format!("{rule}| t   | speed |\n{rule}| 0 | 1 |\n"));
+        assert_eq!((header.as_str(), separator), ("| t   | speed |", b'|'));
+        for sample in ["-,-,-", "--", "-1|-2|-3", "---|---|1"] {
+            assert!(!is_rule(sample.as_bytes()), "{sample}");
+        }
     }
 
     #[test]

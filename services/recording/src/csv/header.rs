@@ -78,10 +78,7 @@ pub(crate) fn check_units<S: Sensors>(
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.
 fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
-    let names: Vec<String> = header
-        .iter()
-        .map(|name| dialect::text(name).trim().to_owned())
-        .collect();
+    let names: Vec<String> = header.iter().map(dialect::name).collect();
     let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {
         if !name.is_empty() && !seen.insert(name) {

@@ -68,9 +68,10 @@ struct Table {
     is_plain: bool,
     /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
-    /// Units in a line of their own, a text for each column, and whether that is the one below the header.
+    /// Units in a line of their own, a text for each column.
     units: Option<Vec<String>>,
-    has_units_below: bool,
+    /// Lines below the header that are no samples.
+    below: usize,
     /// Names above those that the header leaves empty.
     above: Vec<String>,
     /// Whether each row has a name, of which the header says nothing.
@@ -118,7 +119,7 @@ impl Table {
             file,
             preface: front.start,
             units: front.units,
-            has_units_below: front.has_units_below,
+            below: front.below,
             above: front.above,
             has_row_names: front.has_row_names,
             is_packed: content.is_packed,
@@ -167,7 +168,7 @@ impl Table {
         if self.has_row_names {
             header.insert(0, String::new());
         }
-        if self.has_units_below {
+        for _ in 0..self.below {
             self.advance(&mut records)?;
         }
         Ok((records, header))
@@ -295,7 +296,7 @@ impl<S: Sensors> TableRows<S> {
         let table = &self.table;
         if more {
             let (record, start) = (self.records.record(), self.records.start());
-            if self.columns.is_comment(record) {
+            if self.columns.is_no_row(record) {
                 return Ok(());
             }
             if let Some((what, remedy)) = self.columns.misfit(record) {

@@ -14,6 +14,8 @@ pub struct Suggestion {
     pub missing: Vec<&'static [&'static str]>,
     /// Columns whose brackets hold no unit that heft knows, with what they hold.
     pub unknown: Vec<String>,
+    /// Columns in `1/s`, which may be radians or turns.
+    pub of_second: Vec<String>,
     /// Columns that are in a unit of something else than the signal that they are called, with what they are in.
     pub of_others: Vec<String>,
     /// Links whose angles were not found, where that of another was.

@@ -53,6 +53,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
         missing,
         found: draft.found.len(),
         unknown: draft.unknown,
+        of_second: draft.of_second,
         of_others: draft.of_others,
         links: links(&draft.found),
     })
@@ -88,6 +89,7 @@ struct Draft<'a> {
     found: Vec<String>,
     taken: Vec<usize>,
     unknown: Vec<String>,
+    of_second: Vec<String>,
     of_others: Vec<String>,
     links: [Option<Column>; LINKS.len()],
 }
@@ -101,6 +103,7 @@ impl<'a> Draft<'a> {
             found: Vec::new(),
             taken: Vec::new(),
             unknown: Vec::new(),
+            of_second: Vec::new(),
             of_others: Vec::new(),
             links: [const { None }; LINKS.len()],
         };
@@ -160,6 +163,9 @@ impl<'a> Draft<'a> {
         let (guess, other) = unit(&signal, si, &named, &self.look.columns[at]);
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
+        if guess.reason.ends_with(OR_TURNS) {
+            self.of_second.push(format!("{signal} (column {name})"));
+        }
         let column = Column {
             at,
             name: name.clone(),
@@ -302,6 +308,9 @@ impl Column {
     }
 }
 
+/// What is said of `1/s`.
+const OR_TURNS: &str = "; in radians: turns a second are unit = \"turn/s\"";
+
 /// A unit and why.
 struct Guess {
     unit: Option<&'static Unit>,
@@ -317,9 +326,7 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<St
             name if unit.name == "t" && name.contains("ton") && !name.contains("tonne") => {
                 "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\""
             }
-            name if unit.name == "rad/s" && name.contains("1/s") => {
-                "; in radians: turns a second are unit = \"turn/s\""
-            }
+            name if unit.name == "rad/s" && name.contains("1/s") => OR_TURNS,
             _ => "",
         };
         let guess = Guess {

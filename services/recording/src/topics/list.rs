@@ -154,6 +154,7 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         text,
         missing: missing::<S>(&found_all),
         unknown: Vec::new(),
+        of_second: Vec::new(),
         of_others: Vec::new(),
         links: links(&found_all),
         found: taken.len(),
