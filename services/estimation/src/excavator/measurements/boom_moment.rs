@@ -37,7 +37,7 @@ const TRAVEL: f64 = 0.5e-3;
 /// Less travel than this in a block, or than so many deviations of the noise of two blocks' angles, is standing \[m\].
 const STILL: f64 = 1e-3;
 const NOISE: f64 = 3.0;
-/// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
+/// What the drawing misses is another one after this time \[s\]. The seals' friction at rest does not fade: it stays what the stop left.
 pub const FADING: f64 = 3.0;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
@@ -208,9 +208,6 @@ impl BoomMoment {
         let before = self.direction;
         self.direction += follows * (sign - self.direction);
         let moves = travel.abs() > still;
-        if !moves {
-            self.direction *= exp(-newest.whole / FADING);
-        }
         let kept = if moves { 1.0 } else { cylinder.kept };
         let direction = kept * 0.5 * (before + self.direction);
         let oldest = oldest?;

@@ -147,4 +147,28 @@ mod tests {
         }
         assert!(count > 5, "{count}");
     }
+
+    #[test]
+    fn a_cylinder_that_stands_keeps_the_direction_in_which_it_stopped() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance, c.friction_kept) = (0.6, 1.3, 0.8);
+        let cylinder = Cylinder::of_boom(&d).expect("a described cylinder");
+        let mut lifts = Lifts::new(Geometry::of(&d), cylinder);
+        let moments = (0..1500).filter_map(|k| {
+            let time = 0.01 * f64::from(k);
+            lifts.step(&Sample {
+                time,
+                velocity: Some(0.0),
+                posture: [Some(0.4 + 0.1 * time.min(2.0)), Some(-1.2), Some(-0.5)],
+                boom_head_pressure: Some(12e6),
+                boom_rod_pressure: Some(1e6),
+                ..Sample::default()
+            })
+        });
+        let last = moments.last().expect("a moment");
+        assert!(!last.moves);
+        assert!((last.direction - 0.8).abs() < 1e-3, "{}", last.direction);
+    }
 }
