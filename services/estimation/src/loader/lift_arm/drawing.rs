@@ -7,13 +7,13 @@ use super::numbers::{
     TILT_ZERO,
 };
 use super::turn::Turn;
-use crate::Quantity;
 use crate::loader::RATED_SHARE;
 use crate::loader::keys::{Description, LiftArm, LiftCylinder};
 use crate::loader::layout::Each;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sqrt};
+use crate::{FULL_PRESSURE, Quantity};
 
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
 const LEFT: [usize; 6] = [
@@ -25,8 +25,6 @@ const LEFT: [usize; 6] = [
     EXCHANGED,
 ];
 
-/// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
-pub(super) const FULL_PRESSURE: f64 = 20e6;
 /// Standard deviation of the pressure on the rod side where nobody measures it: valves hold up to 3 MPa there [Pa].
 const UNMEASURED_ROD: f64 = 0.8e6;
 /// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.

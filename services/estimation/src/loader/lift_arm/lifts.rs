@@ -5,8 +5,7 @@
 //! ```
 //! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
 
-use super::Quantity;
-use super::drawing::{Drawing, FULL_PRESSURE};
+use super::drawing::Drawing;
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
 use super::linkage::Linkage;
 use super::numbers::{
@@ -19,6 +18,7 @@ use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};
+use crate::{FULL_PRESSURE, Quantity};
 
 /// Length of a block, and the longest gap between rows \[s\].
 const BLOCK: f64 = 0.2;
