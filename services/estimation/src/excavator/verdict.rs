@@ -1,9 +1,10 @@
 //! Whether to believe a state-space estimate, and why not.
 
+use super::estimate::Method;
 use super::grid::Tick;
 use super::settings::Settings;
 use super::state::State;
-use crate::consistency::NisWindow;
+use crate::consistency::{MOST_NIS, NisWindow};
 
 /// Excitation after which D and BM may speak [s].
 const EXCITED_FOR: f64 = 0.2;
@@ -53,7 +54,7 @@ pub(super) struct Reasons {
 impl Verdict {
     pub(super) fn new() -> Self {
         Self {
-            nis: NisWindow::new(16.0),
+            nis: NisWindow::new(MOST_NIS),
             velocity_age: f64::INFINITY,
             excited_for: 0.0,
         }
@@ -90,18 +91,17 @@ impl Verdict {
         tick: &Tick,
         state: &State,
         basis: Basis,
-        needs: (bool, bool),
+        method: Method,
     ) -> Reasons {
         let e = &settings.estimator;
-        let (torque, posture) = needs;
         let converged =
             crate::HALF_WIDTH_95 * state.inertia_std < e.converged_share * state.inertia;
         Reasons {
             excited: state.weighed || state.velocity.abs() >= e.excited_velocity,
             consistent: self.nis.mean() <= e.consistent_nis,
             fresh: self.velocity_age <= e.fresh_velocity
-                && (!torque || tick.torque_age <= e.fresh_others)
-                && (!posture || tick.posture_age <= e.fresh_others),
+                && (!method.needs_torque() || tick.torque_age <= e.fresh_others)
+                && (!method.needs_posture() || tick.posture_age <= e.fresh_others),
             converged: converged && !state.changing && !state.unsettled,
             identifiable: match basis {
                 Basis::PostureTorque => self.excited_for >= EXCITED_FOR,
