@@ -16,7 +16,7 @@ use crate::math::{norm, sqrt};
 use crate::{FULL_PRESSURE, Quantity};
 
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
-const LEFT: [usize; 6] = [
+const STILL_DRAWN: [usize; 6] = [
     LOAD_DISTANCE,
     CYLINDER_ANGLE,
     FRICTION,
@@ -248,7 +248,7 @@ fn weighing(std: [f64; NUMBERS], span: bool, offset: bool) -> [f64; NUMBERS] {
     for (number, std) in left[..SPAN].iter_mut().enumerate() {
         let calibrated = match number {
             HEAD_ZERO | ROD_ZERO => offset,
-            _ => span && !LEFT.contains(&number),
+            _ => span && !STILL_DRAWN.contains(&number),
         };
         if calibrated {
             *std = 0.0;
