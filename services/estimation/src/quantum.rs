@@ -16,6 +16,7 @@ pub(crate) struct Quantum {
 
 impl Quantum {
     /// Takes the next value; whether it is another one.
+    #[inline(always)]
     pub(crate) fn see(&mut self, new: f64) -> bool {
         let change = self
             .last

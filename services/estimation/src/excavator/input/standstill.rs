@@ -30,6 +30,7 @@ const STANDING: f64 = 0.006;
 const SCATTER: f64 = 2.0;
 
 /// Share of a new value in the smoothed torque after a tick of this length [s].
+#[inline(always)]
 pub(super) fn torque_share(period: f64) -> f64 {
     1.0 - exp(ln(TORQUE_KEPT) * period / TORQUE_TIME)
 }
