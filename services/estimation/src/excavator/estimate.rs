@@ -95,16 +95,6 @@ impl Method {
         matches!(self, Self::MultiForgettingRls | Self::SvfRls)
     }
 
-    /// Whether it runs on the torque.
-    pub(super) fn needs_torque(self) -> bool {
-        matches!(self, Self::PostureTorque | Self::Torque)
-    }
-
-    /// Whether it runs on the joint angles.
-    pub(super) fn needs_posture(self) -> bool {
-        matches!(self, Self::PostureTorque | Self::Posture)
-    }
-
     /// What `auto` means with these columns.
     pub fn for_columns(columns: Columns) -> Self {
         match (columns.torque, columns.posture) {

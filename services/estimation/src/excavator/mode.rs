@@ -60,6 +60,14 @@ pub(super) struct Reading {
     pub(super) code: u8,
 }
 
+/// Whether a method uses torque, posture.
+pub(super) fn needs(method: Method) -> (bool, bool) {
+    (
+        matches!(method, Method::PostureTorque | Method::Torque),
+        matches!(method, Method::PostureTorque | Method::Posture),
+    )
+}
+
 impl Core {
     /// At its prior; the velocity is that of an `angle`; `stood`: a standstill was seen before.
     pub(super) fn new(settings: &Settings, method: Method, angle: bool, stood: bool) -> Self {
@@ -100,7 +108,7 @@ impl Core {
         method: Method,
         trail: &mut Option<Trail>,
     ) -> Reading {
-        let (needs_torque, needs_posture) = (method.needs_torque(), method.needs_posture());
+        let (needs_torque, needs_posture) = needs(method);
         let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
         let mut event = false;
         if !needs_torque {
@@ -150,10 +158,11 @@ impl Core {
         }
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, tick, accepted, &state, basis);
+        let needs = (needs_torque, needs_posture);
         Reading {
             tick: *tick,
             state,
-            reasons: self.verdict.reasons(settings, tick, &state, basis, method),
+            reasons: self.verdict.reasons(settings, tick, &state, basis, needs),
             held,
             code: match phase {
                 _ if held => 1,

@@ -1,6 +1,5 @@
 //! Whether to believe a state-space estimate, and why not.
 
-use super::estimate::Method;
 use super::grid::Tick;
 use super::settings::Settings;
 use super::state::State;
@@ -91,17 +90,18 @@ impl Verdict {
         tick: &Tick,
         state: &State,
         basis: Basis,
-        method: Method,
+        needs: (bool, bool),
     ) -> Reasons {
         let e = &settings.estimator;
+        let (torque, posture) = needs;
         let converged =
             crate::HALF_WIDTH_95 * state.inertia_std < e.converged_share * state.inertia;
         Reasons {
             excited: state.weighed || state.velocity.abs() >= e.excited_velocity,
             consistent: self.nis.mean() <= e.consistent_nis,
             fresh: self.velocity_age <= e.fresh_velocity
-                && (!method.needs_torque() || tick.torque_age <= e.fresh_others)
-                && (!method.needs_posture() || tick.posture_age <= e.fresh_others),
+                && (!torque || tick.torque_age <= e.fresh_others)
+                && (!posture || tick.posture_age <= e.fresh_others),
             converged: converged && !state.changing && !state.unsettled,
             identifiable: match basis {
                 Basis::PostureTorque => self.excited_for >= EXCITED_FOR,

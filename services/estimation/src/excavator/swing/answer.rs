@@ -31,11 +31,12 @@ impl SwingEstimator {
         let state = self.at_row(reading, sample);
         let r = reading.reasons;
         let ahead = sample.time - reading.tick.time;
+        let (needs_torque, _) = self.needs();
         Estimate {
             inertia: state.inertia,
             inertia_std: state.inertia_std,
             damping: state.damping.filter(|d| d.1 > 0.0).map(quantity),
-            torque: if self.method.needs_torque() {
+            torque: if needs_torque {
                 self.measured_torque(reading)
             } else {
                 state.total_torque.map(quantity)
@@ -43,7 +44,7 @@ impl SwingEstimator {
             payload: state.payload.map(quantity),
             offset: state
                 .offset
-                .filter(|_| self.method.needs_torque())
+                .filter(|_| needs_torque)
                 .map(|(d, std)| quantity((-d, std))),
             velocity: state.velocity + state.acceleration * ahead,
             acceleration: state.acceleration,
@@ -84,7 +85,7 @@ impl SwingEstimator {
     /// Without torque the modes live on finding its changes within 0.15 s. Rows slower than the grid
     /// and differenced angles delay that; the interval then widens, and the verdict is no.
     fn lateness(&self) -> f64 {
-        if self.method.needs_torque() {
+        if self.needs().0 {
             return 1.0;
         }
         let encoder = if self.columns.velocity {
@@ -99,8 +100,8 @@ impl SwingEstimator {
     fn at_row(&self, reading: &Reading, sample: &Sample) -> State {
         let mut state = reading.state;
         let posture = sample.posture;
-        if let (true, Some((mass, _)), [Some(boom), Some(arm), Some(bucket)]) =
-            (self.method.needs_posture(), state.payload, posture)
+        if let ((_, true), Some((mass, _)), [Some(boom), Some(arm), Some(bucket)]) =
+            (self.needs(), state.payload, posture)
         {
             let (now, before) = ([boom, arm, bucket], reading.tick.posture);
             if now != before {
@@ -113,10 +114,7 @@ impl SwingEstimator {
         state.inertia_std *= lateness;
         state.payload = state.payload.map(|(mass, std)| (mass, std * lateness));
         let age = reading.tick.posture_age;
-        if self.method.needs_posture()
-            && age.is_finite()
-            && age > self.settings.estimator.fresh_others
-        {
+        if self.needs().1 && age.is_finite() && age > self.settings.estimator.fresh_others {
             let stale = (age - self.settings.estimator.fresh_others).min(3.0);
             let unknown = STALE_POSTURE * stale * state.inertia;
             state.inertia_std = sqrt(state.inertia_std * state.inertia_std + unknown * unknown);

@@ -1,6 +1,7 @@
 //! Whether a method can work with what is described and measured.
 
 use super::super::estimate::{Columns, Method};
+use super::super::mode::needs;
 use super::super::settings::Settings;
 use super::super::settings_error::SettingsError;
 
@@ -27,11 +28,12 @@ fn check_columns(method: Method, columns: Columns) -> Result<(), SettingsError> 
             method: method.name(),
         });
     }
+    let (torque, posture) = needs(method);
     let missing = if !(columns.velocity || columns.angle) {
         Some("swing_velocity")
-    } else if method.needs_torque() && !columns.torque {
+    } else if torque && !columns.torque {
         Some("swing_torque")
-    } else if method.needs_posture() && !columns.posture {
+    } else if posture && !columns.posture {
         Some("boom_angle, arm_angle, bucket_angle")
     } else {
         None

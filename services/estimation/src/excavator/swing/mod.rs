@@ -13,7 +13,7 @@ use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
 use super::grid::{Grid, PERIOD, Tick};
 use super::lag::Lag;
-use super::mode::{Core, Reading};
+use super::mode::{Core, Reading, needs};
 use super::screen::Screen;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
@@ -205,7 +205,7 @@ impl SwingEstimator {
             self.wait(tick);
             return reset;
         };
-        let needs_posture = self.method.needs_posture();
+        let needs_posture = self.needs().1;
         if self.calibrates(&tick, trail) || needs_posture && !self.grid.has_posture() {
             self.wait(&tick);
             return reset;
@@ -288,7 +288,7 @@ impl SwingEstimator {
         match calibration.step(tick, self.slowness) {
             Progress::Measuring => {
                 // The estimate waits, but what the detectors see counts if nothing is measured.
-                if !self.method.needs_posture() || self.grid.has_posture() {
+                if !self.needs().1 || self.grid.has_posture() {
                     self.core
                         .step(&self.settings, &mut tick.clone(), self.method, trail);
                 }
@@ -323,7 +323,7 @@ impl SwingEstimator {
         let posture = self.grid.has_posture().then_some(tick.posture);
         self.reading = Some(Reading {
             tick: *tick,
-            state: prior_state(&self.settings, self.method.needs_posture(), posture),
+            state: prior_state(&self.settings, self.needs().1, posture),
             reasons: Reasons {
                 consistent: true,
                 fresh: tick.velocity.is_some(),
@@ -352,6 +352,11 @@ impl SwingEstimator {
         let stood = self.core.has_stood();
         self.restart(stood);
         true
+    }
+
+    /// Whether the method uses torque, posture.
+    fn needs(&self) -> (bool, bool) {
+        needs(self.method)
     }
 }
 
