@@ -105,12 +105,7 @@ const EXCAVATOR_COLUMNS: excavator::Columns = excavator::Columns {
     torque: true,
     posture: true,
 };
-const LOADER_COLUMNS: loader::Columns = loader::Columns {
-    acceleration: true,
-    mass: false,
-    spade_force: false,
-    boom_moving: false,
-};
+const LOADER_COLUMNS: loader::Columns = loader::Columns { acceleration: true };
 
 /// The Kalman filter stage of the excavator.
 pub struct Motion {

@@ -75,7 +75,6 @@ impl Machine for Loader {
         let settings = Settings::of(description, method);
         let columns = Columns {
             acceleration: columns & (1 << ACCELERATION) != 0,
-            ..Columns::default()
         };
         CgEstimator::new(&settings, method, columns)
             .map(Self)

@@ -24,6 +24,9 @@ pub struct NisWindow<const N: usize> {
     mean: f64,
 }
 
+/// A normalised innovation squared counts as much as this in a mean: four standard deviations.
+pub const MOST_NIS: f64 = 16.0;
+
 impl<const N: usize> NisWindow<N> {
     /// An empty window whose entries are limited to `limit`.
     pub fn new(limit: f64) -> Self {

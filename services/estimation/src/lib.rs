@@ -80,6 +80,7 @@ pub mod model;
 pub mod pair;
 mod positive;
 pub mod prediction;
+mod quantum;
 mod reasons;
 pub mod rls;
 pub mod root;
@@ -95,6 +96,9 @@ pub use common_error::CommonError;
 
 /// Half the width of a 95 % interval, in standard deviations.
 pub const HALF_WIDTH_95: f64 = 1.96;
+
+/// Pressure of a cylinder at which its largest force, and so the friction of its seals, is stated \[Pa\].
+pub const FULL_PRESSURE: f64 = 20e6;
 
 /// A value with its standard deviation, in the unit of the value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,12 +3,7 @@
 use estimation::loader::keys::Description;
 use estimation::loader::{CgEstimator, Columns, Estimate, Machine, Method, Sample, Settings};
 
-const COLUMNS: Columns = Columns {
-    acceleration: true,
-    mass: false,
-    spade_force: false,
-    boom_moving: false,
-};
+const COLUMNS: Columns = Columns { acceleration: true };
 const ROWS: usize = 4000;
 const WRONG: usize = 1500;
 const AFTER: usize = WRONG + 1000;

@@ -15,9 +15,6 @@ fn samples(file: &str) -> (Vec<Sample>, Columns) {
     let has = |name: &str| names.contains(&name);
     let columns = Columns {
         acceleration: has("acceleration"),
-        mass: has("mass"),
-        spade_force: has("spade_force_x"),
-        boom_moving: has("boom_moving"),
     };
     let rows = lines.map(|line| sample(&names, line)).collect();
     (rows, columns)

@@ -16,7 +16,7 @@ use view::estimate::Estimate;
 
 use crate::label::Label;
 use crate::load::Loads;
-use crate::track::{Continuity, Track};
+use crate::track::{Continuity, Mark, Track};
 
 /// Reports of health a second.
 const HEALTH_RATE: f64 = 1.0 / 0.3;
@@ -197,7 +197,7 @@ impl Downsampler {
     ) {
         let number = estimate.stamp().sequence;
         let verdicts = E::PARAMETERS.iter().fold(0, |bits, p| bits | p.trusted);
-        let mark = estimate.flags() & verdicts;
+        let mark = [estimate.flags() & verdicts, 0, 0];
         // Times are sums of rounded steps: a little early is due.
         let bucket = (estimate.stamp().time * self.hz + 1e-6).floor() as i64;
         for i in 0..self.streams.len() {
@@ -223,16 +223,10 @@ impl Downsampler {
         }
     }
 
-    /// Loads are numbered by themselves: each message follows the one before.
-    fn ledger<M: Message>(
-        &mut self,
-        message: &M,
-        [load, stage, truck]: [u32; 3],
-        out: &mut impl FnMut(Selection),
-    ) {
+    /// Loads are numbered by themselves: each message follows the one before. `mark`: load, stage, truck.
+    fn ledger<M: Message>(&mut self, message: &M, mark: Mark, out: &mut impl FnMut(Selection)) {
         let number = message.stamp().sequence;
         let bucket = (message.stamp().time / LEDGER_PERIOD + 1e-6).floor() as i64;
-        let mark = load << 2 ^ stage ^ truck << 20;
         for i in 0..self.streams.len() {
             let is_ledger = self.streams[i].kind == Kind::Ledger;
             if is_ledger
@@ -251,8 +245,8 @@ impl Downsampler {
         for i in 0..self.streams.len() {
             let (kind, process) = (self.streams[i].kind, self.streams[i].process);
             let mark = match kind {
-                Kind::Health => 0,
-                Kind::Events => health.state << 8 ^ health.fault ^ health.restarts << 16,
+                Kind::Health => [0; 3],
+                Kind::Events => [health.state, health.fault, health.restarts],
                 _ => continue,
             };
             if process != health.process

@@ -29,6 +29,9 @@ mod track;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Machines that a site takes, and a router lets in, at a time.
+pub(crate) const MACHINES: usize = 20_000;
+
 /// What a mutex holds, also after a thread that held it has panicked.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

@@ -9,9 +9,6 @@ use zenoh::{Config, Session, Wait};
 /// Where a site's router listens unless stated otherwise: this host only.
 pub const DEFAULT: &str = "tcp/127.0.0.1:7447";
 
-/// Machines that a router of ours lets in.
-const SESSIONS: &str = "20000";
-
 /// How a session reaches its router.
 #[derive(Debug, Clone, clap::Args)]
 pub struct LinkArgs {
@@ -101,7 +98,8 @@ pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, Stri
     set(&mut config, "mode", "\"router\"")?;
     if file.is_none() {
         // Zenoh's own limit of 1000 would leave the machine after that without an answer for ever.
-        set(&mut config, "transport/unicast/max_sessions", SESSIONS)?;
+        let sessions = crate::MACHINES.to_string();
+        set(&mut config, "transport/unicast/max_sessions", &sessions)?;
         set(&mut config, "transport/unicast/accept_pending", "1000")?;
     }
     if let Some(listen) = listen {

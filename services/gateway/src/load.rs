@@ -2,11 +2,7 @@
 //! while they happen.
 
 use view::estimate::Estimate;
-
-/// A pause shorter than this does not end a stretch of motion [s].
-const PAUSE: f64 = 0.3;
-/// A shorter motion is none [s].
-const SHORTEST: f64 = 1.0;
+use view::stretches::{PAUSE, SHORTEST};
 
 /// Finds the stretches of motion in a stream of estimates.
 #[derive(Debug, Default)]

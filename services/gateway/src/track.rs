@@ -3,6 +3,9 @@
 /// Changes of verdict that are sent in one period.
 pub(crate) const CHANGES: u32 = 10;
 
+/// What a sample says that is sent at once when it changes: up to three numbers.
+pub(crate) type Mark = [u32; 3];
+
 /// How a sample follows the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Continuity {
@@ -20,8 +23,8 @@ pub(crate) struct Track {
     pub selected: i64,
     /// No sample was missed since that message.
     whole: bool,
-    /// Second and verdict of the last sample.
-    last: Option<(i64, u32)>,
+    /// Second and mark of the last sample.
+    last: Option<(i64, Mark)>,
     changes: u32,
 }
 
@@ -54,9 +57,9 @@ impl Track {
         }
     }
 
-    /// Whether the sample is the first of its second, or of a verdict. Of a stream that was joined on
+    /// Whether the sample is the first of its second, or of a mark. Of a stream that was joined on
     /// its way nothing is known of the sample before.
-    pub fn is_due(&mut self, number: u64, bucket: i64, mark: u32) -> bool {
+    pub fn is_due(&mut self, number: u64, bucket: i64, mark: Mark) -> bool {
         match self.last.replace((bucket, mark)) {
             None => number == 0,
             Some((b, _)) if b != bucket => {
@@ -72,7 +75,7 @@ impl Track {
     }
 
     /// Whether the mark is another than in the sample before; so many times a second at most.
-    pub fn has_changed(&mut self, number: u64, second: i64, mark: u32) -> bool {
+    pub fn has_changed(&mut self, number: u64, second: i64, mark: Mark) -> bool {
         match self.last.replace((second, mark)) {
             None => number == 0,
             Some((before, same)) => {

@@ -1,5 +1,8 @@
 "use strict";
 // What the live page and the report share: numbers, colours, axes.
+/** Half the width of a 95 % interval, in standard deviations, as `estimation::HALF_WIDTH_95`. */
+const HALF_WIDTH_95 = 1.96;
+
 const byId = (id) => document.getElementById(id);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 

@@ -56,7 +56,7 @@ function parameterPlot(machine, parameter, index, headline, used, channels) {
       const v = f.e[c] && f.e[c].v[index];
       if (!v || v[0] === null) return null;
       if (k === 0) return v[0];
-      return v[1] === null ? null : v[0] + k * 1.96 * v[1];
+      return v[1] === null ? null : v[0] + k * HALF_WIDTH_95 * v[1];
     };
     const hue = "--c" + (channels.indexOf(c) % 6);
     columns.push({ label: method(c), hue, get: (f) => at(f, 0), band: [(f) => at(f, -1), (f) => at(f, 1)] });
@@ -115,7 +115,7 @@ function make(wish, parent) {
   const digits = (u, v, i, at) => {
     if (v === null || v === undefined) return "–";
     const edge = u.series[i + 2] && u.series[i + 2].label === "edge" ? u.data[i + 2][at] : null;
-    return edge === null || edge === undefined ? grouped(Number(v.toPrecision(4))) : rounded(v, (edge - v) / 1.96);
+    return edge === null || edge === undefined ? grouped(Number(v.toPrecision(4))) : rounded(v, (edge - v) / HALF_WIDTH_95);
   };
   for (const c of wish.columns) {
     series.push({ label: c.label, stroke: () => colour(c.hue), width: c.width === undefined ? 1.5 : c.width, dash: c.dash, points: { show: false }, value: digits });

@@ -116,7 +116,7 @@ function make(figure, data) {
     if (v === null || v === undefined) return "–";
     const band = data.items.find((item) => item.band && item.class === line.class);
     const ends = band && bandAt(band, u.data[0][at]);
-    return ends ? rounded(v, (ends[1] - ends[0]) / 3.92) : grouped(Number(v.toPrecision(4)));
+    return ends ? rounded(v, (ends[1] - ends[0]) / (2 * HALF_WIDTH_95)) : grouped(Number(v.toPrecision(4)));
   };
   const series = [{ label: "t [s]", value: (u, v) => (v === null || v === undefined ? "–" : v.toFixed(2)) }];
   for (const line of lines) series.push({ label: line.label, stroke: () => colour(hue(line)), width: 1.5, dash: DASHES[line.class], points: { show: false }, value: text(line) });

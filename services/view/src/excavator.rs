@@ -1,6 +1,5 @@
 //! What people see of the excavator: its parameters, the words and panels of its own.
 
-pub mod figures;
 mod panels;
 mod words;
 

@@ -5,6 +5,7 @@ use std::any::Any;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
+use estimation::consistency::MOST_NIS;
 use messages::channels::Channel;
 use messages::{Health, Machine, Message};
 
@@ -122,7 +123,7 @@ impl<E: Estimate> Tracked<E> {
         self.trust(estimate);
         if estimate.nis() > 0.0 {
             let weight = 1.0 / E::INNOVATION.window as f64;
-            self.nis_mean += weight * (estimate.nis().min(16.0) - self.nis_mean);
+            self.nis_mean += weight * (estimate.nis().min(MOST_NIS) - self.nis_mean);
         }
         if now.saturating_duration_since(self.trend_time) >= TREND_PERIOD {
             self.remember(now);

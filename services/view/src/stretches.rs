@@ -5,9 +5,9 @@ use crate::judgement::Judgement;
 use crate::words::run_judgements;
 
 /// A pause shorter than this does not end a stretch [s].
-const PAUSE: f64 = 0.3;
+pub const PAUSE: f64 = 0.3;
 /// A shorter motion is none [s].
-const SHORTEST: f64 = 1.0;
+pub const SHORTEST: f64 = 1.0;
 
 /// A stretch of motion.
 #[derive(Debug, Clone)]

@@ -181,7 +181,7 @@ pub struct Motion {
 pub struct Plant {
     vehicle: Vehicle,
     road: Road,
-    /// Integration steps taken in the present output interval are counted from here [s].
+    /// Time of the state [s].
     time: f64,
     state: State,
     /// Inputs at the beginning and at the end of interval number `interval` of the input table.

@@ -7,7 +7,7 @@ use estimation::excavator::{Geometry, Inertia, Sample, joint};
 
 use super::swinging::{self, RATES};
 use super::torque::Torque;
-use crate::column::{moving_mean, percentile};
+use crate::column::{increasing, moving_mean, percentile};
 
 /// Half the window in which the posture is smoothed, and the velocity to find the swings [s].
 const WINDOW: f64 = 0.04;
@@ -141,7 +141,7 @@ impl Series {
     #[must_use]
     pub fn new(name: &str, samples: &[Sample], geometry: &Geometry) -> Self {
         let rows = samples.len();
-        let samples = increasing(samples);
+        let samples = increasing(samples, |s| s.time);
         let has = |f: &dyn Fn(&Sample) -> Option<f64>| {
             let count = samples.iter().filter(|s| finite(f(s)).is_some()).count();
             10 * count > samples.len()
@@ -292,16 +292,6 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|v| v.is_finite())
 }
 
-fn increasing(samples: &[Sample]) -> Vec<Sample> {
-    let mut kept: Vec<Sample> = Vec::with_capacity(samples.len());
-    for sample in samples.iter().filter(|s| s.time.is_finite()) {
-        if kept.last().is_none_or(|last| sample.time > last.time) {
-            kept.push(*sample);
-        }
-    }
-    kept
-}
-
 /// A column without holes: straight lines between its values.
 fn filled(time: &[f64], samples: &[Sample], column: impl Fn(&Sample) -> Option<f64>) -> Vec<f64> {
     let known = samples
@@ -340,7 +330,13 @@ pub fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
 
 fn smoothed(time: &[f64], values: &[f64], measured: Measured) -> Vec<f64> {
     match measured {
-        Measured::Velocity => moving_mean(time, values, WINDOW),
+        Measured::Velocity => {
+            let mean = moving_mean(time, values, WINDOW);
+            // A hole stands still.
+            mean.into_iter()
+                .map(|v| if v.is_nan() { 0.0 } else { v })
+                .collect()
+        }
         Measured::Angle => slopes(time, values),
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use estimation::loader::Sample;
 
-use crate::column::percentile;
+use crate::column::{increasing, moving_mean, percentile};
 
 /// Length of a bin [s].
 pub const BIN: f64 = 0.5;
@@ -62,13 +62,7 @@ pub struct Drive {
 impl Drive {
     /// Makes a recording ready; `weight` \[N\] tells what is digging, `wheelbase` \[m\] what is a curve.
     pub fn new(name: &str, samples: &[Sample], weight: f64, wheelbase: f64) -> Self {
-        let mut rows: Vec<Sample> = Vec::with_capacity(samples.len());
-        for sample in samples.iter().filter(|s| s.time.is_finite()) {
-            if rows.last().is_none_or(|last| sample.time > last.time) {
-                rows.push(*sample);
-            }
-        }
-        let rows = averaged(&rows);
+        let rows = averaged(&increasing(samples, |s| s.time));
         let column = |of: fn(&Sample) -> Option<f64>| -> Vec<f64> {
             rows.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect()
         };
@@ -78,10 +72,10 @@ impl Drive {
             column(|s| s.rear_torque),
             column(|s| s.slope),
         ]
-        .map(|values| smooth(&time, &values, WINDOW));
+        .map(|values| moving_mean(&time, &values, WINDOW));
         let acceleration = column(|s| s.acceleration);
         let speed = column(|s| s.speed);
-        let pace = smooth(&time, &speed, SPEED_WINDOW);
+        let pace = moving_mean(&time, &speed, SPEED_WINDOW);
         let masses: Vec<f64> = rows.iter().filter_map(|s| s.mass).collect();
         let drives: Vec<bool> = rows
             .iter()
@@ -239,27 +233,6 @@ fn turns(s: &Sample, speed: f64, wheelbase: f64) -> bool {
     let bend = s.articulation.unwrap_or(0.0).abs();
     let turn = s.yaw_rate.unwrap_or(0.0).abs() * wheelbase / speed.abs().max(SLOWEST);
     bend.max(turn) > BENT
-}
-
-/// Mean of the finite values within `half` of each time; NaN where there are none.
-fn smooth(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
-    let (mut first, mut last) = (0, 0);
-    time.iter()
-        .map(|&t| {
-            while last < time.len() && time[last] <= t + half {
-                last += 1;
-            }
-            while time[first] < t - half {
-                first += 1;
-            }
-            let (mut sum, mut count) = (0.0, 0.0);
-            for value in values[first..last].iter().filter(|v| v.is_finite()) {
-                sum += value;
-                count += 1.0;
-            }
-            sum / count
-        })
-        .collect()
 }
 
 /// Slope between the rows some time before and after each.

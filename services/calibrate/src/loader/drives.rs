@@ -113,15 +113,6 @@ impl Drives {
         Ok(&self.ways[number])
     }
 
-    /// Time of driving with a load \[s\].
-    pub fn driving_time(&self, load: usize) -> f64 {
-        let drives = self.drives.iter().zip(&self.load_of);
-        drives
-            .filter(|(_, of)| **of == load)
-            .map(|(drive, _)| drive.driving_time())
-            .sum()
-    }
-
     /// Sum of the axle torques that would lift the described machine straight up [N m].
     pub fn torque_of_weight(&self) -> f64 {
         self.fixed.mass * super::GRAVITY * self.fixed.radius

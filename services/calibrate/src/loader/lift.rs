@@ -22,14 +22,16 @@ use crate::lasting::{Equation, GAP, Solution};
 use crate::output::Pen;
 
 /// A friction known to this share of the full force, and a span known to this share, need no more.
-const KNOWN: [f64; 2] = [0.003, 0.005];
+const KNOWN_FRICTION: f64 = 0.003;
+const KNOWN_SPAN: f64 = 0.005;
 /// Least written deviation of the span: loads lie elsewhere, and oil warms.
 const SPAN_FLOOR: f64 = 0.01;
 /// What lies so many of its tolerances from the description is another thing than what is described.
 const FAR: f64 = 4.0;
 /// Offset of a centre of mass from its line of pins, as a share of its distance: Z linkages, cylinders on the arm; and of the empty
 /// bucket from the line to the load.
-const BESIDE: [f64; 2] = [0.1, 0.3];
+const CENTRE_BESIDE: f64 = 0.1;
+const BUCKET_BESIDE: f64 = 0.3;
 /// How long friction and drawing leave the same \[s\].
 const FADING: f64 = 3.0;
 /// Tolerances of a drawing: of the arm's and the bucket's mass and of their distances, as `machine.lift_arm` has them.
@@ -222,10 +224,14 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderF
     let learnt = CylinderFit::of(&solution, &before, friction.value, known.full_force);
     let unknown =
         |found: Quantity, std: f64, enough: f64| found.std > IDENTIFIED * std && found.std > enough;
-    if unknown(learnt.span, known.span_std, KNOWN[1]) {
+    if unknown(learnt.span, known.span_std, KNOWN_SPAN) {
         return Err(one_load(runs));
     }
-    if unknown(learnt.friction, friction.std, KNOWN[0] * known.full_force) {
+    if unknown(
+        learnt.friction,
+        friction.std,
+        KNOWN_FRICTION * known.full_force,
+    ) {
         return Err("the lift cylinders keep the values of the machine file: their friction cannot be distinguished from the zeros of the sensors; lift and lower the arm more often".into());
     }
     Ok(learnt)
@@ -296,9 +302,9 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
             arm.mass * far,
             bucket * arm.length,
         ]),
-        own * norm(&[BESIDE[0], turned]),
+        own * norm(&[CENTRE_BESIDE, turned]),
         norm(&[bucket * arm.payload_distance, arm.bucket_mass * load]),
-        arm.bucket_mass * arm.payload_distance * norm(&[BESIDE[1], turned]),
+        arm.bucket_mass * arm.payload_distance * norm(&[BUCKET_BESIDE, turned]),
     ];
     let mut stds = vec![known.span_std, known.offset_std, known.friction.std];
     stds.extend(curve.map(|first| GRAVITY * first));

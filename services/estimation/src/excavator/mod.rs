@@ -53,8 +53,8 @@ use payload::{change, changing_payload, drop_mixture, opening};
 use regression::{joint, single, svf};
 use settings::{cylinder, doubts, geometry, settings_error};
 
-pub use crate::Quantity;
-pub use cylinder::{Cylinder, FULL_PRESSURE};
+pub use crate::{FULL_PRESSURE, Quantity};
+pub use cylinder::Cylinder;
 pub use doubts::{Correlations, Doubts};
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};

@@ -24,7 +24,7 @@ pub(in crate::excavator) mod opening;
 use super::consider::Consider;
 use super::drive::Drive;
 use super::settings::Settings;
-use super::standstill::Phase;
+use super::standstill::{Phase, released_variance};
 use crate::consistency::gated_variance;
 use crate::kalman::Innovation;
 use crate::math::{exp, sqrt, tanh};
@@ -216,7 +216,7 @@ impl PayloadFilter {
         match phase {
             Phase::Released(velocity) => {
                 self.x[0] = velocity;
-                self.p[(0, 0)] = drive.variance / 4.0 + 0.02 * 0.02;
+                self.p[(0, 0)] = released_variance(drive.variance);
             }
             _ => {
                 self.x[0] = 0.0;

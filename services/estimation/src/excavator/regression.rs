@@ -32,7 +32,7 @@ use super::settings::{PartialRange, Settings};
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
-use crate::consistency::NisWindow;
+use crate::consistency::{MOST_NIS, NisWindow};
 use crate::rls::MultipleForgettingRls;
 
 #[derive(Debug, Clone)]
@@ -110,7 +110,7 @@ impl Regression {
             settings: *settings,
             method,
             kind,
-            nis: NisWindow::new(16.0),
+            nis: NisWindow::new(MOST_NIS),
             running_for: 0.0,
             time: None,
             tells: settings.is_partly_identifiable(),

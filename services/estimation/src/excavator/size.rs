@@ -50,6 +50,15 @@ const STICKING: [f64; 2] = [0.035, 0.035];
 /// attachment of inertia J then shows J (1 + (F/f)^2) where it swings at F = .5 Hz, loaded less empty 1.6 (F/f)^2 of the load. Root
 /// of the mean square of that, f uniform in its logarithm.
 const BENDING: f64 = 0.045;
+/// Limits of the inertia, as shares of the folded empty and of the stretched full machine's; the prior's standard deviation, as a share
+/// of their geometric mean.
+const LEAST_INERTIA: f64 = 0.4;
+const MOST_INERTIA: f64 = 3.0;
+const INERTIA_SPREAD: f64 = 0.3;
+/// Shares of the rated payload: middle and standard deviation of the prior, and the most that a bucket lifts.
+const MIDDLE_PAYLOAD: f64 = 0.5;
+const PAYLOAD_SPREAD: f64 = 0.4;
+const MOST_PAYLOAD: f64 = 1.6;
 /// Shares of a link's length: centres of mass of boom and arm.
 const BOOM_CENTRE: f64 = 0.48;
 const ARM_CENTRE: f64 = 0.36;
@@ -253,17 +262,17 @@ impl Description {
         let [least, most] = [(FOLDED, 0.0), (STRETCHED, rated)]
             .map(|(posture, payload)| geometry.inertia(posture).with_payload(payload));
         let middle = sqrt(least * most);
-        self.machine.inertia_min = 0.4 * least;
-        self.machine.inertia_max = 3.0 * most;
+        self.machine.inertia_min = LEAST_INERTIA * least;
+        self.machine.inertia_max = MOST_INERTIA * most;
         self.prior.inertia = middle;
-        self.prior.inertia_std = 0.3 * middle;
-        self.prior.payload = 0.5 * rated;
-        self.prior.payload_std = 0.4 * rated;
+        self.prior.inertia_std = INERTIA_SPREAD * middle;
+        self.prior.payload = MIDDLE_PAYLOAD * rated;
+        self.prior.payload_std = PAYLOAD_SPREAD * rated;
         let reference = Self::default();
         let scale = rated / reference.prior.full_load();
         let e = &mut self.estimator;
         e.payload_min = scale * reference.estimator.payload_min;
-        e.payload_max = 1.6 * rated;
+        e.payload_max = MOST_PAYLOAD * rated;
         e.opening_change_max = scale * reference.estimator.opening_change_max;
         e.change_rate_std = scale * reference.estimator.change_rate_std;
         e.drop_q_m = scale * scale * reference.estimator.drop_q_m;

@@ -3,7 +3,7 @@
 use super::grid::Tick;
 use super::settings::Settings;
 use super::state::State;
-use crate::consistency::NisWindow;
+use crate::consistency::{MOST_NIS, NisWindow};
 
 /// Excitation after which D and BM may speak [s].
 const EXCITED_FOR: f64 = 0.2;
@@ -53,7 +53,7 @@ pub(super) struct Reasons {
 impl Verdict {
     pub(super) fn new() -> Self {
         Self {
-            nis: NisWindow::new(16.0),
+            nis: NisWindow::new(MOST_NIS),
             velocity_age: f64::INFINITY,
             excited_for: 0.0,
         }

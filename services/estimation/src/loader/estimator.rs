@@ -224,6 +224,7 @@ impl CgEstimator {
     }
 
     /// Standard deviation of state `i` in the filter, without floors and doubts, for analysis.
+    #[doc(hidden)]
     pub fn state_std(&self, i: usize) -> f64 {
         each!(&self.filter, f => f.std(i))
     }

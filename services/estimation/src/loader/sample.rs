@@ -47,17 +47,11 @@ pub struct Sample {
     pub truck: Option<f64>,
 }
 
-/// The optional signals that the source has.
+/// Which of the signals that make states the source has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
     /// An accelerometer along the body axis; without it `full` runs on 9 states instead of 12.
     pub acceleration: bool,
-    /// Weighing.
-    pub mass: bool,
-    /// Measured forces on the bucket tip.
-    pub spade_force: bool,
-    /// A signal that says when the boom moves.
-    pub boom_moving: bool,
 }
 
 /// Beyond this a speed is no measurement [m/s].

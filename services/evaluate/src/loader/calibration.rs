@@ -218,10 +218,7 @@ impl MachineResult {
         let mut scores = [Score::default(); 3];
         for (k, description) in descriptions.into_iter().enumerate() {
             let settings = Settings::of(description, Method::Full);
-            let columns = Columns {
-                acceleration: true,
-                ..Columns::default()
-            };
+            let columns = Columns { acceleration: true };
             let mut estimator =
                 CgEstimator::new(&settings, Method::Full, columns).map_err(Error::refused)?;
             for row in rows {

@@ -152,17 +152,8 @@ impl Candidate {
     }
 
     /// A filter that waits for the first row.
-    pub fn estimator(
-        &self,
-        settings: &Settings,
-        first: &Row,
-    ) -> Result<CgEstimator, SettingsError> {
-        let columns = Columns {
-            acceleration: true,
-            mass: first.mass.is_some(),
-            spade_force: first.spade_force_z.is_some(),
-            boom_moving: first.boom_moving.is_some() && !self.weighed,
-        };
+    pub fn estimator(&self, settings: &Settings) -> Result<CgEstimator, SettingsError> {
+        let columns = Columns { acceleration: true };
         CgEstimator::new(settings, self.method, columns)
     }
 

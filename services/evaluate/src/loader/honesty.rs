@@ -92,10 +92,7 @@ fn drive(
     };
     let mut settings = scaled(candidate.settings(&nominal, &first), run.size);
     tell(&mut settings);
-    let columns = Columns {
-        acceleration: true,
-        ..Columns::default()
-    };
+    let columns = Columns { acceleration: true };
     let estimators = METHODS.map(|method| CgEstimator::new(&settings, method, columns));
     let [full, full_ekf] = estimators;
     let mut estimators = [

@@ -37,7 +37,7 @@ fn each_row_told(
             let known = candidate.nominal(&nominal, &machine);
             let mut settings = candidate.settings(&known, &first);
             tell(&mut settings);
-            candidate.estimator(&settings, &first)
+            candidate.estimator(&settings)
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::refused)?;

@@ -12,13 +12,13 @@ use messages::{Envelope, Machine, Message, Value};
 use steps::stages::Pipeline;
 use zenoh::sample::Sample;
 
-use super::strangers::{Contact, MACHINES, leave};
+use super::strangers::{Contact, leave};
 use crate::downsample::{health_number, streams};
 use crate::key::{ESTIMATE, MachineId, SITE_ESTIMATE};
 use crate::label::Label;
-use crate::lock;
 use crate::question::AnswerSummary;
 use crate::status::Status;
+use crate::{MACHINES, lock};
 
 /// Largest message [bytes].
 pub const LARGEST: usize = 2048;

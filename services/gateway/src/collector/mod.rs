@@ -297,7 +297,7 @@ impl Collector<'_> {
             self.said = (turned_away, Instant::now());
             tracing::warn!(
                 "{turned_away} messages of machines beyond {} were not taken",
-                strangers::MACHINES
+                crate::MACHINES
             );
         }
         let room = self.asker.room();

@@ -15,11 +15,10 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
 use super::alarm::Alarm;
 use super::intake::{StreamMessage, decode};
 use super::live::Fleet;
-use super::strangers::MACHINES;
 use crate::key::MachineId;
 use crate::label::Label;
 use crate::status::Status;
-use crate::wall_ms;
+use crate::{MACHINES, wall_ms};
 use gaps::Stream;
 use runs::{Begun, Runs};
 

@@ -2,8 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-/// Machines that are known at a time.
-pub const MACHINES: usize = 20_000;
 /// Who was heard over less time than this is a stranger.
 const MOMENT: Duration = Duration::from_secs(5);
 /// Any machine that was silent for so long is forgotten where room is needed; the history keeps what it sent.

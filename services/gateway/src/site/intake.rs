@@ -14,12 +14,10 @@ use zenoh::sample::Sample;
 use super::machine::{Counts, Machine, One, forget, name};
 use crate::key::MachineId;
 use crate::label::Label;
-use crate::lock;
+use crate::{MACHINES, lock};
 
 /// Largest message [bytes]: what a gateway sends, with room.
 const LARGEST: usize = 80_000;
-/// Machines at most.
-const MACHINES: usize = 20_000;
 /// A machine that was silent for so long is forgotten.
 const SILENT: Duration = Duration::from_secs(600);
 

@@ -32,10 +32,7 @@ impl EstimatorStep {
         let method = method(name)?;
         let settings = Settings::of(description, method);
         let estimator = |acceleration| {
-            let columns = Columns {
-                acceleration,
-                ..Columns::default()
-            };
+            let columns = Columns { acceleration };
             CgEstimator::new(&settings, method, columns).map_err(Error::settings)
         };
         Ok(Self {

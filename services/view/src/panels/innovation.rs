@@ -1,6 +1,7 @@
 //! Do the innovations have the size and the whiteness that the filters expect?
 
 use estimation::HALF_WIDTH_95;
+use estimation::consistency::MOST_NIS;
 use messages::SwingMotion;
 
 use super::history::style;
@@ -12,8 +13,6 @@ use statistics::{autocorrelation, mean_chi_square_95, moving_mean};
 
 /// Lags of the autocorrelation.
 const LAGS: usize = 50;
-/// A single outlier counts as much as this in the mean, as in the verdict.
-const CAP: f64 = 16.0;
 
 /// The moving mean of the normalised innovation squared, and its autocorrelation.
 pub fn panels<E: Estimate>(run: &MachineRun<E>, motion: &[SwingMotion]) -> Vec<Panel> {
@@ -41,7 +40,7 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>, motion: &[SwingMotion]) -> Vec<P
 fn accepted<E: Estimate>(estimator: &Estimator<E>) -> Vec<(f64, f64)> {
     let positive = estimator.estimates.iter().filter(|e| e.nis() > 0.0);
     positive
-        .map(|e| (e.stamp().time, e.nis().min(CAP)))
+        .map(|e| (e.stamp().time, e.nis().min(MOST_NIS)))
         .collect()
 }
 

@@ -1,9 +1,10 @@
 //! Bias and noise of the velocity, measured over the first half second if the machine stands then.
 //! Single samples far outside are left out: one of them would hide that the machine stands.
 
+use super::standstill::torque_share;
 use crate::excavator::grid::Tick;
 use crate::excavator::settings::Settings;
-use crate::math::{exp, ln, sqrt};
+use crate::math::sqrt;
 
 /// Length of the measurement [s].
 const WINDOW: f64 = 0.5;
@@ -85,7 +86,7 @@ impl Calibration {
         self.elapsed += tick.period;
         self.ticks += 1;
         self.torque_sum += tick.torque;
-        self.torque += (1.0 - exp(ln(0.65) * tick.period / 0.01)) * (tick.torque - self.torque);
+        self.torque += torque_share(tick.period) * (tick.torque - self.torque);
         if let Some(y) = tick.velocity {
             self.velocities[self.valid] = y;
             self.valid += 1;

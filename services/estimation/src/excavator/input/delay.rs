@@ -11,7 +11,7 @@ pub(in crate::excavator) const LATE: usize = 15;
 /// Ticks that stay flagged after a detection (0.25 s).
 const AFTER: u32 = 25;
 
-/// One entry of the line: of a drive what does not ask for the torque.
+/// One entry of the line: what of a drive is delayed with the velocity and does not depend on the torque.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Entry {

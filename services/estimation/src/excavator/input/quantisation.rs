@@ -1,10 +1,7 @@
-//! A velocity in steps: the smallest change ever seen is taken for the quantum of the sensor.
-//!
-//! A quantised signal changes by whole quanta q, and its error has a variance of q^2/12. A signal with noise soon changes by next
-//! to nothing. Noise larger than the quantum dithers it: nothing is added there.
+//! A velocity in steps. Noise larger than the quantum dithers it: nothing is added there.
 
-/// Changes below this are rounding [rad/s].
-const ROUNDING: f64 = 1e-9;
+use crate::quantum::Quantum;
+
 /// Changes until the least is believed to be the quantum.
 const ENOUGH: u32 = 20;
 
@@ -12,28 +9,21 @@ const ENOUGH: u32 = 20;
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Quantisation {
-    last: Option<f64>,
-    least: Option<f64>,
+    quantum: Quantum,
     changes: u32,
 }
 
 impl Quantisation {
     /// Takes the velocity of a row [rad/s].
     pub(in crate::excavator) fn push(&mut self, velocity: Option<f64>) {
-        let Some(new) = velocity else { return };
-        let change = self
-            .last
-            .replace(new)
-            .map_or(0.0, |last| (new - last).abs());
-        if change > ROUNDING {
+        if velocity.is_some_and(|velocity| self.quantum.see(velocity)) {
             self.changes = self.changes.saturating_add(1);
-            self.least = Some(self.least.map_or(change, |least| least.min(change)));
         }
     }
 
     /// Variance that the steps add to the sensor's noise of this standard deviation [rad/s] [(rad/s)^2].
     pub(in crate::excavator) fn variance(&self, std: f64) -> f64 {
-        let least = self.least.filter(|_| self.changes >= ENOUGH);
+        let least = self.quantum.least().filter(|_| self.changes >= ENOUGH);
         least.filter(|q| *q > std).map_or(0.0, |q| q * q / 12.0)
     }
 }

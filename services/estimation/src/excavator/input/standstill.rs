@@ -17,6 +17,31 @@ const OUTLIER: f64 = 0.12;
 const REFERENCE_STD: f64 = 0.005;
 /// So many standard deviations of a mean are chance.
 const CHANCE: f64 = 4.0;
+/// Of the torque's smoothed value this share is left after `TORQUE_TIME` [s].
+const TORQUE_KEPT: f64 = 0.65;
+const TORQUE_TIME: f64 = 0.01;
+/// A smoothed torque of fewer standard deviations is its noise.
+const TORQUE_CHANCE: f64 = 3.0;
+/// A mean velocity above this ends a standstill, while the torque is quiet and while it is not [rad/s].
+const RELEASED_QUIET: f64 = 0.012;
+const RELEASED: f64 = 0.03;
+/// A machine whose mean velocity is below this stands, if the velocity scatters by fewer standard deviations than `SCATTER` [rad/s].
+const STANDING: f64 = 0.006;
+const SCATTER: f64 = 2.0;
+
+/// Share of a new value in the smoothed torque after a tick of this length [s].
+#[inline(always)]
+pub(super) fn torque_share(period: f64) -> f64 {
+    1.0 - exp(ln(TORQUE_KEPT) * period / TORQUE_TIME)
+}
+
+/// What a velocity is off that is late by its age and by what the machine gains meanwhile: it sets off [rad/s].
+const SETTING_OFF: f64 = 0.02;
+
+/// Variance of the velocity of [`Phase::Released`], of single velocities' [(rad/s)^2].
+pub(in crate::excavator) fn released_variance(velocity: f64) -> f64 {
+    velocity / RELEASE as f64 + SETTING_OFF * SETTING_OFF
+}
 
 /// What the machine does at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -131,14 +156,14 @@ impl Standstill {
     /// it.
     fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
         let Some(torque) = torque else { return true };
-        let gain = 1.0 - exp(ln(0.65) * period / 0.01);
+        let gain = torque_share(period);
         let smoothed = self.torque.unwrap_or(0.0);
         let smoothed = smoothed + gain * (torque - smoothed);
         self.torque = Some(smoothed);
         smoothed.abs()
             < self
                 .friction
-                .max(3.0 * self.torque_std * sqrt(gain / (2.0 - gain)))
+                .max(TORQUE_CHANCE * self.torque_std * sqrt(gain / (2.0 - gain)))
     }
 
     /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
@@ -158,7 +183,7 @@ impl Standstill {
             return Phase::Held;
         }
         let mean = self.mean(RELEASE);
-        let threshold = self.threshold(if quiet { 0.012 } else { 0.03 }, RELEASE);
+        let threshold = self.threshold(if quiet { RELEASED_QUIET } else { RELEASED }, RELEASE);
         if mean.abs() > threshold {
             self.still = false;
             Phase::Released(mean)
@@ -187,7 +212,7 @@ impl Standstill {
         let mean = self.mean(ENTRY);
         let square: f64 = self.ring.iter().map(|y| (y - mean) * (y - mean)).sum();
         let std = sqrt(square / (ENTRY - 1) as f64);
-        mean.abs() < self.threshold(0.006, ENTRY) && std < 2.0 * self.velocity_std
+        mean.abs() < self.threshold(STANDING, ENTRY) && std < SCATTER * self.velocity_std
     }
 
     fn mean(&self, n: usize) -> f64 {

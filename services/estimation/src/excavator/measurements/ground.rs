@@ -121,7 +121,7 @@ impl Ground {
         self.digs
     }
 
-    /// It may.
+    /// The bucket may touch the ground.
     pub(in crate::excavator) fn may_touch(&self) -> bool {
         self.touches
     }

@@ -12,6 +12,15 @@ use crate::excavator::unknown_torque::{Physics, UnknownTorque};
 /// Inertia of the machine for which the drifts were set [kg m^2].
 const REFERENCE_INERTIA: f64 = 6500.0;
 
+/// Random walk of the torque, where the posture is known and where the inertia is constant, reference machine [N m/sqrt(s)].
+const POSTURE_DRIFT: f64 = 400.0;
+const CONSTANT_DRIFT: f64 = 100.0;
+/// The cumulative sum: what an innovation must exceed, and the sum that is a change [standard deviations].
+const SUM_DRIFT: f64 = 0.7;
+const SUM_LIMIT: f64 = 6.0;
+/// Least inertia, as a share of the machine's least.
+const LEAST_INERTIA: f64 = 0.1;
+
 /// Detector of weak changes.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -34,7 +43,7 @@ impl WeakOnset {
         Self {
             scale,
             filter: UnknownTorque::start(scale),
-            cusum: Cusum::new(0.7, 6.0),
+            cusum: Cusum::new(SUM_DRIFT, SUM_LIMIT),
             posture,
         }
     }
@@ -62,12 +71,12 @@ impl WeakOnset {
         let (inertia, rate, torque_drift) = if self.posture {
             let payload = s.prior.payload;
             let inertia = drive.mean.with_payload(payload);
-            (inertia, drive.rate.with_payload(payload), 400.0)
+            (inertia, drive.rate.with_payload(payload), POSTURE_DRIFT)
         } else {
-            (s.prior.inertia, 0.0, 100.0)
+            (s.prior.inertia, 0.0, CONSTANT_DRIFT)
         };
         Physics {
-            inertia: inertia.max(0.1 * s.inertia_min),
+            inertia: inertia.max(LEAST_INERTIA * s.inertia_min),
             rate,
             damping: s.nominal_damping,
             damping_std: 0.0,

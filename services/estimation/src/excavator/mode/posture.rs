@@ -31,6 +31,15 @@ const TORQUE_DRIFT: f64 = 10.0;
 /// Torque noise that enters the velocity directly, reference machine [N m].
 const TORQUE_NOISE: f64 = 10.0;
 
+/// The grid ends so many standard deviations of the payload's prior above its middle: 650 kg by the default prior of 200 +- 160 kg.
+const GRID_STDS: f64 = 2.8125;
+/// The grid's prior is a Gaussian that is wider than the payload's by this factor.
+const WIDER: f64 = 1.25;
+/// Beyond so many spacings below nothing, and so many from the upper end, a payload is unlikely by this in the log weight.
+const LIKELY_BELOW: f64 = 1.6;
+const UNLIKELY_END: f64 = 4.0;
+const UNLIKELY: f64 = 3.0;
+
 /// Payloads of the grid and what is believed of them before: for the default prior of 200 +- 160 kg
 /// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
 /// beyond it.
@@ -47,14 +56,14 @@ impl Payloads {
     fn new(settings: &Settings) -> Self {
         let prior = &settings.prior;
         let [first, most] = settings.payload_range();
-        let last = (prior.payload + 2.8125 * prior.payload_std)
+        let last = (prior.payload + GRID_STDS * prior.payload_std)
             .min(most)
             .max(first + prior.payload_std);
         Self {
             first,
             spacing: (last - first) / (NODES - 1) as f64,
             mean: prior.payload,
-            std: 1.25 * prior.payload_std,
+            std: WIDER * prior.payload_std,
         }
     }
 
@@ -63,15 +72,15 @@ impl Payloads {
     }
 
     fn likely_until(&self) -> f64 {
-        self.mass(NODES - 1) - 4.0 * self.spacing
+        self.mass(NODES - 1) - UNLIKELY_END * self.spacing
     }
 
     /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
     fn unlikeliness(&self, mass: f64) -> f64 {
-        if (-1.6 * self.spacing..=self.likely_until()).contains(&mass) {
+        if (-LIKELY_BELOW * self.spacing..=self.likely_until()).contains(&mass) {
             0.0
         } else {
-            3.0
+            UNLIKELY
         }
     }
 

@@ -19,7 +19,7 @@ use crate::consistency::gated_variance;
 use crate::excavator::consider::{Consider, Doubt};
 use crate::excavator::drive::Drive;
 use crate::excavator::settings::{Settings, Variant};
-use crate::excavator::standstill::Phase;
+use crate::excavator::standstill::{Phase, released_variance};
 use crate::excavator::state::State;
 use crate::kalman::Innovation;
 use crate::math::{exp, ln, sqrt, tanh};
@@ -148,7 +148,7 @@ impl TorqueMode {
             let relative = self.p[(1, 1)];
             self.x[0] = p;
             self.p[(0, 0)] =
-                inertia * inertia * (drive.variance / 4.0 + 0.02 * 0.02) + p * p * relative;
+                inertia * inertia * released_variance(drive.variance) + p * p * relative;
             self.p[(0, 1)] = p * relative;
             self.p[(1, 0)] = p * relative;
             self.doubts

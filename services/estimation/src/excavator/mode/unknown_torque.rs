@@ -4,7 +4,7 @@
 //! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
 //! ```
 
-use crate::excavator::standstill::Phase;
+use crate::excavator::standstill::{Phase, released_variance};
 use crate::kalman::Innovation;
 use crate::math::exp;
 
@@ -96,7 +96,7 @@ impl UnknownTorque {
     pub(in crate::excavator) fn rest(&mut self, variance: f64, phase: Phase, scale: f64) {
         if let Phase::Released(velocity) = phase {
             self.velocity = velocity;
-            self.p[0] = variance / 4.0 + 0.02 * 0.02;
+            self.p[0] = released_variance(variance);
             self.p[1] = 0.0;
             self.doubt[0] = 0.0;
         } else {

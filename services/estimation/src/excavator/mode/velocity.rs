@@ -12,7 +12,7 @@
 use crate::excavator::consider::Doubt;
 use crate::excavator::delay::{DelayLine, Entry};
 use crate::excavator::settings::Settings;
-use crate::excavator::standstill::Phase;
+use crate::excavator::standstill::{Phase, released_variance};
 use crate::excavator::state::State;
 use crate::kalman::Innovation;
 use crate::math::sqrt;
@@ -22,6 +22,9 @@ use nalgebra::{Matrix3, Vector3};
 const ALPHA_VARIANCE: f64 = 0.25;
 /// Random walk of the torque while a change is flagged [N m/sqrt(s)].
 const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
+
+/// Random walk of the velocity itself: what neither torque nor damping explains [(rad/s)^2/s].
+const VELOCITY_WALK: f64 = 1e-7;
 
 /// Mode A.
 #[derive(Debug, Clone)]
@@ -122,7 +125,7 @@ impl VelocityMode {
         self.p[(2, 2)] += c * c * qb;
         let torque = drift * beta / settings.nominal_damping;
         self.p[(2, 2)] += torque * torque * dt;
-        self.p[(0, 0)] += 1e-7 * dt;
+        self.p[(0, 0)] += VELOCITY_WALK * dt;
         f
     }
 
@@ -149,7 +152,7 @@ impl VelocityMode {
         self.clear(0);
         if let Phase::Released(velocity) = late.phase {
             self.x[0] = velocity;
-            self.p[(0, 0)] = late.variance / 4.0 + 0.02 * 0.02;
+            self.p[(0, 0)] = released_variance(late.variance);
         } else {
             self.clear(2);
             self.x[0] = 0.0;

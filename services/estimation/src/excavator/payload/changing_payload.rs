@@ -20,14 +20,33 @@ const CHANGE: u32 = 30;
 /// Ticks after an opening in which the last of the material may still leave (0.20 s).
 const SETTLING: u32 = 20;
 /// Sum of innovations, and difference of the filters in standard deviations, at which an estimate is
-/// no longer trusted: 4.0 and 1.8 widen the interval, 10 and 2.5 (five times) declare a change. They
-/// are reached for 3 % of an undisturbed swing; a change that nothing announces is trusted for a
-/// fifth less time.
+/// no longer trusted. They are reached for 3 % of an undisturbed swing; a change that nothing announces is
+/// trusted for a fifth less time.
 const SUSPICIOUS_SUM: f64 = 3.0;
 const SUSPICIOUS_DIFFERENCE: f64 = 1.4;
 /// The free change of payload decays in this time, in an opening and after an alarm [s].
 const OPENING_TIME: f64 = 0.5;
 const CHANGE_TIME: f64 = 0.3;
+
+/// Of the mean square of the innovations this share is left after `SQUARE_TIME` [s]; larger squares count as `SQUARE_MOST`.
+const SQUARE_KEPT: f64 = 0.98;
+const SQUARE_TIME: f64 = 0.01;
+const SQUARE_MOST: f64 = 9.0;
+/// So far above 1 the mean square is chance.
+const SQUARE_CHANCE: f64 = 0.15;
+/// Least standard deviation of the filters' difference, and one of the payload above which nothing is compared [kg of the reference
+/// machine].
+const LEAST_STD: f64 = 20.0;
+const UNSURE_STD: f64 = 40.0;
+/// The filters disagree beyond this many standard deviations; so many ticks in a row declare a change.
+const DISAGREE: f64 = 2.5;
+const DISAGREED: u32 = 5;
+/// An innovation counts in the sums by at most this, less `SUM_DRIFT` [standard deviations].
+const SUM_MOST: f64 = 3.0;
+const SUM_DRIFT: f64 = 0.5;
+/// Sum of innovations and difference of the filters that widen the interval.
+const WIDENING_SUM: f64 = 4.0;
+const WIDENING_DIFFERENCE: f64 = 1.8;
 
 /// The two filters side by side, the bucket's opening and the alarm.
 #[derive(Debug, Clone)]
@@ -212,31 +231,31 @@ impl ChangingPayload {
     fn compare(&mut self, drive: &Drive, outcome: &Outcome, active: bool) -> (f64, f64) {
         let zz = outcome.innovation.normalised();
         if drive.velocity.is_some() {
-            let share = 1.0 - exp(ln(0.98) * drive.period / 0.01);
-            self.noise += share * ((zz * zz).min(9.0) - self.noise);
+            let share = 1.0 - exp(ln(SQUARE_KEPT) * drive.period / SQUARE_TIME);
+            self.noise += share * ((zz * zz).min(SQUARE_MOST) - self.noise);
         }
-        let scale = sqrt((self.noise - 0.15).max(1.0));
+        let scale = sqrt((self.noise - SQUARE_CHANCE).max(1.0));
         let (m1, v1) = self.constant.payload();
         let (m2, v2) = self.moving.payload();
         let extra = v2 - v1;
-        let least = 20.0 * self.kilogram;
+        let least = LEAST_STD * self.kilogram;
         let std = sqrt(extra.max(least * least));
         let mut difference = m2 - m1;
         let z = difference / (std * scale);
-        self.disagree = if z.abs() > 2.5 && !active {
+        self.disagree = if z.abs() > DISAGREE && !active {
             self.disagree + 1
         } else {
             0
         };
-        let zc = (zz / scale).clamp(-3.0, 3.0);
-        self.up = (self.up + zc - 0.5).max(0.0);
-        self.down = (self.down - zc - 0.5).max(0.0);
-        let unsure = 40.0 * self.kilogram;
+        let zc = (zz / scale).clamp(-SUM_MOST, SUM_MOST);
+        self.up = (self.up + zc - SUM_DRIFT).max(0.0);
+        self.down = (self.down - zc - SUM_DRIFT).max(0.0);
+        let unsure = UNSURE_STD * self.kilogram;
         if active || v1 > unsure * unsure {
             self.hold_off();
         }
         let level = self.up.max(self.down);
-        let alarm = self.disagree >= 5 || level > self.change_threshold;
+        let alarm = self.disagree >= DISAGREED || level > self.change_threshold;
         if alarm {
             self.constant = self.moving.clone();
             self.hold_off();
@@ -247,7 +266,10 @@ impl ChangingPayload {
         self.suspicious =
             !active && (self.up.max(self.down) > SUSPICIOUS_SUM || z.abs() > SUSPICIOUS_DIFFERENCE);
         let mut inflation = (difference.abs() - std * scale).max(0.0);
-        if !active && !alarm && (self.up.max(self.down) > 4.0 || z.abs() > 1.8) {
+        if !active
+            && !alarm
+            && (self.up.max(self.down) > WIDENING_SUM || z.abs() > WIDENING_DIFFERENCE)
+        {
             inflation = sqrt(extra.max(0.0) + 4.0 * difference * difference);
         }
         (scale, inflation)

@@ -4,11 +4,10 @@
 //! l^2 = a^2 + c^2 - 2 a c cos(q + delta)        r = dl/dq = a c sin(q + delta)/l        F = n (A_h p_h - A_r p_r) - F_0
 //! ```
 
+use crate::FULL_PRESSURE;
 use crate::excavator::keys::Description;
 use crate::math::{sin_cos, sqrt};
 
-/// Pressure at which the friction of the seals is stated as a share of the piston's force \[Pa\].
-pub const FULL_PRESSURE: f64 = 20e6;
 /// Where nothing is stated, areas and lengths are known to these shares.
 const AREA: f64 = 0.005;
 const LENGTH: f64 = 0.004;

@@ -117,12 +117,14 @@ impl SwingEstimator {
     }
 
     /// What the last tick did: 0 moved, 1 held, 2 set off with a measured velocity.
+    #[doc(hidden)] // what a comparison with a reference implementation asks
     pub fn code(&self) -> u8 {
         self.reading.map_or(1, |reading| reading.code)
     }
 
     /// Details of the last tick for comparison with a reference: bucket opening, change mode, change
     /// flag of the delayed tick, probability of the drop model, velocity of the mode.
+    #[doc(hidden)]
     pub fn details(&self) -> Details {
         let state = self
             .reading
@@ -359,6 +361,7 @@ impl SwingEstimator {
 }
 
 /// What a reference implementation would show besides the estimate.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Details {
     /// The bucket opens.

@@ -1,4 +1,4 @@
-//! What a calibration has found together errs together.
+//! Correlations of what a calibration has found, put into the filter.
 
 use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
 use crate::excavator::doubts::{Correlations, Doubts};
@@ -7,8 +7,8 @@ use crate::math::sqrt;
 /// Correlations are rounded: this share of each keeps the covariance positive.
 const SHARED: f64 = 0.99;
 
-/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor, and the bucket differs by more than
-/// that: it shares that part. The state of the gain is the inverse of the sensor's.
+/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor; the bucket's error has that
+/// factor for a part. The state of the gain is the inverse of the sensor's.
 pub(super) fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
     let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
     for (i, j, correlation) in [

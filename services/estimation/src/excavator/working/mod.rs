@@ -44,7 +44,7 @@ use super::doubts::Doubts;
 use super::drive::Drive;
 use super::settings::Settings;
 use super::size::Sticking;
-use super::standstill::Phase;
+use super::standstill::{Phase, released_variance};
 use super::state::State;
 use crate::CommonError;
 use crate::consistency::Cusum;
@@ -397,7 +397,7 @@ impl Working {
         inertia_min: f64,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
+        let innovation = self.rest(velocity, released_variance(drive.variance), trail);
         let inertia = drive.now.with_payload(self.filter.x[M]).max(inertia_min);
         let acceleration = drive.torque / inertia;
         self.filter.lag(acceleration, trail);

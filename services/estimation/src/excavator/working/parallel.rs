@@ -147,7 +147,7 @@ impl ParallelFilter {
         odds / (1.0 + odds)
     }
 
-    /// The other filter will be that of a hypothesis with these odds beforehand, as logarithm: a gain that is off is its rival.
+    /// Another explanation, with these odds beforehand (logarithm), takes them from the gain that is off.
     pub(super) fn is_rivalled(&mut self, before: f64) {
         self.odds -= before;
     }

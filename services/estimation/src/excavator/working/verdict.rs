@@ -73,14 +73,7 @@ impl Working {
             .variances(&self.sticks, payload, inertia, &drive.now);
         let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
         let other = self.attachment.variances();
-        let mut form = self.form(&drive.now);
-        if down {
-            // A boom that points down may be one with the other sign.
-            let [boom, arm, bucket] = drive.posture;
-            let other = settings.geometry.inertia([-boom, arm, bucket]);
-            let apart = other.with_payload(payload) - drive.now.with_payload(payload);
-            form = sqrt(form * form + apart * apart);
-        }
+        let form = self.drawn_wrong(settings, drive, payload, down);
         let g = drive.now.per_payload;
         let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let [payload, inertia] = if contradicted && weighs {
@@ -125,6 +118,18 @@ impl Working {
             },
             ..State::default()
         }
+    }
+
+    /// Standard deviation of what the drawing misses of the inertia [kg m^2]: a boom that points `down` may be one with the other sign.
+    fn drawn_wrong(&self, settings: &Settings, drive: &Drive, payload: f64, down: bool) -> f64 {
+        let form = self.form(&drive.now);
+        if !down {
+            return form;
+        }
+        let [boom, arm, bucket] = drive.posture;
+        let other = settings.geometry.inertia([-boom, arm, bucket]);
+        let apart = other.with_payload(payload) - drive.now.with_payload(payload);
+        sqrt(form * form + apart * apart)
     }
 
     /// Factor of the variances by which stretches of this swing disagree, or those of earlier ones did.

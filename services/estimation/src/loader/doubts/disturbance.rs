@@ -26,8 +26,9 @@ use crate::math::tanh;
 const HOLD: f64 = 0.25;
 /// Averaging time of the unexplained specific force [s].
 const TIME: f64 = 0.05;
-/// What noise and tolerances leave unexplained [m/s^2], and its share of the acceleration.
-const EXPLAINED: (f64, f64) = (0.05, 0.05);
+/// What noise and tolerances leave unexplained: of any acceleration [m/s^2], and as a share of it.
+const EXPLAINED: f64 = 0.05;
+const EXPLAINED_SHARE: f64 = 0.05;
 /// Weight of an unexplained force against noise of its size.
 const FORCE_WEIGHT: f64 = 4.0;
 /// A force against the motion beyond what is explained by more than this is the brakes' or the ground's [m/s^2].
@@ -114,7 +115,7 @@ impl Disturbance {
         let turn = TURN_WEIGHT * self.turn.update(by_turn, dt);
         let excess = step.acceleration.map_or(0.0, |a| {
             self.explain(machine, step, [speed, a], dt);
-            (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
+            (self.fast.abs() - EXPLAINED - EXPLAINED_SHARE * a.abs()).max(0.0)
         });
         let unreported_braking = excess > UNREPORTED && self.fast * speed < 0.0;
         let braking = self
@@ -174,7 +175,7 @@ impl Disturbance {
             tells: free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST,
             drives,
             stands: speed.abs() < LEAST_SPEED,
-            pushes: self.fast.abs() > UNREPORTED + EXPLAINED.0 + EXPLAINED.1 * measured.abs(),
+            pushes: self.fast.abs() > UNREPORTED + EXPLAINED + EXPLAINED_SHARE * measured.abs(),
         };
         self.mass.see(machine.mass, &row, &kind, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);

@@ -36,8 +36,8 @@ const LIFTED: f64 = 1.15;
 /// How long a load that nobody reported is felt [s], and what it may leave in the ratio, as a share of it.
 const AFTER_UNREPORTED: f64 = 60.0;
 const UNREPORTED: f64 = 0.06;
-/// An error that both slips share (signals that do not come together, a speed that is not the body's) looks like another stiffness: as
-/// much of what the stiffness deviates from its prior. A millisecond at 1.5 m/s is a twelfth of the slip. Chosen so that a
+/// Standard deviation of an error that both slips share, as a share of how far the stiffness is from its prior: signals that do not come
+/// together, or a speed that is not the body's, look like another stiffness. A millisecond at 1.5 m/s is a twelfth of the slip. Chosen so that a
 /// good simulated machine stays trusted; .15 is wrong less often on machines by chance (docs/measurements, 24 November 2026).
 const SHARED_SLIP: f64 = 0.07;
 /// How long a change is shown [s].

@@ -19,7 +19,8 @@ const GAP: f64 = 0.2;
 /// Slower than this it may stand [m/s].
 const STANDS: f64 = 0.2;
 /// Share of the squares that the model must explain, of the wheels and of the torques.
-const EXPLAINED: [f64; 2] = [0.95, 0.9];
+const WHEELS_EXPLAINED: f64 = 0.95;
+const TORQUES_EXPLAINED: f64 = 0.9;
 /// Another tyre or load stays within this factor, a unit that is meant within the second.
 const ALIKE: f64 = 2.0;
 const ABOUT: f64 = 1.3;
@@ -92,7 +93,7 @@ impl Wheel {
 
     /// Effective radius, where the two belong together [m].
     fn radius(&self) -> Option<f64> {
-        let together = self.both * self.both > EXPLAINED[0] * self.own * self.speed;
+        let together = self.both * self.both > WHEELS_EXPLAINED * self.own * self.speed;
         (self.rows >= ROWS && together).then(|| self.both / self.own)
     }
 }
@@ -241,7 +242,7 @@ impl Plausible {
         let mass = (self.gain_impulse * self.rolled - self.rolled_impulse * self.cross) / det;
         let drag = (self.rolled_impulse * self.gain - self.gain_impulse * self.cross) / det;
         let explained = mass * self.gain_impulse + drag * self.rolled_impulse;
-        if explained < EXPLAINED[1] * self.impulse {
+        if explained < TORQUES_EXPLAINED * self.impulse {
             return None;
         }
         // The wheels tell their radius themselves.

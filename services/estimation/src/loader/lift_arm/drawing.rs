@@ -7,16 +7,16 @@ use super::numbers::{
     TILT_ZERO,
 };
 use super::turn::Turn;
-use crate::Quantity;
 use crate::loader::RATED_SHARE;
 use crate::loader::keys::{Description, LiftArm, LiftCylinder};
 use crate::loader::layout::Each;
 use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sqrt};
+use crate::{FULL_PRESSURE, Quantity};
 
 /// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
-const LEFT: [usize; 6] = [
+const STILL_DRAWN: [usize; 6] = [
     LOAD_DISTANCE,
     CYLINDER_ANGLE,
     FRICTION,
@@ -25,8 +25,6 @@ const LEFT: [usize; 6] = [
     EXCHANGED,
 ];
 
-/// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
-pub(super) const FULL_PRESSURE: f64 = 20e6;
 /// Standard deviation of the pressure on the rod side where nobody measures it: valves hold up to 3 MPa there [Pa].
 const UNMEASURED_ROD: f64 = 0.8e6;
 /// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.
@@ -250,7 +248,7 @@ fn weighing(std: [f64; NUMBERS], span: bool, offset: bool) -> [f64; NUMBERS] {
     for (number, std) in left[..SPAN].iter_mut().enumerate() {
         let calibrated = match number {
             HEAD_ZERO | ROD_ZERO => offset,
-            _ => span && !LEFT.contains(&number),
+            _ => span && !STILL_DRAWN.contains(&number),
         };
         if calibrated {
             *std = 0.0;

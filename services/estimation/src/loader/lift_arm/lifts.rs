@@ -5,8 +5,7 @@
 //! ```
 //! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
 
-use super::Quantity;
-use super::drawing::{Drawing, FULL_PRESSURE};
+use super::drawing::Drawing;
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
 use super::linkage::Linkage;
 use super::numbers::{
@@ -19,6 +18,7 @@ use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};
+use crate::{FULL_PRESSURE, Quantity};
 
 /// Length of a block, and the longest gap between rows \[s\].
 const BLOCK: f64 = 0.2;
@@ -239,7 +239,7 @@ impl Lifts {
         let along = d.moments(v, &pushed);
         let friction = direction * v[FRICTION] * d.full_force(v) * d.lever(posture.arm);
         let measured = d.lifting(v, &posture) - friction;
-        let [a, b, c, e] = turns(&posture);
+        let [arm_cosine, arm_sine, bucket_cosine, bucket_sine] = turns(&posture);
         let parts = [
             d.lever(posture.arm),
             measured,
@@ -247,10 +247,10 @@ impl Lifts {
             per_load,
             along.0 - empty,
             along.1 - per_load,
-            a,
-            b,
-            c,
-            e,
+            arm_cosine,
+            arm_sine,
+            bucket_cosine,
+            bucket_sine,
         ];
         let block = &mut self.block;
         if block.first.is_none() {
@@ -291,10 +291,7 @@ impl Lifts {
             per_load,
             tilt,
             tilt_load,
-            a,
-            b,
-            c,
-            e,
+            turned @ ..,
         ] = block.sums.map(|sum| sum / block.rows);
         let known = self.known();
         let left = [
@@ -308,7 +305,7 @@ impl Lifts {
             empty,
             per_load,
             tilt: [tilt, tilt_load],
-            turns: [a, b, c, e],
+            turns: turned,
             direction: block.direction,
             rest: left[0] * left[0] + left[1] * left[1],
             noise: noise * noise / block.rows,

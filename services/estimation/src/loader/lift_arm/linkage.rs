@@ -38,7 +38,8 @@ const STEP: f64 = 0.1;
 const SIZE: usize = 15;
 const ON_THE_ARM: usize = 13;
 /// Linkages with the cylinder on the frame: mean and standard deviation.
-const FRAME: (f64, f64) = (0.15, 0.15);
+const FRAME: f64 = 0.15;
+const FRAME_STD: f64 = 0.15;
 /// Share of the machines that have the cylinder on the arm: skid steers, loaders of tractors, some small ones.
 const ARMS: f64 = 0.25;
 /// At work a hand may level the bucket both ways, as a linkage does: no angles make a cylinder on the arm less likely than one in two.
@@ -148,8 +149,8 @@ fn place(i: usize) -> f64 {
 
 /// How likely it is before anything was seen.
 fn prior(i: usize) -> f64 {
-    let z = (place(i) - FRAME.0) / FRAME.1;
-    let frame = STEP / (FRAME.1 * sqrt(TAU)) * exp(-0.5 * z * z);
+    let z = (place(i) - FRAME) / FRAME_STD;
+    let frame = STEP / (FRAME_STD * sqrt(TAU)) * exp(-0.5 * z * z);
     let arm = if i == ON_THE_ARM { ARMS } else { 0.0 };
     (1.0 - ARMS) * frame + arm
 }

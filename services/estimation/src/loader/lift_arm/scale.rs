@@ -24,8 +24,9 @@ const TOGETHER: f64 = 0.3;
 const FAST: f64 = 0.3;
 /// Averaging time of the heaving [s].
 const MEMORY: f64 = 3.0;
-/// Heaving at the start and at least, as a share of the moment.
-const HEAVING: (f64, f64) = (0.02, 0.004);
+/// Heaving at the start, and at least, as shares of the moment.
+const FIRST_HEAVING: f64 = 0.02;
+const LEAST_HEAVING: f64 = 0.004;
 /// Moments of an arm that carries nothing heave too: what counts as carried at least, as a share of the full force.
 const ARM_ALONE: f64 = 0.03;
 /// A load on a machine that rocks after a stop swings for some periods of half a second: what heaves now, over this time [s].
@@ -48,7 +49,8 @@ const JUMP: f64 = 0.25;
 /// Standard deviations of the smoothed innovation that are a jump.
 const JUMPS: f64 = 3.5;
 /// Shares of the variances of heaving and of noise that the smoothing over `FAST` leaves.
-const LEFT: (f64, f64) = (0.6, 0.04);
+const HEAVING_LEFT: f64 = 0.6;
+const NOISE_LEFT: f64 = 0.04;
 /// What drawing and friction leave unexplained in a smoothed innovation, as a share of the moment.
 const UNEXPLAINED: f64 = 0.015;
 /// Rest of friction before the first row: standard deviation, as a share of the friction.
@@ -98,7 +100,7 @@ impl Scale {
             state: [JUMP * capacity, 0.0],
             covariance: [[capacity * capacity, 0.0], [0.0, friction * friction]],
             fast: 0.0,
-            heaving: HEAVING.0 * HEAVING.0,
+            heaving: FIRST_HEAVING * FIRST_HEAVING,
             rocking: 0.0,
             swings: false,
             jumped: false,
@@ -150,7 +152,7 @@ impl Scale {
         if jumped || motion.held {
             return;
         }
-        let mut share = self.heaves().max(HEAVING.1 * HEAVING.1);
+        let mut share = self.heaves().max(LEAST_HEAVING * LEAST_HEAVING);
         for (acts, std) in [
             (motion.lifting, LIFTING),
             (motion.settling, SETTLING),
@@ -195,7 +197,7 @@ impl Scale {
             } else {
                 UNEXPLAINED
             };
-            let usual = LEFT.0 * self.heaving + moves * moves;
+            let usual = HEAVING_LEFT * self.heaving + moves * moves;
             // `above` is a share of what is shown now.
             let above = lifted.above / (1.0 - lifted.above.min(0.9)) * known;
             above > JUMPS * sqrt(std * std + usual * known * known)
@@ -266,8 +268,9 @@ impl Scale {
 
     fn is_jump(&self, [carried, predicted, noise]: [f64; 3], heaves: f64) -> bool {
         let square = carried * carried;
-        let usual =
-            LEFT.0 * heaves * square + LEFT.1 * noise * noise + UNEXPLAINED * UNEXPLAINED * square;
+        let usual = HEAVING_LEFT * heaves * square
+            + NOISE_LEFT * noise * noise
+            + UNEXPLAINED * UNEXPLAINED * square;
         self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
     }
 

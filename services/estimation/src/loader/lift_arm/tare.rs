@@ -10,8 +10,9 @@ use crate::Quantity;
 /// From this share of the capacity on a bucket holds a load, and up to this share it may be an emptied one.
 const LOADED: f64 = 0.2;
 const EMPTIED: f64 = 0.1;
-/// What stays in an emptied bucket, as a share of the capacity, and its standard deviation.
-const LEFT: (f64, f64) = (0.015, 0.03);
+/// What stays in an emptied bucket, and its standard deviation, as shares of the capacity.
+const STAYS: f64 = 0.015;
+const STAYS_STD: f64 = 0.03;
 
 /// What an emptied bucket shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,10 +54,10 @@ impl Emptied {
         } else if core::mem::take(&mut self.was_loaded) && self.turned {
             (self.empty, self.at_dump) = (true, true);
         }
-        let left = LEFT.1 * capacity;
+        let left = STAYS_STD * capacity;
         let is_known = shown.std < left && shown.value.abs() < EMPTIED * capacity;
         (self.empty && is_known).then_some(Tare {
-            apart: shown.value - LEFT.0 * capacity,
+            apart: shown.value - STAYS * capacity,
             variance: shown.std * shown.std + left * left,
             at_dump: self.at_dump,
         })

@@ -665,10 +665,7 @@ fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
     use crate::loader::{CgEstimator, Columns, Method, Reason};
     let settings = settings();
     let answers = |reported: Option<Payload>| {
-        let columns = Columns {
-            acceleration: true,
-            ..Columns::default()
-        };
+        let columns = Columns { acceleration: true };
         let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
         estimator.set_payload(reported);
         // A pressure that lives, and is gone from the third second on.

@@ -39,8 +39,9 @@ pub const LARGEST: f64 = 0.4;
 const FADES: f64 = 30.0;
 /// Tolerances of mass, torques and wheels that explain a kappa beside 1.
 const TOLERANCE: f64 = 0.05;
-/// A step of kappa that means another load, and in standard deviations.
-const STEP: (f64, f64) = (0.08, 3.0);
+/// A step of kappa that means another load, and the same in standard deviations.
+const STEP: f64 = 0.08;
+const STEP_STDS: f64 = 3.0;
 
 /// kappa, c and z, as rows have told them so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,7 +173,7 @@ impl Inertia {
         }
         let away = (self.force.state[0] - self.anchor).abs();
         let braked = self.force.state[0] > 1.0 + TOLERANCE && !may_be_lighter;
-        if away > STEP.0.max(STEP.1 * self.std()) && !braked {
+        if away > STEP.max(STEP_STDS * self.std()) && !braked {
             self.anchor = self.force.state[0];
             self.stepped = true;
             self.since = 0.0;

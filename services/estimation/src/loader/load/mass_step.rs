@@ -18,7 +18,8 @@ use crate::loader::keys::Prior;
 use crate::math::sqrt;
 
 /// Mean and standard deviation of the load's way ahead of the front axle, in bucket reaches.
-const ARM: (f64, f64) = (0.75, 0.2);
+const ARM: f64 = 0.75;
+const ARM_STD: f64 = 0.2;
 /// Standard deviation of the load's height over that of the machine.
 pub const HEIGHT_SPREAD: f64 = 0.7;
 /// A change below this share of the mass is noise of the weighing.
@@ -124,7 +125,7 @@ impl Load {
         };
         [
             loaded(height, height.0, HEIGHT_SPREAD * height.0),
-            loaded(ratio, 1.0 + ARM.0 * reach, ARM.1 * reach),
+            loaded(ratio, 1.0 + ARM * reach, ARM_STD * reach),
         ]
     }
 
@@ -145,8 +146,8 @@ impl Load {
 impl Shift {
     /// The ratio after the shift, and the standard deviation that comes with it; `reach` is that of the bucket in wheelbases.
     pub fn ratio(&self, ratio: f64, reach: f64) -> (f64, f64) {
-        let arm = 1.0 + ARM.0 * reach;
-        let std = ARM.1 * reach * sqrt(self.variance);
+        let arm = 1.0 + ARM * reach;
+        let std = ARM_STD * reach * sqrt(self.variance);
         (ratio + self.share * (arm - ratio), std)
     }
 

@@ -24,8 +24,9 @@ const LONG: f64 = 0.16;
 const BAND: f64 = 0.5 / SHORT + 0.5 / LONG - 2.0 / (SHORT + LONG);
 /// Averaging time [s].
 const MEMORY: f64 = 20.0;
-/// Noise that is expected before the first row, and how long it counts [m/s^2], [s].
-const START: (f64, f64) = (0.15, 2.0);
+/// Noise that is expected before the first row [m/s^2], and for how long it counts [s].
+const EXPECTED: f64 = 0.15;
+const EXPECTED_TIME: f64 = 2.0;
 /// A residual beyond this is a force, no noise [m/s^2].
 const MOST: f64 = 1.0;
 /// Found noise up to this multiple of the described one is the described one: chance, and the noise of the torques.
@@ -47,8 +48,8 @@ impl Default for Shaking {
         Self {
             short: 0.0,
             long: 0.0,
-            square: START.0 * START.0,
-            time: START.1,
+            square: EXPECTED * EXPECTED,
+            time: EXPECTED_TIME,
         }
     }
 }

@@ -14,14 +14,15 @@
 //! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
 //! (`wheel_noise`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody
 //! says on which axle: the interval of what the slips tell carries it. Before the first rows nobody knows the road, so a rough
-//! one counts as some of them (`START`).
+//! one counts as some of them (`ROUGH_ROWS`).
 
 /// How far back rows count [s].
 const MEMORY: f64 = 20.0;
 /// The settings' share counts as so many rows that only waver.
 const PRIOR_ROWS: f64 = 100.0;
 /// At the start nobody knows the road: c of a rough one counts as so many rows.
-const START: (f64, f64) = (0.12, 16.0);
+const ROUGH: f64 = 0.12;
+const ROUGH_ROWS: f64 = 16.0;
 /// An innovation of more standard deviations than this counts as this many: an outlier is no road.
 const MOST: f64 = 5.0;
 
@@ -36,7 +37,7 @@ pub struct SlipFluctuation {
 impl Default for SlipFluctuation {
     fn default() -> Self {
         Self {
-            sums: [START.1 * START.0 * START.0, START.1],
+            sums: [ROUGH_ROWS * ROUGH * ROUGH, ROUGH_ROWS],
         }
     }
 }

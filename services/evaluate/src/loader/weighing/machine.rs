@@ -202,11 +202,7 @@ impl Machine {
         let first = simulation
             .next()
             .ok_or_else(|| Error::refused("a run without rows"))?;
-        let columns = Columns {
-            acceleration: true,
-            mass: first.mass.is_some(),
-            ..Columns::default()
-        };
+        let columns = Columns { acceleration: true };
         let mut settings = settings(knowledge, &run, &simulation, &first);
         if knowledge == Knowledge::Calibrated {
             settings = calibrated(settings, &run)?;
@@ -266,10 +262,7 @@ mod tests {
         } = machine;
         let mut settings = settings(Knowledge::Nothing, &run, &simulation, &first);
         settings.machine.wheel_radius *= 1.25;
-        let columns = Columns {
-            acceleration: true,
-            ..Columns::default()
-        };
+        let columns = Columns { acceleration: true };
         let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("settings");
         let (mut moving, mut trusted, mut set_aside) = (0, 0, 0);
         let nominal = *simulation.nominal();
