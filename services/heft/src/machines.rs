@@ -44,6 +44,12 @@ fn cylinder_settings(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
     .into()
 }
 
+/// A figure: its name and the SVG.
+pub type Figure = (String, String);
+
+/// Seed of every run that is drawn.
+const SEED: u64 = 1;
+
 macro_rules! entries {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// Everything that the command line asks of a machine.
@@ -98,6 +104,8 @@ pub struct Entry {
     pub calibrate: fn(&CalibrateArgs, &Description) -> Outcome,
     /// The tables of `heft evaluate`.
     pub evaluate: fn(&evaluate::Options) -> Result<evaluate::Report, evaluate::Error>,
+    /// The figures of the paper.
+    pub figures: fn() -> Outcome<Vec<Figure>>,
 }
 
 impl Entry {
@@ -122,6 +130,7 @@ impl Entry {
             doubts: |description| Box::new(Seen::<M::Look, M::Estimate>::of(description)),
             calibrate: M::calibrate,
             evaluate: M::evaluate,
+            figures: M::figures,
         }
     }
 }
@@ -189,6 +198,7 @@ trait MachineKind {
         ))
     }
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
+    fn figures() -> Result<Vec<Figure>, Failure>;
 }
 
 fn route<M: MachineKind>(

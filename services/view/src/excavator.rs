@@ -1,5 +1,6 @@
 //! What people see of the excavator: its parameters, the words and panels of its own.
 
+pub mod figures;
 mod panels;
 mod words;
 

@@ -1,11 +1,11 @@
-//! What people see of heft: the report, the live page and the terminal dashboard, all from one set of
-//! plots and one set of words.
+//! What people see of heft: the report, the live page, the terminal dashboard and the papers'
+//! figures, all from one set of plots and one set of words.
 //!
 //! | module | what |
 //! |---|---|
-//! | `report`, [`live`], [`top`] | page of a run, live page, terminal |
+//! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
 //! | [`estimate`] | what a machine has to show: parameters, flags, innovation |
-//! | [`excavator`], [`loader`] | that of a machine, with its words and panels |
+//! | [`excavator`], [`loader`] | that of a machine, with its words, panels and figures |
 //! | [`loads`] | loads and trucks: table, JSON, words |
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
 //! | [`panels`], [`plot`] | what is plotted, and how |
@@ -15,6 +15,7 @@
 mod counted;
 pub mod estimate;
 pub mod excavator;
+pub mod figures;
 mod judgement;
 pub mod live;
 pub mod loader;

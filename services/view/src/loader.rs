@@ -1,5 +1,6 @@
 //! What people see of the wheel loader: its parameters, the words of its own.
 
+pub mod figures;
 mod words;
 
 #[cfg(test)]

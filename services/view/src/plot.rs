@@ -1,4 +1,4 @@
-//! The one kind of plot: time histories with bands, histograms,
+//! The one kind of plot that report and figures share: time histories with bands, histograms,
 //! levels and shaded stretches, written as SVG.
 //!
 //! Colours are classes (`assets/plot.css`), so that a page can follow the reader's light or dark
@@ -73,6 +73,7 @@ pub struct Plot {
     x_range: Option<(f64, f64)>,
     y_range: Option<(f64, f64)>,
     y_possible: (f64, f64),
+    x_names: Vec<(f64, String)>,
     y_names: Vec<(f64, String)>,
     items: Vec<Item>,
 }
@@ -88,6 +89,7 @@ impl Plot {
             x_range: None,
             y_range: None,
             y_possible: (f64::NEG_INFINITY, f64::INFINITY),
+            x_names: Vec::new(),
             y_names: Vec::new(),
             items: Vec::new(),
         }
@@ -119,6 +121,13 @@ impl Plot {
     #[must_use]
     pub fn x_range(mut self, low: f64, high: f64) -> Self {
         self.x_range = Some((low, high));
+        self
+    }
+
+    /// Names in place of numbers on the abscissa.
+    #[must_use]
+    pub fn x_names(mut self, names: Vec<(f64, String)>) -> Self {
+        self.x_names = names;
         self
     }
 

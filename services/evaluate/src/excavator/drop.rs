@@ -7,7 +7,7 @@
 //! first material to the flag `changing`, `valid_wrong` how long a value wrong by more than 10 % is called valid \[s\].
 
 use super::case::{Case, PAYLOADS};
-use super::estimators::{Point, Setup};
+use super::estimators::{Point, Setup, series};
 use super::score::{Score, Summary, Window};
 use super::target::{Target, judgement};
 use crate::text::{Table, plain};
@@ -314,7 +314,7 @@ fn sweep(options: &Options) -> Result<(Table, Vec<Value>), Error> {
         let last = first + 0.65;
         let case = Case::of(Base, Scenario::dump_at(opens), Base.start());
         let scores = seeds(options, &format!("dump at {first:.2} s"), |seed| {
-            let points = Setup::auto().run(&case.rows(seed, Sensors::default(), &[])?)?;
+            let points = series(&case, &Setup::auto(), seed)?;
             let score = |from, to| Score::of(&points, swinging(from, to));
             Ok((score(first, last), score(last + 0.3, last + 0.5)))
         })?;

@@ -1,10 +1,11 @@
 //! From simulated samples to estimates: which estimator sees which columns.
 
+use super::case::Case;
 use crate::Error;
 use estimation::excavator::{
     Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings, SwingEstimator, Variant,
 };
-use sim::excavator::{Row, Truth};
+use sim::excavator::{Row, Sensors, Truth};
 use statistics::judge::{FAR, is_covered};
 
 /// An estimator with its settings and the columns it is given.
@@ -205,3 +206,11 @@ impl Setup {
 }
 
 type Step = Box<dyn FnMut(&Sample) -> Estimate>;
+
+/// Truth and estimates of one seed: what a figure shows.
+///
+/// # Errors
+/// The estimator refuses its settings.
+pub fn series(case: &Case, setup: &Setup, seed: u64) -> Result<Vec<Point>, Error> {
+    setup.run(&case.rows(seed, Sensors::default(), &[])?)
+}

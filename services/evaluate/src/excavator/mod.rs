@@ -1,36 +1,38 @@
 //! The excavator: the paper's Table 1, and every mode against its targets.
 //!
-//! | table, and the file that tells its JSON | what |
-//! |---|---|
-//! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 |
-//! | `modes` | all modes, three loads, no disturbance |
-//! | `drop` | payload that changes in mid-swing |
-//! | `bad-input` | faulty sensors, wrong parameters |
-//! | `identifiability` | Cramer-Rao bounds beside what is reached |
-//! | `attachments` | inertia of bucket and crusher, Fig. 3 |
-//! | `calibration` | `heft calibrate` over simulated machines |
-//! | `honesty` | what is trusted on machines that are not what they are said to be |
-//! | `weighing` | what cylinder pressures add: narrow intervals, loads |
+//! | table | what | JSON |
+//! |---|---|---|
+//! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 | [`table1`] |
+//! | `modes` | all modes, three loads, no disturbance | [`modes`] |
+//! | `drop` | payload that changes in mid-swing | [`mod@drop`] |
+//! | `bad-input` | faulty sensors, wrong parameters | [`bad_input`] |
+//! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
+//! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
+//! | `calibration` | `heft calibrate` over simulated machines | [`calibration`] |
+//! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
+//! | `weighing` | what cylinder pressures add: narrow intervals, loads | [`weighing`] |
 
-mod attachments;
-mod bad_input;
+pub mod attachments;
+pub mod bad_input;
 mod calibrated;
 pub mod calibration;
 mod case;
-mod drop;
+pub mod drop;
 mod estimators;
-mod honesty;
+pub mod honesty;
 pub mod honesty_lines;
-mod identifiability;
+pub mod identifiability;
 mod information;
-mod modes;
+pub mod modes;
 mod score;
-mod table1;
+pub mod table1;
 mod target;
-mod weighing;
+pub mod weighing;
 
 pub use case::Case;
-pub use estimators::{Point, Setup};
+pub use estimators::{Point, Setup, series};
+pub use score::{Score, Summary, Window};
+pub use target::Target;
 
 use crate::tables::{self, NamedTable};
 use crate::{Error, Options, Report};

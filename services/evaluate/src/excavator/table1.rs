@@ -5,7 +5,7 @@
 //! per case when the initial inertia is 0.8 of the true one.
 
 use super::case::{Case, three};
-use super::estimators::Setup;
+use super::estimators::{Point, Setup};
 use super::score::{Score, Summary, Window};
 use crate::text::{Table, plain, signed, verdict};
 use crate::{Error, Options, Report, seeds};
@@ -150,3 +150,12 @@ is zero): doubling all its parameters satisfies it as well, so velocity and acce
 of inertia, damping and torque. Pinning the damping to its nominal value hardly reaches the inertia, which is
 practically held at its initial value: started 20 % too low it stays 20 % too low, and nothing in the data objects.
 ";
+
+/// The estimates of the paper's configuration for one case and seed: Figs. 11-19.
+///
+/// # Errors
+/// As [`super::evaluate`].
+pub fn series(payload: f64, seed: u64) -> Result<Vec<Point>, Error> {
+    let case = Case::new(Scenario::Paper, Some(payload));
+    super::series(&case, &Setup::paper(case.truth(WINDOW.from).inertia), seed)
+}

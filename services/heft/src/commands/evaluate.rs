@@ -1,5 +1,6 @@
 //! `heft evaluate`: Monte-Carlo evaluation next to the published figures.
 
+use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -26,10 +27,28 @@ pub struct EvaluateArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Draw the papers' figures from our runs as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
 }
 
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
+    if let Some(folder) = &args.figures {
+        fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
+        for (name, svg) in (machines::entry(args.machine).figures)()? {
+            let path = folder.join(format!("{}-{name}.svg", args.machine));
+            results::text(
+                "write the figure",
+                &path,
+                &[],
+                |head| head.starts_with(b"<svg"),
+                &svg,
+            )?;
+            println!("{}", path.display());
+        }
+        return Ok(());
+    }
     if let Some(file) = &args.json {
         recording::output::check(file, &[], results::is_json_of("evaluate"))?;
     }

@@ -2,6 +2,7 @@
 
 mod boom;
 mod calibrate;
+mod figures;
 mod fits;
 mod ground;
 mod postures;
@@ -15,7 +16,7 @@ use sim::cylinder::Gauges;
 use sim::excavator::{Effects, Run, Scenario, Size, Work, cases, cylinders};
 use sim::named;
 
-use super::{Later, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, Later, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -94,6 +95,10 @@ impl MachineKind for Excavator {
 
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
         evaluate::excavator::evaluate(options)
+    }
+
+    fn figures() -> Result<Vec<Figure>, Failure> {
+        figures::all()
     }
 }
 

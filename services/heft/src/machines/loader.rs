@@ -2,6 +2,7 @@
 
 mod axles;
 mod calibrate;
+mod figures;
 mod fits;
 mod grade;
 mod pair;
@@ -15,7 +16,7 @@ use sim::cylinder::Gauges;
 use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
 use sim::named;
 
-use super::{MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -95,6 +96,10 @@ impl MachineKind for Loader {
 
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
         evaluate::loader::evaluate(options)
+    }
+
+    fn figures() -> Result<Vec<Figure>, Failure> {
+        figures::all()
     }
 }
 

@@ -150,7 +150,13 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
             escape(label)
         );
     }
-    for (value, label) in &x.ticks((f.width / 75.0) as usize) {
+    let named = !plot.x_names.is_empty();
+    let x_ticks = if named {
+        plot.x_names.clone()
+    } else {
+        x.ticks((f.width / 75.0) as usize)
+    };
+    for (value, label) in &x_ticks {
         let at = f.left + x.place(*value);
         if !at.is_finite() {
             continue;
