@@ -42,6 +42,7 @@ mod doubt;
 mod drawing;
 mod drive;
 mod geometry;
+mod grading;
 mod lifts;
 mod linkage;
 mod numbers;
@@ -67,6 +68,7 @@ use doubt::Doubts;
 use drawing::Drawing;
 use drive::Drive;
 use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
+use grading::Grading;
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
@@ -113,6 +115,7 @@ pub(super) struct LiftWitness {
     seals: Seals,
     drive: Drive,
     content: Content,
+    grading: Grading,
     stops: Stops,
     scale: Scale,
     /// What the angles tell of the linkage; none where it is stated, or no angle of the bucket is measured.
@@ -171,6 +174,7 @@ impl LiftWitness {
             seals: Seals::default(),
             drive: Drive::new(settings, drawing.capacity),
             content: Content::default(),
+            grading: Grading::default(),
             stops: Stops::default(),
             doubts: Doubts::default(),
             emptied: Emptied::default(),
@@ -226,6 +230,7 @@ impl LiftWitness {
             let silent = self.silent(&now, sample);
             self.scale.forget(&self.drawing);
             self.content = Content::default();
+            self.grading = Grading::default();
             self.emptied = Emptied::default();
             if !(0.0..CHANGED).contains(&dt) {
                 self.doubts.forget();
@@ -320,6 +325,12 @@ impl LiftWitness {
         };
         let payload = self.scale.payload();
         let empty = drawing.empty_at(values, &stance);
+        let bucket = self.angles.map(|[_, bucket]| bucket).filter(|_| low);
+        let known = (!motion.open).then_some(payload);
+        let moment = shown.lifting / shown.per_load;
+        if self.grading.see(known, bucket, moment) && !self.drive.tells_torque() {
+            motion = self.content.put_down(&motion);
+        }
         self.doubts
             .see(drawing, &posture, [shown.payload(), payload.value], &empty);
         let capacity = self.drawing.capacity;
