@@ -61,7 +61,7 @@ table! {
         /// Slip stiffness of the front axle over that of the rear under equal loads, as calibrated.
         stiffness_ratio: f64 = 1.0, "", 0.1 to 10.0;
         /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.
-        stiffness_ratio_std: f64 = 0.05, "", 0.0 to 1.0;
+        stiffness_ratio_std: f64 = 0.055, "", 0.0 to 1.0;
         /// p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated.
         stiffness_load_exponent: f64 = 0.0, "", -1.0 to 1.0;
         /// Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height.
@@ -336,7 +336,7 @@ table! {
         /// What cannot be learnt of the ratio, relative; added to its reported standard deviation.
         cg_ratio_floor: f64 = 0.011, "", 0.0 to 1.0;
         /// Least error of the load sensitivity of the rolling radius that counts, whatever is stated; 0 when calibrated.
-        load_sensitivity_floor: f64 = 0.002, "", 0.0 to 0.2;
+        load_sensitivity_floor: f64 = 0.0018, "", 0.0 to 0.2;
         /// Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s).
         excited_torque: f64 = 300.0, "N m", 0.0 to 1e6;
         /// Verdict: the height is excited when the acceleration varies by this.

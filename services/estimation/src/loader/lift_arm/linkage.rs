@@ -38,7 +38,8 @@ const STEP: f64 = 0.1;
 const SIZE: usize = 15;
 const ON_THE_ARM: usize = 13;
 /// Linkages with the cylinder on the frame: mean and standard deviation.
-const FRAME: (f64, f64) = (0.15, 0.15);
+const FRAME: (f64, f64) = (FRAME_TURN, 0.15);
+pub(super) const FRAME_TURN: f64 = 0.15;
 /// Share of the machines that have the cylinder on the arm: skid steers, loaders of tractors, some small ones.
 const ARMS: f64 = 0.25;
 /// At work a hand may level the bucket both ways, as a linkage does: no angles make a cylinder on the arm less likely than one in two.

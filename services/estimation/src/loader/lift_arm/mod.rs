@@ -8,6 +8,7 @@
 //! | `signals` | a row need not hold all of them |
 //! | `silence` | signals that do not come: a load may have come or gone |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
+//! | `grading` | a low bucket that the ground may carry, where nobody tells a torque |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `drive` | the specific force where no accelerometer tells it; wheels that push
 //! | `content` | when the bucket's content may change, and when the ground carries it |
@@ -328,7 +329,7 @@ impl LiftWitness {
         let bucket = self.angles.map(|[_, bucket]| bucket).filter(|_| low);
         let known = (!motion.open).then_some(payload);
         let moment = shown.lifting / shown.per_load;
-        if self.grading.see(known, bucket, moment) && !self.drive.tells_torque() {
+        if !self.drive.tells_torque() && self.grading.see(known, bucket, moment) {
             motion = self.content.put_down(&motion);
         }
         self.doubts
@@ -432,12 +433,11 @@ impl LiftWitness {
     fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
-        let more = moved.with(payload.value + payload.std);
-        let rows = [
-            payload.std,
-            more.ratio - centre.ratio,
-            more.height - centre.height,
-        ];
+        // No emptied bucket tells the gain of a pressure that it has not.
+        let load = payload.value.max(0.0);
+        let std = norm(&[payload.std, drawing.gain_left_std * load]);
+        let more = moved.with(payload.value + std);
+        let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self
             .doubts
             .doubted(payload.value, centre, rows, self.below.factor());
