@@ -19,6 +19,7 @@ mod scale;
 mod why;
 
 pub use guessed::guessed;
+use guessed::shown_empty;
 pub use report::{channel, message};
 use scale::Scale;
 use why::why;
@@ -167,6 +168,12 @@ impl LoadCounter {
                 "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config), by base_distance, rod_distance, angle, head_area and rod_area"
             }
         })
+    }
+
+    /// What the emptied buckets of a loader show, where it is more than soil, in words.
+    pub fn shown_empty(&self) -> Option<String> {
+        let is_loader = self.machine == Machine::Loader;
+        is_loader.then(|| shown_empty(self.loads.iter(), self.ledger.rated()))?
     }
 
     /// What the machine file leaves to a guess, see [`guessed`].

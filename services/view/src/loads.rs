@@ -33,6 +33,8 @@ pub struct Account {
     pub unused: Option<&'static str>,
     /// What the machine file leaves to a guess, how wide that makes the loads, and what to state.
     pub guessed: Option<String>,
+    /// What the emptied buckets of a loader show, where it is more than soil.
+    pub shown_empty: Option<String>,
     /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
     pub truths: BTreeMap<u32, f64>,
 }
@@ -100,6 +102,7 @@ impl Account {
             lacks: counter.lacks(),
             unused: counter.unused(),
             guessed: counter.guessed().map(str::to_owned),
+            shown_empty: counter.shown_empty(),
         }
     }
 
@@ -124,12 +127,14 @@ impl Account {
         doubts
     }
 
-    /// What else holds of all loads: that pressures weigh none of them, and what the machine file leaves to a guess.
+    /// What else holds of all loads: that pressures weigh none of them, what the machine file leaves to a guess, and what
+    /// emptied buckets show.
     pub fn remarks(&self) -> Vec<String> {
         let unused = self
             .unused
             .map(|why| format!("No load is weighed by pressure: {why}."));
-        unused.into_iter().chain(self.guessed.clone()).collect()
+        let holds = [unused, self.guessed.clone(), self.shown_empty.clone()];
+        holds.into_iter().flatten().collect()
     }
 
     /// Whether no load was found.
@@ -422,6 +427,7 @@ pub(crate) fn account() -> Account {
         lacks: None,
         unused: None,
         guessed: None,
+        shown_empty: None,
         truths: BTreeMap::new(),
     }
 }

@@ -81,6 +81,11 @@ impl Ledger {
         }
     }
 
+    /// What the bucket may carry \[kg\].
+    pub fn rated(&self) -> f64 {
+        self.rated
+    }
+
     /// Takes one estimate. Rows whose time does not increase are passed over.
     pub fn step(&mut self, row: &Row) -> Events {
         let mut events = Events::default();

@@ -204,6 +204,9 @@ fn tell_loads(loads: &SharedLoads) {
     if let Some(guessed) = counter.guessed() {
         println!("{guessed}");
     }
+    if let Some(shown) = counter.shown_empty() {
+        println!("{shown}");
+    }
 }
 
 fn verdict(end: &End, watch: &Watch, args: &RunArgs) -> Result<(), Failure> {

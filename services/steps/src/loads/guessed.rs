@@ -1,18 +1,54 @@
 //! What a machine file leaves open that makes all loads wrong alike, in words.
 
-use config::{Description, Excavator};
+use config::{Description, Excavator, Loader};
 use estimation::HALF_WIDTH_95;
+use estimation::loads::{Load, Witness};
 
-/// Where nobody says where a loader's tilt cylinder sits.
-const TILT_CYLINDER: &str = "All loads may be too heavy or too light alike: nothing says where the tilt cylinder sits, on the arm or on the frame. State \
-    machine.lift_arm.bucket_turn in the machine file, or lift a weighed load (heft calibrate).";
+/// Below this share of a load it is all the same where a loader's tilt cylinder sits.
+const NO_MATTER: f64 = 0.02;
+/// Emptied buckets of a loader that show more than this share of a full load, on average of so many, may be heavier ones: soil that stays is
+/// half of it.
+const SHOWN_EMPTY: f64 = 0.03;
+const EMPTIED: usize = 2;
 
 /// What is open, how wide that makes the loads, and what to state; `None` where all is stated.
 pub fn guessed(description: &Description) -> Option<String> {
     match description {
         Description::Excavator(d) => guessed_lengths(d),
-        Description::Loader(d) => d.leaves_tilt_cylinder_open().then(|| TILT_CYLINDER.into()),
+        Description::Loader(d) => tilt_cylinder(d),
     }
+}
+
+/// Where nobody says where a loader's tilt cylinder sits, and it matters.
+fn tilt_cylinder(d: &Loader) -> Option<String> {
+    let share = d.tilt_cylinder_share();
+    let by = match d.lift_arm.payload_distance {
+        0.0 => String::new(),
+        _ if share < NO_MATTER => return None,
+        _ => format!(", by {:.0} %", 100.0 * share),
+    };
+    d.leaves_tilt_cylinder_open().then(|| {
+        format!(
+            "All loads may be too heavy or too light alike{by}: nothing says where the tilt cylinder sits, on the arm or on the frame. State \
+             machine.lift_arm.bucket_turn in the machine file, or lift a weighed load (heft calibrate)."
+        )
+    })
+}
+
+/// What emptied buckets of a loader show that holds at most `rated` kg, where it is more than soil.
+pub fn shown_empty<'a>(loads: impl Iterator<Item = &'a Load>, rated: f64) -> Option<String> {
+    let (mut count, mut sum) = (0, 0.0);
+    for load in loads.filter(|load| load.carry_back_weighed && load.witness == Witness::Pressure) {
+        count += 1;
+        sum += load.carry_back.kg;
+    }
+    let mean = sum / count as f64;
+    (count >= EMPTIED && mean > SHOWN_EMPTY * rated).then(|| {
+        format!(
+            "{count} emptied buckets show {mean:.0} kg on average: soil that stays in them, or a bucket heavier than \
+             machine.lift_arm.bucket_mass, and loads too heavy by a part of it. Clean the bucket, or weigh it."
+        )
+    })
 }
 
 /// What is guessed of an excavator's lengths.
@@ -112,6 +148,33 @@ mod tests {
         let arm = "[machine.lift_arm]\nlength = 2.6\n";
         assert!(of(arm).is_some_and(|words| words.contains("bucket_turn")));
         assert_eq!(of(&format!("{arm}bucket_turn = 0.2\n")), None);
+        let words = of(&format!("{arm}payload_distance = 0.6\n"));
+        assert!(words.is_some_and(|words| words.contains("alike, by 9 %: nothing")));
+        let at_the_pin = format!("{arm}payload_distance = 0.1\n");
+        assert_eq!(of(&at_the_pin), None, "it is all the same");
+    }
+
+    #[test]
+    fn emptied_buckets_that_show_more_than_soil_may_be_heavier_ones() {
+        let said = |kg: &[f64]| {
+            let loads: Vec<Load> = kg
+                .iter()
+                .map(|kg| {
+                    let mut load = Load {
+                        carry_back_weighed: true,
+                        witness: Witness::Pressure,
+                        ..Load::default()
+                    };
+                    load.carry_back.kg = *kg;
+                    load
+                })
+                .collect();
+            shown_empty(loads.iter(), 4000.0)
+        };
+        let heavier = said(&[170.0, 160.0, 110.0]);
+        assert!(heavier.is_some_and(|words| words.contains("3 emptied buckets show 147 kg")));
+        assert_eq!(said(&[50.0, 20.0]), None, "soil");
+        assert_eq!(said(&[300.0]), None, "once is no machine");
     }
 
     #[test]

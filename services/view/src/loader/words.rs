@@ -242,12 +242,15 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
 const MISSING: &str = "check the sensors and the map: an input is missing, rejected or too old";
 const WEIGH: &str = "weigh the axles of the empty machine once, level and on a ramp (heft weigh); or run heft calibrate";
 
+const WEIGH_A_LOAD: &str =
+    "run heft calibrate with a weighed load, or state the numbers of machine.lift_arm more closely";
+
 /// What would bring trust to a load: what the reason asks for, else what is missing.
 pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     let missing = if flags & bits::FRESH == 0 {
         MISSING
     } else {
-        WEIGH
+        WEIGH_A_LOAD
     };
     remedy(reason, LOADER_REASONS, REMEDIES).unwrap_or(missing)
 }

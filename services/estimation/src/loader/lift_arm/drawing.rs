@@ -1,6 +1,6 @@
 //! The described numbers of the lift arm and of the machine, each with its doubt.
 
-use super::linkage::Linkage;
+use super::linkage::{FRAME, Linkage};
 use super::numbers::{
     BASE, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
     HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE, NUMBERS, OFFSET, ROD_ZERO, SPAN,
@@ -38,6 +38,9 @@ const BUCKET_MASS: f64 = 0.2;
 const LOAD_PLACE: f64 = 0.1;
 const WEIGHED: f64 = 0.02;
 const SEALS: f64 = 0.5;
+/// What a gain may be off from the pressure of an empty bucket, a fifth of a full one's, to that of a load, over what it is off by: errors
+/// of transmitters are stated by their range, and grow within it.
+const LINEARITY: f64 = 2.0;
 /// The same of how far the bucket turns with the arm, which differs from posture to posture.
 const LINKAGE: f64 = 0.05;
 
@@ -70,6 +73,8 @@ pub(super) struct Drawing {
     /// Noise of a pressure, and standard deviation of its zero [Pa].
     pub pressure_std: f64,
     pressure_zero_std: f64,
+    /// Standard deviation of the gain from the pressure of an empty bucket to that of a load, where no calibration holds it.
+    pub gain_left_std: f64,
 }
 
 impl Drawing {
@@ -113,6 +118,11 @@ impl Drawing {
             cylinder: Turn::of(cylinder.angle),
             pressure_std: settings.sensors.pressure_std,
             pressure_zero_std: settings.sensors.pressure_offset_std,
+            gain_left_std: if span {
+                0.0
+            } else {
+                LINEARITY * settings.sensors.pressure_gain_std
+            },
         })
     }
 
@@ -222,6 +232,15 @@ impl Description {
     #[must_use]
     pub fn leaves_tilt_cylinder_open(&self) -> bool {
         self.lift_arm.length > 0.0 && leaves_turn_open(&self.lift_arm, &self.lift_cylinder)
+    }
+
+    /// How far either place of the tilt cylinder is from the mean of both, as a share of a load that is lifted level. 0 where nobody states
+    /// how far the load lies from its pin.
+    #[must_use]
+    pub fn tilt_cylinder_share(&self) -> f64 {
+        let arm = &self.lift_arm;
+        let [frame, held] = [FRAME, 1.0].map(|turn| arm.length + turn * arm.payload_distance);
+        (held - frame) / (held + frame)
     }
 }
 

@@ -35,6 +35,8 @@ pub(super) struct Drive {
     /// Time of the last row, and of the last speed [s].
     time: f64,
     told: f64,
+    /// Time of the last torque [s].
+    torque_told: f64,
     /// Smoothed speed [m/s], and its rate [m/s^2].
     speed: f64,
     rate: f64,
@@ -58,6 +60,7 @@ impl Drive {
             full: 1.0 + (capacity + wheels) / machine.mass,
             time: f64::NEG_INFINITY,
             told: f64::NEG_INFINITY,
+            torque_told: f64::NEG_INFINITY,
             speed: 0.0,
             rate: 0.0,
             force: 0.0,
@@ -75,6 +78,9 @@ impl Drive {
         let slope = sample.slope.unwrap_or(0.0);
         self.measured = acceleration.is_some();
         self.felt = acceleration.unwrap_or_else(|| self.rate + GRAVITY * sin_cos(slope).0);
+        if sample.front_torque.or(sample.rear_torque).is_some() {
+            self.torque_told = sample.time;
+        }
         let torque = |axle: Option<f64>| axle.unwrap_or(0.0);
         let pull = self.per_torque * (torque(sample.front_torque) + torque(sample.rear_torque));
         // Against a brake that is told wheels may drive as they like.
@@ -105,6 +111,11 @@ impl Drive {
         let away = speed - self.speed;
         self.speed += weight * away;
         self.rate += weight * (away / SMOOTH.max(since) - self.rate);
+    }
+
+    /// Somebody tells what the wheels do.
+    pub fn tells_torque(&self) -> bool {
+        (0.0..GAP).contains(&(self.time - self.torque_told))
     }
 
     /// The wheels push with more than it takes to roll and to accelerate any load.

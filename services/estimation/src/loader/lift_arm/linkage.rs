@@ -38,7 +38,7 @@ const STEP: f64 = 0.1;
 const SIZE: usize = 15;
 const ON_THE_ARM: usize = 13;
 /// Linkages with the cylinder on the frame: mean and standard deviation.
-const FRAME: f64 = 0.15;
+pub(super) const FRAME: f64 = 0.15;
 const FRAME_STD: f64 = 0.15;
 /// Share of the machines that have the cylinder on the arm: skid steers, loaders of tractors, some small ones.
 const ARMS: f64 = 0.25;

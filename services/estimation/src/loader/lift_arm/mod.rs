@@ -8,6 +8,7 @@
 //! | `signals` | a row need not hold all of them |
 //! | `silence` | signals that do not come: a load may have come or gone |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
+//! | `grading` | a low bucket that the ground may carry, where nobody tells a torque |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `drive` | the specific force where no accelerometer tells it; wheels that push
 //! | `content` | when the bucket's content may change, and when the ground carries it |
@@ -42,6 +43,7 @@ mod doubt;
 mod drawing;
 mod drive;
 mod geometry;
+mod grading;
 mod lifts;
 mod linkage;
 mod numbers;
@@ -67,6 +69,7 @@ use doubt::Doubts;
 use drawing::Drawing;
 use drive::Drive;
 use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
+use grading::Grading;
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
@@ -113,6 +116,7 @@ pub(super) struct LiftWitness {
     seals: Seals,
     drive: Drive,
     content: Content,
+    grading: Grading,
     stops: Stops,
     scale: Scale,
     /// What the angles tell of the linkage; none where it is stated, or no angle of the bucket is measured.
@@ -171,6 +175,7 @@ impl LiftWitness {
             seals: Seals::default(),
             drive: Drive::new(settings, drawing.capacity),
             content: Content::default(),
+            grading: Grading::default(),
             stops: Stops::default(),
             doubts: Doubts::default(),
             emptied: Emptied::default(),
@@ -226,6 +231,7 @@ impl LiftWitness {
             let silent = self.silent(&now, sample);
             self.scale.forget(&self.drawing);
             self.content = Content::default();
+            self.grading = Grading::default();
             self.emptied = Emptied::default();
             if !(0.0..CHANGED).contains(&dt) {
                 self.doubts.forget();
@@ -320,6 +326,12 @@ impl LiftWitness {
         };
         let payload = self.scale.payload();
         let empty = drawing.empty_at(values, &stance);
+        let bucket = self.angles.map(|[_, bucket]| bucket).filter(|_| low);
+        let known = (!motion.open).then_some(payload);
+        let moment = shown.lifting / shown.per_load;
+        if !self.drive.tells_torque() && self.grading.see(known, bucket, moment) {
+            motion = self.content.put_down(&motion);
+        }
         self.doubts
             .see(drawing, &posture, [shown.payload(), payload.value], &empty);
         let capacity = self.drawing.capacity;
@@ -421,12 +433,11 @@ impl LiftWitness {
     fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
-        let more = moved.with(payload.value + payload.std);
-        let rows = [
-            payload.std,
-            more.ratio - centre.ratio,
-            more.height - centre.height,
-        ];
+        // No emptied bucket tells the gain of a pressure that it has not.
+        let load = payload.value.max(0.0);
+        let std = norm(&[payload.std, drawing.gain_left_std * load]);
+        let more = moved.with(payload.value + std);
+        let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self
             .doubts
             .doubted(payload.value, centre, rows, self.below.factor());

@@ -326,6 +326,26 @@ fn the_gain_of_a_pressure_sensor_that_nobody_checked_is_in_doubt() {
     assert!((off.value - 3600.0).abs() < 1.96 * off.std, "{off:?}");
 }
 
+/// An emptied bucket tells little of the gain at the pressure of a load, and a calibrated span all of it.
+#[test]
+fn a_gain_that_is_wrong_for_loads_alone_is_in_doubt_until_it_is_calibrated() {
+    let left = |std: f64| {
+        let mut settings = settings();
+        settings.lift_cylinder.span_std = std;
+        Drawing::of(&settings)
+            .expect("a described arm")
+            .gain_left_std
+    };
+    assert_eq!(left(0.01), 0.0);
+    assert!((left(0.0) - 0.06).abs() < 1e-12);
+    let off = lifted(
+        |_, head| if head > 6e6 { 1.1 * head } else { head },
+        Some(0.7e6),
+    )
+    .payload;
+    assert!((off.value - 3600.0).abs() < 1.96 * off.std, "{off:?}");
+}
+
 #[test]
 fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
