@@ -9,6 +9,8 @@
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
+use std::sync::Arc;
+
 use messages::channels::{Channel, HEALTH};
 use messages::{Envelope, Health, Message};
 use steps::stages::Pipeline;
@@ -119,7 +121,7 @@ pub struct Selection {
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// The stretches of motion of each machine.
-        #[derive(Debug, Default)]
+        #[derive(Debug, Default, Clone)]
         struct Stretches { $( $module: Loads<messages::$estimate>, )* }
 
         impl Downsampler {
@@ -146,9 +148,9 @@ macro_rules! machines {
 messages::machines!(machines);
 
 /// Selects messages.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Downsampler {
-    streams: Vec<StreamInfo>,
+    streams: Arc<[StreamInfo]>,
     tracks: Vec<Track>,
     stretches: Stretches,
     machine: String,
@@ -169,7 +171,7 @@ impl Downsampler {
     ) -> Self {
         Self {
             tracks: vec![Track::default(); streams.len()],
-            streams,
+            streams: streams.into(),
             stretches: Stretches::default(),
             machine: machine.to_owned(),
             run,

@@ -9,7 +9,7 @@ const PAUSE: f64 = 0.3;
 const SHORTEST: f64 = 1.0;
 
 /// Finds the stretches of motion in a stream of estimates.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Loads<E> {
     open: Option<Stretch<E>>,
     /// The beginning of this motion was not seen: it is left to the recording, to the pause behind it.
@@ -18,7 +18,7 @@ pub struct Loads<E> {
     skipped: f64,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Stretch<E> {
     start: f64,
     end: f64,
