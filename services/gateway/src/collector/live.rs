@@ -179,10 +179,4 @@ impl Fleet {
             machine.account = account;
         }
     }
-
-    /// The machines that are here, in order.
-    pub fn here(&self) -> Vec<MachineId> {
-        let here = self.machines.iter().filter(|(_, m)| m.is_here());
-        here.map(|(id, _)| id.clone()).collect()
-    }
 }

@@ -41,9 +41,10 @@ use crate::key::MachineId;
 use crate::key::{ESTIMATES, STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
 use crate::lock;
+use ask::Question;
 use intake::{Event, Intake};
 use live::Fleet;
-use store::{Store, StoreOutcome};
+use store::{IsHere, Store, StoreOutcome};
 
 /// Events that may wait for the disk.
 const QUEUE: usize = 65_536;
@@ -246,6 +247,7 @@ impl Collector<'_> {
             fleet.refused(&id, why, 1);
             *self.refused.entry((id, why)).or_default() += 1;
         };
+        let mut has_answer = false;
         for event in events {
             match event {
                 Event::Message(message) => match self.store.insert(&message)? {
@@ -260,13 +262,18 @@ impl Collector<'_> {
                 Event::Token(id, is_there) => fleet.token(&id, is_there),
                 Event::Refused(id, why) => refused(&mut fleet, id, why),
                 Event::Answered(stream, answer) => {
+                    has_answer = true;
                     self.asker.answered();
                     self.store.answered(stream, answer)?;
                 }
             }
         }
         drop(fleet);
-        self.store.commit()
+        self.store.commit()?;
+        if has_answer {
+            self.ask(Store::next_questions);
+        }
+        Ok(())
     }
 
     /// Once a second: what is missing, what is wrong.
@@ -276,7 +283,6 @@ impl Collector<'_> {
         fleet.turned_away = self.intake.turned_away();
         self.refused
             .retain(|(id, _), _| fleet.machines.contains_key(id));
-        let here = fleet.here();
         for (id, state) in self.store.account() {
             fleet.account(&id, state);
         }
@@ -300,10 +306,19 @@ impl Collector<'_> {
                 strangers::MACHINES
             );
         }
+        self.ask(Store::questions);
+        self.store.settle()
+    }
+
+    /// Asks for what is missing, as far as there is room.
+    fn ask(&mut self, of: impl FnOnce(&mut Store, &IsHere<'_>, usize) -> Vec<Question>) {
         let room = self.asker.room();
-        for question in self.store.questions(&here, room) {
+        let fleet = lock(self.fleet);
+        let is_here = |id: &MachineId| fleet.machines.get(id).is_some_and(live::Machine::is_here);
+        let questions = of(&mut self.store, &is_here, room);
+        drop(fleet);
+        for question in questions {
             self.asker.ask(question);
         }
-        self.store.settle()
     }
 }

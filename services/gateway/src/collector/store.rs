@@ -70,6 +70,9 @@ const FORGET_NAMES: &str = "
     DROP TABLE gone;
 ";
 
+/// Whether a machine is here.
+pub type IsHere<'a> = dyn Fn(&MachineId) -> bool + 'a;
+
 /// What became of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StoreOutcome {
@@ -89,6 +92,11 @@ pub struct Store {
     streams: BTreeMap<i64, Stream>,
     runs: Runs,
     begun: HashMap<i64, Begun>,
+    /// Streams to ask for, in order.
+    waiting: Vec<i64>,
+    /// Who is asked for each stream, and the stream that was asked for last.
+    under_way: HashMap<i64, MachineId>,
+    last_asked: i64,
 }
 
 struct Owner {
@@ -125,6 +133,9 @@ impl Store {
             streams: BTreeMap::new(),
             runs: Runs::new(),
             begun: HashMap::new(),
+            waiting: Vec::new(),
+            under_way: HashMap::new(),
+            last_asked: 0,
         };
         store.load_runs()?;
         store.load()?;
