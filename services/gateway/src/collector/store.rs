@@ -70,6 +70,21 @@ const FORGET_NAMES: &str = "
     DROP TABLE gone;
 ";
 
+/// Of each machine the first run that stays: it has something left, began since `?`, or is the latest. The runs before it go
+/// with their streams, and none in between: who counts runs would miss it.
+const FIRST_RUNS: &str = "
+    CREATE TEMP TABLE first AS SELECT machine, min(id) AS id FROM (
+        SELECT machine, id FROM run r WHERE first_ms >= ? OR EXISTS (
+            SELECT 1 FROM stream s JOIN message e ON e.stream = s.id WHERE s.machine = r.machine AND s.run = r.run)
+        UNION ALL SELECT machine, max(id) FROM run GROUP BY machine) GROUP BY machine";
+const FORGET_RUNS: &str = "
+    CREATE TEMP TABLE over AS SELECT r.machine, run FROM run r JOIN first f ON f.machine = r.machine WHERE r.id < f.id;
+    DELETE FROM stream WHERE (machine, run) IN over;
+    DELETE FROM run WHERE (machine, run) IN over;
+    DROP TABLE over;
+    DROP TABLE first;
+";
+
 /// Whether a machine is here.
 pub type IsHere<'a> = dyn Fn(&MachineId) -> bool + 'a;
 
@@ -445,18 +460,20 @@ impl Store {
         self.sql.execute(add, values).map(|_| ())
     }
 
-    /// Removes what came more than so many days ago, by our clock.
+    /// Removes what came more than so many days ago, by our clock, and the runs and names of which nothing is left.
     ///
     /// # Errors
     /// The disk takes no more.
     pub fn forget(&mut self, days: f64) -> rusqlite::Result<()> {
-        let limit = wall_ms() as i64 - (days.max(0.0) * 86_400_000.0) as i64;
+        let limit = wall_ms() as i64 - (days * 86_400_000.0) as i64;
         for delete in [
             "DELETE FROM message WHERE received_ms < ?",
             "DELETE FROM alarm WHERE at_ms < ?",
+            FIRST_RUNS,
         ] {
             self.sql.execute(delete, [limit])?;
         }
+        self.sql.execute_batch(FORGET_RUNS)?;
         self.sql.execute_batch(FORGET_NAMES)?;
         (self.machines, self.ids) = (HashMap::new(), HashMap::new());
         (self.runs, self.begun, self.streams) = (Runs::new(), HashMap::new(), BTreeMap::new());

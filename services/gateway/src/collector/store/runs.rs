@@ -139,3 +139,50 @@ impl Store {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::key::MachineId;
+    use crate::status::{self, Status};
+
+    #[test]
+    fn of_runs_of_long_ago_nothing_stays_but_what_counts_the_later_ones() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = Store::open(&folder.path().join("fleet.sqlite")).expect("a history");
+        let machine = MachineId::new("north", "ex-1").expect("names");
+        for count in 1..=6_u64 {
+            let (head, per_period) = (9, 1.0);
+            let name = "estimate/inertia_ukf".to_owned();
+            let status = Status {
+                kind: "excavator".into(),
+                run: 100 - count,
+                count,
+                streams: [(name, status::Stream { head, per_period })].into(),
+                ..Status::default()
+            };
+            store.status(&machine, &status).expect("room");
+        }
+        // All but the last two began long ago; of the third a message is left.
+        let make = format!(
+            "UPDATE run SET first_ms = 0 WHERE count <= 4;
+             INSERT INTO message SELECT id, 0, -1, 0, {}, x'' FROM stream WHERE run = 97;",
+            wall_ms()
+        );
+        store.sql.execute_batch(&make).expect("room");
+        let runs = |store: &Store| {
+            let mut counts: Vec<i64> = store.runs.values().map(|run| run.count).collect();
+            counts.sort_unstable();
+            (counts, store.streams.len(), store.ids.len())
+        };
+        store.forget(1.0).expect("room");
+        assert_eq!(runs(&store), (vec![3, 4, 5, 6], 4, 4));
+        assert!(store.unheard().values().all(|runs| *runs == 0));
+        // Of a machine that was not heard for long its latest run stays.
+        let old = "UPDATE run SET first_ms = 0; UPDATE message SET received_ms = 0";
+        store.sql.execute_batch(old).expect("room");
+        store.forget(1.0).expect("room");
+        assert_eq!(runs(&store), (vec![6], 1, 1));
+        store.forget(1.0).expect("again");
+    }
+}
