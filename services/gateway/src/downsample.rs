@@ -16,7 +16,7 @@ use messages::{Envelope, Health, Message};
 use steps::stages::Pipeline;
 use view::estimate::Estimate;
 
-use crate::label::Label;
+use crate::label::{LIFE, Label};
 use crate::load::Loads;
 use crate::track::{Continuity, Track};
 
@@ -301,7 +301,7 @@ impl Downsampler {
 
 /// Number of a report of health in its streams: a process that was started again counts from 0.
 pub fn health_number(health: &Health) -> u64 {
-    u64::from(health.restarts & 0xffff) << 40 | health.stamp.sequence & 0xff_ffff_ffff
+    u64::from(health.restarts & 0xffff) << LIFE | health.stamp.sequence & ((1 << LIFE) - 1)
 }
 
 #[cfg(test)]
