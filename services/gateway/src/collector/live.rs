@@ -103,6 +103,10 @@ impl Fleet {
             for other in leave(times, MACHINES) {
                 self.machines.remove(&other);
             }
+            if self.machines.len() >= MACHINES {
+                // Whom the history alone knows: silent since the start.
+                self.machines.retain(|_, m| m.times.is_some());
+            }
         }
         self.machines.entry(id.clone()).or_default()
     }
@@ -160,10 +164,10 @@ impl Fleet {
 
     /// A token came or went.
     pub fn token(&mut self, id: &MachineId, is_there: bool) {
-        let machine = self.machine(id);
-        machine.token = is_there;
-        if !is_there {
-            machine.heard = None;
+        if is_there {
+            self.heard(id).token = true;
+        } else if let Some(machine) = self.machines.get_mut(id) {
+            (machine.token, machine.heard) = (false, None);
         }
     }
 
@@ -178,5 +182,31 @@ impl Fleet {
         if let Some(machine) = self.machines.get_mut(id) {
             machine.account = account;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::alarm::{AlarmArgs, look};
+    use super::*;
+
+    #[test]
+    fn tokens_of_made_up_names_are_bounded_and_raise_nothing() {
+        let mut fleet = Fleet::default();
+        let id = |i: usize| MachineId::new("north", &format!("made-up-{i}")).expect("names");
+        fleet.token(&id(0), false);
+        assert!(fleet.machines.is_empty(), "who goes was here");
+        for i in 0..MACHINES {
+            fleet.known(&id(i), "excavator", "0.1");
+        }
+        for i in MACHINES..2 * MACHINES + 10 {
+            fleet.token(&id(i), true);
+        }
+        assert!(fleet.machines.len() <= MACHINES, "{}", fleet.machines.len());
+        assert!(fleet.machines.contains_key(&id(2 * MACHINES + 9)));
+        let args = AlarmArgs {
+            untrusted_after: 30.0,
+        };
+        assert_eq!(look(&mut fleet, &args), []);
     }
 }
