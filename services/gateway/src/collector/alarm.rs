@@ -21,7 +21,7 @@ const MANY: usize = 10;
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
     /// A machine that runs and was not trusted for so many minutes
-    #[arg(long, default_value_t = 30.0, value_name = "MIN")]
+    #[arg(long, default_value_t = 30.0, value_name = "MIN", value_parser = super::not_negative)]
     pub untrusted_after: f64,
 }
 
@@ -44,7 +44,7 @@ impl std::fmt::Display for Alarm {
 
 /// Looks at every machine; returns what changed.
 pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
-    let limit = Duration::from_secs_f64(args.untrusted_after.clamp(0.0, 1e6) * 60.0);
+    let limit = Duration::from_secs_f64(args.untrusted_after * 60.0);
     let mut changed = Vec::new();
     for (id, machine) in &mut fleet.machines {
         let before = std::mem::take(&mut machine.alarms.on);

@@ -77,11 +77,17 @@ pub struct CollectorArgs {
     #[arg(long, default_value = PAGE, value_name = "ADDR")]
     pub page: SocketAddr,
     /// Days of history that are kept
-    #[arg(long, default_value_t = 90.0, value_name = "DAYS")]
+    #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = not_negative)]
     pub keep: f64,
     /// What is an alarm
     #[command(flatten)]
     pub alarms: AlarmArgs,
+}
+
+/// A number of minutes or days; a million of them is for ever.
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n| (0.0..=1e6).contains(n));
+    number.ok_or_else(|| "a number from 0 to 1000000".into())
 }
 
 /// Collects until `stop` is set.
@@ -320,5 +326,35 @@ impl Collector<'_> {
         for question in questions {
             self.asker.ask(question);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::CollectorArgs;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: CollectorArgs,
+    }
+
+    #[test]
+    fn what_is_no_time_deletes_nothing_and_ends_nothing() {
+        let parse = |option: &str| {
+            let words = ["heft fleet", "--connect", "tcp/127.0.0.1:7447", option];
+            Cli::try_parse_from(words).map(|cli| cli.args)
+        };
+        for time in ["nan", "-1", "inf", "x", "1e7"] {
+            for option in ["--keep", "--untrusted-after"] {
+                assert!(
+                    parse(&format!("{option}={time}")).is_err(),
+                    "{option} {time}"
+                );
+            }
+        }
+        assert!(parse("--keep=7.5").is_ok_and(|args| args.keep == 7.5));
     }
 }
