@@ -165,6 +165,6 @@ mod tests {
         assert_eq!(lost(400, &label(again | 9, None), hz), 3);
         assert_eq!(lost(again as i64 | 3, &label(again | 10, None), hz), 1);
         assert_eq!(lost(400, &label(again, Some(400)), hz), 0);
-        assert_eq!(lost(-1, &label(2 * again | 7, None), hz), 2, "0, 3");
+        assert_eq!(lost(-1, &label((2 * again) | 7, None), hz), 2, "0, 3");
     }
 }
