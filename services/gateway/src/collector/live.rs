@@ -23,6 +23,8 @@ pub struct Fleet {
     pub machines: BTreeMap<MachineId, Machine>,
     /// Messages of machines for which there was no room.
     pub turned_away: u64,
+    /// Since when machines can be heard, after a start.
+    pub begun: Option<Instant>,
     /// Why nothing is kept, and since when: the disk.
     pub unkept: Option<(String, Instant)>,
 }
@@ -53,6 +55,8 @@ pub struct Machine {
     pub status: Option<Status>,
     /// When it last said so.
     pub heard: Option<Instant>,
+    /// Its latest run ended in order: it said so.
+    pub ended: bool,
     /// Its token is there.
     pub token: bool,
     /// Its clock minus ours [ms], as of the last status.
@@ -119,8 +123,9 @@ impl Fleet {
     }
 
     /// Puts in a machine that the history knows.
-    pub fn known(&mut self, id: &MachineId, kind: &str, version: &str) {
+    pub fn known(&mut self, id: &MachineId, kind: &str, version: &str, ended: bool) {
         let machine = self.machine(id);
+        machine.ended = ended;
         (machine.kind, machine.version) = (kind.to_owned(), version.to_owned());
     }
 
@@ -156,6 +161,7 @@ impl Fleet {
         }
         machine.run = run;
         machine.heard = Some(Instant::now());
+        machine.ended = status.ended;
         machine.kind.clone_from(&status.kind);
         machine.version.clone_from(&status.version);
         machine.clock_ms = status.wall_ms as i64 - crate::wall_ms() as i64;
@@ -197,7 +203,7 @@ mod tests {
         fleet.token(&id(0), false);
         assert!(fleet.machines.is_empty(), "who goes was here");
         for i in 0..MACHINES {
-            fleet.known(&id(i), "excavator", "0.1");
+            fleet.known(&id(i), "excavator", "0.1", true);
         }
         for i in MACHINES..2 * MACHINES + 10 {
             fleet.token(&id(i), true);

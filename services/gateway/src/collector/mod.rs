@@ -179,6 +179,7 @@ struct Collector<'a> {
 
 impl Collector<'_> {
     fn work(&mut self, events: &Receiver<Event>, stop: &AtomicBool) -> Result<(), String> {
+        lock(self.fleet).begun = Some(Instant::now());
         let mut looked = Instant::now();
         let mut cleaned = Instant::now();
         while !stop.load(Ordering::Relaxed) {

@@ -21,7 +21,7 @@ use crate::label::Label;
 use crate::status::Status;
 use crate::wall_ms;
 use gaps::Stream;
-use runs::{Begun, Runs};
+use runs::{Begun, Run, Runs};
 
 const SCHEMA: &str = "
     PRAGMA journal_mode = WAL;
@@ -32,7 +32,7 @@ const SCHEMA: &str = "
     CREATE TABLE IF NOT EXISTS run (
         id INTEGER PRIMARY KEY AUTOINCREMENT, machine INTEGER NOT NULL REFERENCES machine, run INTEGER NOT NULL,
         first_ms INTEGER NOT NULL, count INTEGER NOT NULL DEFAULT 0, clock_ms INTEGER, off_ms INTEGER NOT NULL DEFAULT 0,
-        UNIQUE (machine, run));
+        ended INTEGER NOT NULL DEFAULT 0, UNIQUE (machine, run));
     CREATE TABLE IF NOT EXISTS refused (
         machine INTEGER NOT NULL REFERENCES machine, why TEXT NOT NULL, messages INTEGER NOT NULL, PRIMARY KEY (machine, why));
     CREATE TABLE IF NOT EXISTS stream (
@@ -52,6 +52,9 @@ const SCHEMA: &str = "
 /// A machine that was silent for so long is not shown after a start [ms], nor one that never said what it is.
 const DAYS_MS: i64 = 3 * 86_400_000;
 const MOMENT_MS: i64 = 60_000;
+
+/// A history of before does not say which runs have ended.
+const WITHOUT_END: &str = "ALTER TABLE run ADD COLUMN ended INTEGER NOT NULL DEFAULT 0";
 
 /// What a history of before has its runs named by: the machine's clock when they began.
 const OLD: &str = "
@@ -137,9 +140,16 @@ impl Store {
         let sql = Connection::open(file)?;
         sql.busy_timeout(Duration::from_secs(10))?;
         sql.execute_batch(SCHEMA)?;
-        let old = "SELECT count(*) FROM pragma_table_info('stream') WHERE name = 'epoch'";
-        if sql.query_row(old, [], |row| row.get::<_, i64>(0))? > 0 {
+        let has = |table: &str, column: &str| {
+            let look = "SELECT count(*) FROM pragma_table_info(?) WHERE name = ?";
+            sql.query_row(look, [table, column], |row| row.get::<_, i64>(0))
+                .map(|n| n > 0)
+        };
+        if has("stream", "epoch")? {
             sql.execute_batch(OLD)?;
+        }
+        if !has("run", "ended")? {
+            sql.execute_batch(WITHOUT_END)?;
         }
         let mut store = Self {
             sql,
@@ -194,10 +204,12 @@ impl Store {
     /// The file cannot be read.
     pub fn fleet(&self) -> rusqlite::Result<Fleet> {
         let mut fleet = Fleet::default();
-        let mut latest: HashMap<i64, i64> = HashMap::new();
+        let mut latest: HashMap<i64, &Run> = HashMap::new();
         for ((machine, _), run) in &self.runs {
-            let known = latest.entry(*machine).or_insert(run.id);
-            *known = run.id.max(*known);
+            let known = latest.entry(*machine).or_insert(run);
+            if run.id > known.id {
+                *known = run;
+            }
         }
         let mut query = self
             .sql
@@ -206,9 +218,10 @@ impl Store {
         for (id, stream) in &self.streams {
             let machine = &self.machines[&stream.machine];
             let order = self.runs.get(&(machine.id, stream.run)).map_or(0, |r| r.id);
-            if stream.newest < 0 || latest.get(&machine.id) != Some(&order) {
+            let latest = latest.get(&machine.id).filter(|run| run.id == order);
+            let Some(ended) = latest.map(|run| run.ended).filter(|_| stream.newest >= 0) else {
                 continue;
-            }
+            };
             let found = query.query_row(params![id, stream.newest], |row| {
                 let after: Option<i64> = row.get(0)?;
                 let message: (i64, Vec<u8>) = (row.get(1)?, row.get(2)?);
@@ -226,7 +239,8 @@ impl Store {
             if now.saturating_sub(received) > stays || fleet.machines.len() >= MACHINES {
                 continue;
             }
-            fleet.known(&stream.machine, &machine.reported.0, &machine.reported.1);
+            let (kind, version) = &machine.reported;
+            fleet.known(&stream.machine, kind, version, ended);
             if let Some(envelope) = decode(&stream.name, &payload) {
                 let label = Label {
                     machine: stream.machine.machine.clone(),
@@ -406,7 +420,7 @@ impl Store {
             return Ok(None);
         };
         let ahead = (status.wall_ms as i64).saturating_sub(wall_ms() as i64);
-        self.reported_run(owner, run, status.count, ahead)?;
+        self.reported_run(owner, run, status, ahead)?;
         for (name, reported) in &status.streams {
             // Only what messages have made known, or would.
             if reported.head < 0 || !super::intake::is_stream(name) {
