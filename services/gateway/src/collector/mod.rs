@@ -40,7 +40,7 @@ pub(crate) use intake::decode;
 use crate::key::MachineId;
 use crate::key::{ESTIMATES, STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
-use crate::lock;
+use crate::{Failure, lock};
 use ask::Question;
 use intake::{Event, Intake};
 use live::Fleet;
@@ -94,16 +94,19 @@ fn not_negative(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// The history, the page's address or the router's name cannot be used.
-pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
+pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !args.page.ip().is_loopback() {
         return Err(crate::error(
             format!("{} is no address of this host alone", args.page),
             "--page",
             "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
-        ));
+        )
+        .into());
     }
-    let store = Store::open(&args.db).map_err(|e| store::failed(&e))?;
-    let fleet = store.fleet().map_err(|e| store::failed(&e))?;
+    // A full disk may have room at the next start.
+    let unreadable = |e| Failure::passing(store::failed(&e));
+    let store = Store::open(&args.db).map_err(unreadable)?;
+    let fleet = store.fleet().map_err(unreadable)?;
     let fleet = Arc::new(Mutex::new(fleet));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
@@ -162,7 +165,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
     // Nobody takes anything any more: what Zenoh's threads still bring must not wait for a place.
     drop(waiting);
     let _ = session.close().wait();
-    result
+    result.map_err(Failure::passing)
 }
 
 struct Collector<'a> {
