@@ -256,3 +256,38 @@ fn the_service_manager_is_notified_that_a_run_is_ready_and_awake() {
         .count();
     assert!(awake >= 4, "{received:?}");
 }
+
+/// Whether a gateway that takes so many seconds had come to its end when `heft run` ended.
+fn run_with_gateway(seconds: u32, is_service: bool) -> bool {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (beside, done) = (folder.path().join("heft"), folder.path().join("done"));
+    std::fs::hard_link(env!("CARGO_BIN_EXE_heft"), &beside)
+        .or_else(|_| std::fs::copy(env!("CARGO_BIN_EXE_heft"), &beside).map(|_| ()))
+        .expect("heft");
+    let gateway = folder.path().join("heft-gateway");
+    let script = format!("#!/bin/sh\nsleep {seconds}\ntouch {}\n", done.display());
+    std::fs::write(&gateway, script).expect("a script");
+    std::fs::set_permissions(&gateway, std::fs::Permissions::from_mode(0o700)).expect("ours");
+    let path = folder.path().join("notify");
+    let _socket = std::os::unix::net::UnixDatagram::bind(&path).expect("a socket");
+    let mut command = std::process::Command::new(&beside);
+    command.args("run excavator --duration 1 --quiet --no-report".split(' '));
+    command.args("--fleet tcp/127.0.0.1:1 --site north --machine-id ex-1 --out".split(' '));
+    command.arg(folder.path().join("out"));
+    command.env("XDG_STATE_HOME", folder.path());
+    command.env_remove("NOTIFY_SOCKET");
+    if is_service {
+        command.env("NOTIFY_SOCKET", &path);
+    }
+    // It holds the standard error that it is given.
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    assert!(command.status().expect("it runs").success());
+    done.exists()
+}
+
+#[test]
+fn a_service_waits_for_its_gateway_and_a_run_by_hand_does_not() {
+    assert!(run_with_gateway(5, true), "what is left would be killed");
+    assert!(!run_with_gateway(20, false));
+}

@@ -9,12 +9,14 @@
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
+use std::sync::Arc;
+
 use messages::channels::{Channel, HEALTH};
 use messages::{Envelope, Health, Message};
 use steps::stages::Pipeline;
 use view::estimate::Estimate;
 
-use crate::label::Label;
+use crate::label::{LIFE, Label};
 use crate::load::Loads;
 use crate::track::{Continuity, Mark, Track};
 
@@ -119,7 +121,7 @@ pub struct Selection {
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// The stretches of motion of each machine.
-        #[derive(Debug, Default)]
+        #[derive(Debug, Default, Clone)]
         struct Stretches { $( $module: Loads<messages::$estimate>, )* }
 
         impl Downsampler {
@@ -146,9 +148,9 @@ macro_rules! machines {
 messages::machines!(machines);
 
 /// Selects messages.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Downsampler {
-    streams: Vec<StreamInfo>,
+    streams: Arc<[StreamInfo]>,
     tracks: Vec<Track>,
     stretches: Stretches,
     machine: String,
@@ -169,7 +171,7 @@ impl Downsampler {
     ) -> Self {
         Self {
             tracks: vec![Track::default(); streams.len()],
-            streams,
+            streams: streams.into(),
             stretches: Stretches::default(),
             machine: machine.to_owned(),
             run,
@@ -293,7 +295,7 @@ impl Downsampler {
 
 /// Number of a report of health in its streams: a process that was started again counts from 0.
 pub fn health_number(health: &Health) -> u64 {
-    u64::from(health.restarts & 0xffff) << 40 | health.stamp.sequence & 0xff_ffff_ffff
+    u64::from(health.restarts & 0xffff) << LIFE | health.stamp.sequence & ((1 << LIFE) - 1)
 }
 
 #[cfg(test)]

@@ -52,6 +52,14 @@ impl fmt::Display for Label {
     }
 }
 
+/// Bits of a number that a process counts by itself; above them stands how often it was started again (reports of health).
+pub const LIFE: u32 = 40;
+
+/// Which life of its process a number is of; 0 in streams that no process numbers by itself.
+fn life(number: i64) -> i64 {
+    number >> LIFE
+}
+
 /// How many messages at least are missing between a message `before` (-1: the beginning of the run) and the
 /// next one that there is; `per_period`: samples between two messages of the stream, 0 for one without a
 /// period. Both ends count with this.
@@ -64,12 +72,15 @@ pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
     if per_period < 1.0 {
         return least;
     }
-    let before = if before < 0 {
+    // A process that was started again counts from 0: of the lives between the two nothing is known.
+    let number = next.number as i64;
+    let begun = life(number) << LIFE;
+    let before = if before < begun {
         -per_period
     } else {
-        before as f64
+        (before - begun) as f64
     };
-    let periods = (next.number as f64 - before) / per_period;
+    let periods = ((number - begun) as f64 - before) / per_period;
     ((periods.round() - 1.0).max(0.0) as u64).max(least)
 }
 
@@ -148,5 +159,12 @@ mod tests {
         assert_eq!(lost_behind(400, 700, hz), 3, "500, 600, 700");
         assert_eq!(lost_behind(400, 450, hz), 1);
         assert_eq!(lost_behind(-1, 9000, 0.0), 1);
+        // A process that was started again: what is missing of its present life, and no more.
+        let (hz, again) = (1.0 / 0.3, 1_u64 << LIFE);
+        assert_eq!(lost_behind(400, again as i64 | 9, hz), 4, "0, 3, 7, 9");
+        assert_eq!(lost(400, &label(again | 9, None), hz), 3);
+        assert_eq!(lost(again as i64 | 3, &label(again | 10, None), hz), 1);
+        assert_eq!(lost(400, &label(again, Some(400)), hz), 0);
+        assert_eq!(lost(-1, &label((2 * again) | 7, None), hz), 2, "0, 3");
     }
 }

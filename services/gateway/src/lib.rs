@@ -80,13 +80,34 @@ pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result
     Ok(())
 }
 
-/// Tells the error of a program, if any, and how it ends: 2, wrong use or bad input.
-pub fn exit(program: &str, result: Result<(), String>) -> std::process::ExitCode {
-    match result {
+/// Why a program ends: an error in heft's three lines, and its status.
+#[derive(Debug)]
+pub struct Failure {
+    error: String,
+    status: u8,
+}
+
+impl From<String> for Failure {
+    /// 2: wrong use or bad input. Another start does not help.
+    fn from(error: String) -> Self {
+        Self { error, status: 2 }
+    }
+}
+
+impl Failure {
+    /// 1: another start may help.
+    pub fn passing(error: String) -> Self {
+        Self { error, status: 1 }
+    }
+}
+
+/// Tells the error of a program, if any, and how it ends.
+pub fn exit(program: &str, result: Result<(), impl Into<Failure>>) -> std::process::ExitCode {
+    match result.map_err(Into::into) {
         Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(error) => {
+        Err(Failure { error, status }) => {
             eprintln!("{program}: {error}");
-            std::process::ExitCode::from(2)
+            std::process::ExitCode::from(status)
         }
     }
 }

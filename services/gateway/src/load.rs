@@ -5,7 +5,7 @@ use view::estimate::Estimate;
 use view::stretches::{PAUSE, SHORTEST};
 
 /// Finds the stretches of motion in a stream of estimates.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Loads<E> {
     open: Option<Stretch<E>>,
     /// The beginning of this motion was not seen: it is left to the recording, to the pause behind it.
@@ -14,7 +14,7 @@ pub struct Loads<E> {
     skipped: f64,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Stretch<E> {
     start: f64,
     end: f64,

@@ -256,6 +256,42 @@ fn a_machine_that_was_not_asked_sends_no_samples() {
     assert!(heard[0].1.try_recv().is_err(), "it sends samples too");
 }
 
+/// The status of a site whose `heft serve` is this script.
+fn status_with(router: &Router, script: &str) -> Option<i32> {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let heft = folder.path().join("heft");
+    std::fs::write(&heft, format!("#!/bin/sh\n{script}\n")).expect("a script");
+    std::fs::set_permissions(&heft, std::fs::Permissions::from_mode(0o700)).expect("ours");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
+    command.args(["serve", "excavator", "--site", "north", "--heft"]);
+    command.arg(heft).args(["--connect", &router.address]);
+    command.status().expect("it runs").code()
+}
+
+#[test]
+fn a_site_that_cannot_go_on_ends_with_1_where_another_start_may_help() {
+    let router = Router::start();
+    assert_eq!(status_with(&router, "exit 2"), Some(2), "wrong use");
+    assert_eq!(status_with(&router, "exit 0"), Some(1), "it has ended");
+    // An answer that cannot be read, then an end in order.
+    let unreadable = format!("printf '{}'; cat > /dev/null", r"\377".repeat(16));
+    assert_eq!(status_with(&router, &unreadable), Some(1));
+}
+
+#[test]
+fn a_history_that_cannot_be_written_now_ends_the_collector_with_1() {
+    let run = |page: &str, db: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
+        command.args(["--connect", "tcp/127.0.0.1:1", "--page", page, "--db", db]);
+        command.status().expect("it runs").code()
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let away = folder.path().join("away/fleet.sqlite");
+    assert_eq!(run("127.0.0.1:0", &away.display().to_string()), Some(1));
+    assert_eq!(run("0.0.0.0:0", &away.display().to_string()), Some(2));
+}
+
 #[test]
 fn what_cannot_be_served_is_said() {
     let run = |args: &[&str]| {

@@ -13,12 +13,18 @@ use runtime::Domain;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::notify::Notify;
 
 /// First pause before a gateway that died is started again; it doubles.
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
 /// One that lived so long died by accident.
 const LONG_LIFE: Duration = Duration::from_secs(10);
+/// Under a service manager a run waits so long for its gateway, from when it begins to end: less than the 30 s
+/// (`TimeoutStopSec` of heft@.service) after which everything is killed, more than the 20 s that a gateway goes on answering.
+const END_LIMIT: Duration = Duration::from_secs(25);
+/// Time between two looks whether it has ended.
+const END_LOOK: Duration = Duration::from_millis(50);
 
 /// `heft run ... --fleet`
 #[derive(Debug, Clone, Default, Args)]
@@ -167,6 +173,17 @@ impl Gateway {
             self.started = Instant::now();
         } else if self.started.elapsed() >= self.pause {
             self.spawn();
+        }
+    }
+    /// Waits for its own end after that of the run, which began at `begun`: a service manager kills what is left when the
+    /// process that it started has ended, and with it what is not sent yet. It is told meanwhile that somebody is awake.
+    pub fn wait(mut self, begun: Instant, mut notify: Notify) {
+        while let Some(child) = &mut self.child
+            && matches!(child.try_wait(), Ok(None))
+            && begun.elapsed() < END_LIMIT
+        {
+            notify.awake();
+            std::thread::sleep(END_LOOK);
         }
     }
 }

@@ -36,6 +36,11 @@ impl Notify {
         }
     }
 
+    /// Whether a service manager has started this process.
+    pub fn has_manager(&self) -> bool {
+        self.socket.is_some()
+    }
+
     /// Says a word, such as `READY=1`.
     pub fn say(&self, word: &str) {
         if let Some((socket, address)) = &self.socket {

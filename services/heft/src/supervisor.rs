@@ -170,6 +170,7 @@ impl Supervisor {
             }
         };
         self.notify.say("STOPPING=1");
+        let stopping = Instant::now();
         // Before `go` there is nothing to drain.
         if self.start_ns != 0 && !matches!(end, End::Failed(_)) {
             self.note_what_was_due();
@@ -179,7 +180,19 @@ impl Supervisor {
         self.taps.drain(&mut self.watch);
         self.watch.finish();
         self.finish_recording();
-        Ok((end, std::mem::take(&mut self.watch)))
+        let (watch, notify) = (
+            std::mem::take(&mut self.watch),
+            std::mem::take(&mut self.notify),
+        );
+        // A run that failed is started again at once: that matters more.
+        let waits = notify.has_manager() && !matches!(end, End::Failed(_));
+        let gateway = self.gateway.take().filter(|_| waits);
+        // The gateway knows of the end by the domain.
+        drop(self);
+        if let Some(gateway) = gateway {
+            gateway.wait(stopping, notify);
+        }
+        Ok((end, watch))
     }
 
     fn wait_until_ready(&mut self) -> Option<End> {

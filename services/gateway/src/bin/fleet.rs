@@ -9,8 +9,8 @@ use clap::{Parser, Subcommand};
 use gateway::collector::full::FullArgs;
 use gateway::collector::query::QueryArgs;
 use gateway::collector::{CollectorArgs, full, query, run};
-use gateway::link;
 use gateway::site::{self, ServeArgs};
+use gateway::{Failure, link};
 
 /// Keeps and shows what many machines send.
 ///
@@ -52,11 +52,16 @@ fn main() -> ExitCode {
     rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     let cli = Cli::parse();
     let stop = Arc::new(AtomicBool::new(false));
-    let result = gateway::on_signal(&stop).and_then(|()| match &cli.command {
-        None => run(&cli.collector, &stop),
-        Some(Command::Query(args)) => query::query(args, &mut std::io::stdout().lock()),
-        Some(Command::Full(args)) => full::full(args, &mut std::io::stdout().lock(), &stop),
-        Some(Command::Serve(args)) => site::serve(args, &stop),
+    gateway::exit("heft fleet", collect(&cli, &stop))
+}
+
+fn collect(cli: &Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+    gateway::on_signal(stop)?;
+    match &cli.command {
+        None => run(&cli.collector, stop),
+        Some(Command::Query(args)) => Ok(query::query(args, &mut std::io::stdout().lock())?),
+        Some(Command::Full(args)) => Ok(full::full(args, &mut std::io::stdout().lock(), stop)?),
+        Some(Command::Serve(args)) => site::serve(args, stop),
         Some(Command::Router {
             listen,
             zenoh_config,
@@ -67,13 +72,12 @@ fn main() -> ExitCode {
                 .or(zenoh_config.is_none().then_some(link::DEFAULT));
             let session = link::is_closed(listen, zenoh_config.is_some() || *open)
                 .and_then(|()| link::router(listen, zenoh_config.as_deref()));
-            session.map(|_session| {
-                eprintln!("router: {}", listen.unwrap_or("as its configuration says"));
-                while !stop.load(Ordering::Relaxed) {
-                    std::thread::sleep(Duration::from_millis(100));
-                }
-            })
+            let _session = session?;
+            eprintln!("router: {}", listen.unwrap_or("as its configuration says"));
+            while !stop.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(100));
+            }
+            Ok(())
         }
-    });
-    gateway::exit("heft fleet", result)
+    }
 }

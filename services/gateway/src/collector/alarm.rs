@@ -21,7 +21,7 @@ const MANY: usize = 10;
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
     /// A machine that runs and was not trusted for so many minutes
-    #[arg(long, default_value_t = 30.0, value_name = "MIN")]
+    #[arg(long, default_value_t = 30.0, value_name = "MIN", value_parser = super::not_negative)]
     pub untrusted_after: f64,
 }
 
@@ -44,9 +44,14 @@ impl std::fmt::Display for Alarm {
 
 /// Looks at every machine; returns what changed.
 pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
-    let limit = Duration::from_secs_f64(args.untrusted_after.clamp(0.0, 1e6) * 60.0);
+    let limit = Duration::from_secs_f64(args.untrusted_after * 60.0);
+    // Who was here before the collector began is heard again within that time.
+    let is_early = fleet.begun.is_some_and(|begun| begun.elapsed() < SILENT);
     let mut changed = Vec::new();
     for (id, machine) in &mut fleet.machines {
+        if is_early && !machine.is_here() {
+            continue;
+        }
         let before = std::mem::take(&mut machine.alarms.on);
         let now = found(machine, &before, limit);
         for (kind, text) in &now {
@@ -72,10 +77,9 @@ fn found(
     limit: Duration,
 ) -> BTreeMap<&'static str, String> {
     let mut on = BTreeMap::new();
-    let has_ended = machine.status.as_ref().is_some_and(|s| s.ended);
     if !machine.is_here() {
         machine.alarms.untrusted = None;
-        if !has_ended && !machine.is_stranger() {
+        if !machine.ended && !machine.is_stranger() {
             // Nobody knows whether the rest is over.
             on.clone_from(before);
             let text = format!("silent for more than {} s", SILENT.as_secs());
@@ -156,7 +160,7 @@ mod tests {
     fn a_silent_machine_is_reported_once_and_so_is_its_return() {
         let mut fleet = Fleet::default();
         let id = MachineId::new("north", "ex-1").expect("names");
-        fleet.known(&id, "excavator", "0.1");
+        fleet.known(&id, "excavator", "0.1", false);
         let raised = look(&mut fleet, &args());
         assert_eq!(raised.len(), 1);
         assert_eq!(raised[0].kind, "silent");
@@ -181,7 +185,7 @@ mod tests {
     fn what_was_wrong_before_a_machine_fell_silent_is_not_over_by_that() {
         let mut fleet = Fleet::default();
         let id = MachineId::new("north", "ex-1").expect("names");
-        fleet.known(&id, "excavator", "0.1");
+        fleet.known(&id, "excavator", "0.1", false);
         let machine = fleet.machines.get_mut(&id).expect("it");
         machine
             .alarms
@@ -192,6 +196,21 @@ mod tests {
             raised.iter().map(|a| a.kind).collect::<Vec<_>>(),
             ["silent"]
         );
+    }
+
+    #[test]
+    fn after_a_start_nobody_is_silent_before_he_could_be_heard_nor_who_had_ended() {
+        let mut fleet = Fleet::default();
+        for (name, ended) in [("ex-1", false), ("ex-2", true)] {
+            let id = MachineId::new("north", name).expect("names");
+            fleet.known(&id, "excavator", "0.1", ended);
+        }
+        fleet.begun = Some(Instant::now());
+        assert_eq!(look(&mut fleet, &args()), []);
+        fleet.begun = Instant::now().checked_sub(SILENT);
+        let raised = look(&mut fleet, &args());
+        let raised: Vec<_> = raised.iter().map(|a| a.id.machine.as_str()).collect();
+        assert_eq!(raised, ["ex-1"]);
     }
 
     #[test]

@@ -102,7 +102,7 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
         for message in messages(&stream, &batch) {
             let number = message.stamp().sequence;
             if let Some(before) = last.insert(stream.clone(), number) {
-                missing += number.saturating_sub(before + 1);
+                missing = missing_between(before, number).saturating_add(missing);
             }
             rows += 1;
             let written = table.row(out, &[("stream", json!(stream))], &message);
@@ -118,6 +118,11 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
     eprintln!("{rows} estimates, {missing} missing between them");
     let _ = session.close().wait();
     Ok(())
+}
+
+/// Numbers between two; those of a machine that says anything count as well.
+fn missing_between(before: u64, number: u64) -> u64 {
+    number.saturating_sub(before).saturating_sub(1)
 }
 
 /// Asks until the machine answers: a session needs a moment to find its router.
@@ -153,6 +158,13 @@ fn messages(stream: &str, mut batch: &[u8]) -> Vec<Envelope> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_number_is_too_large_to_count() {
+        assert_eq!(missing_between(3, 5), 1);
+        assert_eq!(missing_between(u64::MAX, 0), 0);
+        assert_eq!(missing_between(0, u64::MAX), u64::MAX - 1);
+    }
 
     #[test]
     fn a_batch_is_read_as_far_as_it_is_whole() {

@@ -24,6 +24,8 @@ pub struct Fleet {
     pub machines: BTreeMap<MachineId, Machine>,
     /// Messages of machines for which there was no room.
     pub turned_away: u64,
+    /// Since when machines can be heard, after a start.
+    pub begun: Option<Instant>,
     /// Why nothing is kept, and since when: the disk.
     pub unkept: Option<(String, Instant)>,
 }
@@ -54,6 +56,8 @@ pub struct Machine {
     pub status: Option<Status>,
     /// When it last said so.
     pub heard: Option<Instant>,
+    /// Its latest run ended in order: it said so.
+    pub ended: bool,
     /// Its token is there.
     pub token: bool,
     /// Its clock minus ours [ms], as of the last status.
@@ -104,6 +108,10 @@ impl Fleet {
             for other in leave(times, MACHINES) {
                 self.machines.remove(&other);
             }
+            if self.machines.len() >= MACHINES {
+                // Whom the history alone knows: silent since the start.
+                self.machines.retain(|_, m| m.times.is_some());
+            }
         }
         self.machines.entry(id.clone()).or_default()
     }
@@ -116,8 +124,9 @@ impl Fleet {
     }
 
     /// Puts in a machine that the history knows.
-    pub fn known(&mut self, id: &MachineId, kind: &str, version: &str) {
+    pub fn known(&mut self, id: &MachineId, kind: &str, version: &str, ended: bool) {
         let machine = self.machine(id);
+        machine.ended = ended;
         (machine.kind, machine.version) = (kind.to_owned(), version.to_owned());
     }
 
@@ -153,6 +162,7 @@ impl Fleet {
         }
         machine.run = run;
         machine.heard = Some(Instant::now());
+        machine.ended = status.ended;
         machine.kind.clone_from(&status.kind);
         machine.version.clone_from(&status.version);
         machine.clock_ms = status.wall_ms as i64 - crate::wall_ms() as i64;
@@ -161,10 +171,10 @@ impl Fleet {
 
     /// A token came or went.
     pub fn token(&mut self, id: &MachineId, is_there: bool) {
-        let machine = self.machine(id);
-        machine.token = is_there;
-        if !is_there {
-            machine.heard = None;
+        if is_there {
+            self.heard(id).token = true;
+        } else if let Some(machine) = self.machines.get_mut(id) {
+            (machine.token, machine.heard) = (false, None);
         }
     }
 
@@ -180,10 +190,30 @@ impl Fleet {
             machine.account = account;
         }
     }
+}
 
-    /// The machines that are here, in order.
-    pub fn here(&self) -> Vec<MachineId> {
-        let here = self.machines.iter().filter(|(_, m)| m.is_here());
-        here.map(|(id, _)| id.clone()).collect()
+#[cfg(test)]
+mod tests {
+    use super::super::alarm::{AlarmArgs, look};
+    use super::*;
+
+    #[test]
+    fn tokens_of_made_up_names_are_bounded_and_raise_nothing() {
+        let mut fleet = Fleet::default();
+        let id = |i: usize| MachineId::new("north", &format!("made-up-{i}")).expect("names");
+        fleet.token(&id(0), false);
+        assert!(fleet.machines.is_empty(), "who goes was here");
+        for i in 0..MACHINES {
+            fleet.known(&id(i), "excavator", "0.1", true);
+        }
+        for i in MACHINES..2 * MACHINES + 10 {
+            fleet.token(&id(i), true);
+        }
+        assert!(fleet.machines.len() <= MACHINES, "{}", fleet.machines.len());
+        assert!(fleet.machines.contains_key(&id(2 * MACHINES + 9)));
+        let args = AlarmArgs {
+            untrusted_after: 30.0,
+        };
+        assert_eq!(look(&mut fleet, &args), []);
     }
 }

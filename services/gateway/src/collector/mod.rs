@@ -40,10 +40,11 @@ pub(crate) use intake::decode;
 use crate::key::MachineId;
 use crate::key::{ESTIMATES, STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
-use crate::lock;
+use crate::{Failure, lock};
+use ask::Question;
 use intake::{Event, Intake};
 use live::Fleet;
-use store::{Store, StoreOutcome};
+use store::{IsHere, Store, StoreOutcome};
 
 /// Events that may wait for the disk.
 const QUEUE: usize = 65_536;
@@ -76,27 +77,36 @@ pub struct CollectorArgs {
     #[arg(long, default_value = PAGE, value_name = "ADDR")]
     pub page: SocketAddr,
     /// Days of history that are kept
-    #[arg(long, default_value_t = 90.0, value_name = "DAYS")]
+    #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = not_negative)]
     pub keep: f64,
     /// What is an alarm
     #[command(flatten)]
     pub alarms: AlarmArgs,
 }
 
+/// A number of minutes or days; a million of them is for ever.
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n| (0.0..=1e6).contains(n));
+    number.ok_or_else(|| "a number from 0 to 1000000".into())
+}
+
 /// Collects until `stop` is set.
 ///
 /// # Errors
 /// The history, the page's address or the router's name cannot be used.
-pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
+pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !args.page.ip().is_loopback() {
         return Err(crate::error(
             format!("{} is no address of this host alone", args.page),
             "--page",
             "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
-        ));
+        )
+        .into());
     }
-    let store = Store::open(&args.db).map_err(|e| store::failed(&e, &args.db))?;
-    let fleet = store.fleet().map_err(|e| store::failed(&e, &args.db))?;
+    // A full disk may have room at the next start.
+    let unreadable = |e| Failure::passing(store::failed(&e, &args.db));
+    let store = Store::open(&args.db).map_err(unreadable)?;
+    let fleet = store.fleet().map_err(unreadable)?;
     let fleet = Arc::new(Mutex::new(fleet));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
@@ -155,7 +165,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
     // Nobody takes anything any more: what Zenoh's threads still bring must not wait for a place.
     drop(waiting);
     let _ = session.close().wait();
-    result
+    result.map_err(Failure::passing)
 }
 
 struct Collector<'a> {
@@ -172,6 +182,7 @@ struct Collector<'a> {
 
 impl Collector<'_> {
     fn work(&mut self, events: &Receiver<Event>, stop: &AtomicBool) -> Result<(), String> {
+        lock(self.fleet).begun = Some(Instant::now());
         let mut looked = Instant::now();
         let mut cleaned = Instant::now();
         while !stop.load(Ordering::Relaxed) {
@@ -246,6 +257,7 @@ impl Collector<'_> {
             fleet.refused(&id, why, 1);
             *self.refused.entry((id, why)).or_default() += 1;
         };
+        let mut has_answer = false;
         for event in events {
             match event {
                 Event::Message(message) => match self.store.insert(&message)? {
@@ -260,13 +272,18 @@ impl Collector<'_> {
                 Event::Token(id, is_there) => fleet.token(&id, is_there),
                 Event::Refused(id, why) => refused(&mut fleet, id, why),
                 Event::Answered(stream, answer) => {
+                    has_answer = true;
                     self.asker.answered();
                     self.store.answered(stream, answer)?;
                 }
             }
         }
         drop(fleet);
-        self.store.commit()
+        self.store.commit()?;
+        if has_answer {
+            self.ask(Store::next_questions);
+        }
+        Ok(())
     }
 
     /// Once a second: what is missing, what is wrong.
@@ -276,7 +293,6 @@ impl Collector<'_> {
         fleet.turned_away = self.intake.turned_away();
         self.refused
             .retain(|(id, _), _| fleet.machines.contains_key(id));
-        let here = fleet.here();
         for (id, state) in self.store.account() {
             fleet.account(&id, state);
         }
@@ -300,10 +316,49 @@ impl Collector<'_> {
                 crate::MACHINES
             );
         }
+        self.ask(Store::questions);
+        self.store.settle()
+    }
+
+    /// Asks for what is missing, as far as there is room.
+    fn ask(&mut self, of: impl FnOnce(&mut Store, &IsHere<'_>, usize) -> Vec<Question>) {
         let room = self.asker.room();
-        for question in self.store.questions(&here, room) {
+        let fleet = lock(self.fleet);
+        let is_here = |id: &MachineId| fleet.machines.get(id).is_some_and(live::Machine::is_here);
+        let questions = of(&mut self.store, &is_here, room);
+        drop(fleet);
+        for question in questions {
             self.asker.ask(question);
         }
-        self.store.settle()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::CollectorArgs;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: CollectorArgs,
+    }
+
+    #[test]
+    fn what_is_no_time_deletes_nothing_and_ends_nothing() {
+        let parse = |option: &str| {
+            let words = ["heft fleet", "--connect", "tcp/127.0.0.1:7447", option];
+            Cli::try_parse_from(words).map(|cli| cli.args)
+        };
+        for time in ["nan", "-1", "inf", "x", "1e7"] {
+            for option in ["--keep", "--untrusted-after"] {
+                assert!(
+                    parse(&format!("{option}={time}")).is_err(),
+                    "{option} {time}"
+                );
+            }
+        }
+        assert!(parse("--keep=7.5").is_ok_and(|args| args.keep == 7.5));
     }
 }

@@ -20,7 +20,7 @@ use crate::label::Label;
 use crate::status::Status;
 use crate::{MACHINES, wall_ms};
 use gaps::Stream;
-use runs::{Begun, Runs};
+use runs::{Begun, Run, Runs};
 
 const SCHEMA: &str = "
     PRAGMA journal_mode = WAL;
@@ -31,7 +31,7 @@ const SCHEMA: &str = "
     CREATE TABLE IF NOT EXISTS run (
         id INTEGER PRIMARY KEY AUTOINCREMENT, machine INTEGER NOT NULL REFERENCES machine, run INTEGER NOT NULL,
         first_ms INTEGER NOT NULL, count INTEGER NOT NULL DEFAULT 0, clock_ms INTEGER, off_ms INTEGER NOT NULL DEFAULT 0,
-        UNIQUE (machine, run));
+        ended INTEGER NOT NULL DEFAULT 0, UNIQUE (machine, run));
     CREATE TABLE IF NOT EXISTS refused (
         machine INTEGER NOT NULL REFERENCES machine, why TEXT NOT NULL, messages INTEGER NOT NULL, PRIMARY KEY (machine, why));
     CREATE TABLE IF NOT EXISTS stream (
@@ -52,6 +52,9 @@ const SCHEMA: &str = "
 const DAYS_MS: i64 = 3 * 86_400_000;
 const MOMENT_MS: i64 = 60_000;
 
+/// A history of before does not say which runs have ended.
+const WITHOUT_END: &str = "ALTER TABLE run ADD COLUMN ended INTEGER NOT NULL DEFAULT 0";
+
 /// What a history of before has its runs named by: the machine's clock when they began.
 const OLD: &str = "
     ALTER TABLE stream RENAME COLUMN epoch TO run;
@@ -68,6 +71,24 @@ const FORGET_NAMES: &str = "
     DELETE FROM machine WHERE id IN gone;
     DROP TABLE gone;
 ";
+
+/// Of each machine the first run that stays: it has something left, began since `?`, or is the latest. The runs before it go
+/// with their streams, and none in between: who counts runs would miss it.
+const FIRST_RUNS: &str = "
+    CREATE TEMP TABLE first AS SELECT machine, min(id) AS id FROM (
+        SELECT machine, id FROM run r WHERE first_ms >= ? OR EXISTS (
+            SELECT 1 FROM stream s JOIN message e ON e.stream = s.id WHERE s.machine = r.machine AND s.run = r.run)
+        UNION ALL SELECT machine, max(id) FROM run GROUP BY machine) GROUP BY machine";
+const FORGET_RUNS: &str = "
+    CREATE TEMP TABLE over AS SELECT r.machine, run FROM run r JOIN first f ON f.machine = r.machine WHERE r.id < f.id;
+    DELETE FROM stream WHERE (machine, run) IN over;
+    DELETE FROM run WHERE (machine, run) IN over;
+    DROP TABLE over;
+    DROP TABLE first;
+";
+
+/// Whether a machine is here.
+pub type IsHere<'a> = dyn Fn(&MachineId) -> bool + 'a;
 
 /// What became of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +109,11 @@ pub struct Store {
     streams: BTreeMap<i64, Stream>,
     runs: Runs,
     begun: HashMap<i64, Begun>,
+    /// Streams to ask for, in order.
+    waiting: Vec<i64>,
+    /// Who is asked for each stream, and the stream that was asked for last.
+    under_way: HashMap<i64, MachineId>,
+    last_asked: i64,
 }
 
 struct Owner {
@@ -135,9 +161,16 @@ impl Store {
     pub fn open(file: &Path) -> rusqlite::Result<Self> {
         let sql = connect(file, OpenFlags::default())?;
         sql.execute_batch(SCHEMA)?;
-        let old = "SELECT count(*) FROM pragma_table_info('stream') WHERE name = 'epoch'";
-        if sql.query_row(old, [], |row| row.get::<_, i64>(0))? > 0 {
+        let has = |table: &str, column: &str| {
+            let look = "SELECT count(*) FROM pragma_table_info(?) WHERE name = ?";
+            sql.query_row(look, [table, column], |row| row.get::<_, i64>(0))
+                .map(|n| n > 0)
+        };
+        if has("stream", "epoch")? {
             sql.execute_batch(OLD)?;
+        }
+        if !has("run", "ended")? {
+            sql.execute_batch(WITHOUT_END)?;
         }
         let mut store = Self {
             sql,
@@ -146,6 +179,9 @@ impl Store {
             streams: BTreeMap::new(),
             runs: Runs::new(),
             begun: HashMap::new(),
+            waiting: Vec::new(),
+            under_way: HashMap::new(),
+            last_asked: 0,
         };
         store.load_runs()?;
         store.load()?;
@@ -189,10 +225,12 @@ impl Store {
     /// The file cannot be read.
     pub fn fleet(&self) -> rusqlite::Result<Fleet> {
         let mut fleet = Fleet::default();
-        let mut latest: HashMap<i64, i64> = HashMap::new();
+        let mut latest: HashMap<i64, &Run> = HashMap::new();
         for ((machine, _), run) in &self.runs {
-            let known = latest.entry(*machine).or_insert(run.id);
-            *known = run.id.max(*known);
+            let known = latest.entry(*machine).or_insert(run);
+            if run.id > known.id {
+                *known = run;
+            }
         }
         let mut query = self
             .sql
@@ -201,9 +239,10 @@ impl Store {
         for (id, stream) in &self.streams {
             let machine = &self.machines[&stream.machine];
             let order = self.runs.get(&(machine.id, stream.run)).map_or(0, |r| r.id);
-            if stream.newest < 0 || latest.get(&machine.id) != Some(&order) {
+            let latest = latest.get(&machine.id).filter(|run| run.id == order);
+            let Some(ended) = latest.map(|run| run.ended).filter(|_| stream.newest >= 0) else {
                 continue;
-            }
+            };
             let found = query.query_row(params![id, stream.newest], |row| {
                 let after: Option<i64> = row.get(0)?;
                 let message: (i64, Vec<u8>) = (row.get(1)?, row.get(2)?);
@@ -221,7 +260,8 @@ impl Store {
             if now.saturating_sub(received) > stays || fleet.machines.len() >= MACHINES {
                 continue;
             }
-            fleet.known(&stream.machine, &machine.reported.0, &machine.reported.1);
+            let (kind, version) = &machine.reported;
+            fleet.known(&stream.machine, kind, version, ended);
             if let Some(envelope) = decode(&stream.name, &payload) {
                 let label = Label {
                     machine: stream.machine.machine.clone(),
@@ -401,7 +441,7 @@ impl Store {
             return Ok(None);
         };
         let ahead = (status.wall_ms as i64).saturating_sub(wall_ms() as i64);
-        self.reported_run(owner, run, status.count, ahead)?;
+        self.reported_run(owner, run, status, ahead)?;
         for (name, reported) in &status.streams {
             // Only what messages have made known, or would.
             if reported.head < 0 || !super::intake::is_stream(name) {
@@ -455,18 +495,20 @@ impl Store {
         self.sql.execute(add, values).map(|_| ())
     }
 
-    /// Removes what came more than so many days ago, by our clock.
+    /// Removes what came more than so many days ago, by our clock, and the runs and names of which nothing is left.
     ///
     /// # Errors
     /// The disk takes no more.
     pub fn forget(&mut self, days: f64) -> rusqlite::Result<()> {
-        let limit = wall_ms() as i64 - (days.max(0.0) * 86_400_000.0) as i64;
+        let limit = wall_ms() as i64 - (days * 86_400_000.0) as i64;
         for delete in [
             "DELETE FROM message WHERE received_ms < ?",
             "DELETE FROM alarm WHERE at_ms < ?",
+            FIRST_RUNS,
         ] {
             self.sql.execute(delete, [limit])?;
         }
+        self.sql.execute_batch(FORGET_RUNS)?;
         self.sql.execute_batch(FORGET_NAMES)?;
         (self.machines, self.ids) = (HashMap::new(), HashMap::new());
         (self.runs, self.begun, self.streams) = (Runs::new(), HashMap::new(), BTreeMap::new());

@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::mpsc::Receiver;
 
 use super::ServeArgs;
-use crate::error;
+use crate::{Failure, error};
 
 /// The process with both its ends.
 type ChildPipes = (Child, BufWriter<ChildStdin>, BufReader<ChildStdout>);
@@ -63,7 +63,7 @@ pub(super) fn feed(mut input: BufWriter<ChildStdin>, batches: &Receiver<Vec<u8>>
 }
 
 /// Waits for its end, which its input's end brings.
-pub(super) fn end(mut child: Child) -> Result<(), String> {
+pub(super) fn end(mut child: Child) -> Result<(), Failure> {
     drop(child.stdin.take());
     let ended = child
         .wait()
@@ -72,5 +72,11 @@ pub(super) fn end(mut child: Child) -> Result<(), String> {
         return Ok(());
     }
     let what = format!("`heft serve` ended: {ended}");
-    Err(error(what, "heft fleet serve", "see what it said above"))
+    let failed = error(what, "heft fleet serve", "see what it said above");
+    // 2: it cannot use what it was given.
+    Err(if ended.code() == Some(2) {
+        failed.into()
+    } else {
+        Failure::passing(failed)
+    })
 }

@@ -136,7 +136,10 @@ impl Intake {
     /// Says what was counted of all machines.
     pub(super) fn tell(&self) {
         let machines = lock(&self.machines);
-        let sum = |of: fn(&Counts) -> u64| machines.values().map(|m| of(&m.counts)).sum::<u64>();
+        let sum = |of: fn(&Counts) -> u64| {
+            let counts = machines.values().map(|m| of(&m.counts));
+            counts.fold(0, u64::saturating_add)
+        };
         eprintln!(
             "serve: {} machines, {} samples, {} estimates; {} samples missing, {} too late for `heft serve`, {} messages refused",
             machines.len(),
@@ -153,7 +156,7 @@ impl Intake {
         let machines = lock(&self.machines);
         let some = machines.iter().filter(|(_, m)| {
             let c = m.counts;
-            c.missing + c.late + c.refused > 0
+            c.missing > 0 || c.late > 0 || c.refused > 0
         });
         let line = |(name, m): (&String, &Machine)| {
             let c = m.counts;

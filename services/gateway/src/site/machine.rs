@@ -160,14 +160,14 @@ impl Machine {
         let run = self.run(now, label, records)?;
         run.heard = now;
         let name = name(&label.machine, label.run);
-        let (mut count, mut missing) = (0, 0);
+        let (mut count, mut missing) = (0, 0_u64);
         for sample in samples {
             let number = sample.number as i64;
             if number <= run.last {
                 continue;
             }
             if run.last >= 0 {
-                missing += (number - run.last - 1) as u64;
+                missing = missing.saturating_add((number - run.last - 1) as u64);
             }
             let is_cut = std::mem::take(&mut run.is_cut);
             if is_cut || number != run.last + 1 {
@@ -180,7 +180,7 @@ impl Machine {
         }
         let measured_ns = samples.last().map_or(0, |s| s.measured_ns);
         run.wall_offset_ms = label.wall_ms as i64 - (measured_ns / 1_000_000) as i64;
-        self.counts.missing += missing;
+        self.counts.missing = self.counts.missing.saturating_add(missing);
         Some(count)
     }
 }
@@ -189,4 +189,34 @@ impl Machine {
 pub fn forget(name: &str, records: &mut Vec<u8>) {
     put_delimited(name.as_bytes(), records);
     put_delimited(&[], records);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_hostile_machine_says_is_missing_overflows_nothing() {
+        let begun = Instant::now();
+        let mut machine = Machine::new(begun);
+        for run in 0..3 {
+            let now = begun + RUNS * (run + 1);
+            let one = |number| One {
+                number,
+                measured_ns: 0,
+                bytes: &[1],
+            };
+            let samples = [one(0), one(i64::MAX as u64)];
+            let label = Label {
+                machine: "ex-1".into(),
+                run: u64::from(run),
+                number: i64::MAX as u64,
+                after: None,
+                wall_ms: 0,
+            };
+            let taken = machine.admit(now, &label, &samples, &mut Vec::new());
+            assert_eq!(taken, Some(2));
+        }
+        assert_eq!(machine.counts.missing, u64::MAX);
+    }
 }

@@ -25,9 +25,9 @@ use messages::channels::Channel;
 use steps::stages::Pipeline;
 use zenoh::Wait;
 
-use crate::error;
 use crate::key::{MachineId, ROOT, SITE_ESTIMATE};
 use crate::link::{LinkArgs, client_unless};
+use crate::{Failure, error};
 use answers::Answers;
 use intake::Intake;
 use kept::Kept;
@@ -98,11 +98,11 @@ impl Way {
 ///
 /// # Errors
 /// An argument cannot be used, or `heft serve` ends by itself.
-pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), String> {
+pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let way = Way::of(args)?;
     if MachineId::new(&args.site, "any").is_none() {
         let remedy = "use 1 to 64 letters, digits, dots, hyphens and underscores";
-        return Err(error("this cannot name a site", "--site", remedy));
+        return Err(error("this cannot name a site", "--site", remedy).into());
     }
     let (mut child, input, output) = child::start(args)?;
     let stops = || stop.load(Ordering::Relaxed);
@@ -148,13 +148,13 @@ pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), String> {
     }
     drop(questions);
     let _ = session.close().wait();
-    if let (Ok(()), Ok(Err(why))) = joined {
-        tracing::warn!("{why}");
-    }
     child::end(child)?;
-    if has_ended {
-        let remedy = "see what it said above; start `heft fleet serve` again";
-        return Err(error("`heft serve` has ended", "heft fleet serve", remedy));
+    let remedy = "see what it said above; start `heft fleet serve` again";
+    let failed = |what| Failure::passing(error(what, "heft fleet serve", remedy));
+    match joined {
+        (Ok(()), Ok(Ok(()))) if has_ended => Err(failed("`heft serve` has ended")),
+        (Ok(()), Ok(Ok(()))) => Ok(()),
+        (Ok(()), Ok(Err(why))) => Err(Failure::passing(why)),
+        _ => Err(failed("a thread failed")),
     }
-    Ok(())
 }

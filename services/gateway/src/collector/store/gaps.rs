@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rusqlite::params;
 
-use super::Store;
+use super::{IsHere, Store};
 use crate::collector::ask::Question;
 use crate::collector::intake::{Answer, is_of_site};
 use crate::collector::live::Account;
@@ -71,22 +71,45 @@ impl Store {
         Ok(())
     }
 
-    /// What to ask the machines that are here, and their site: gaps that did not close by themselves.
-    pub fn questions(&mut self, here: &[MachineId], most: usize) -> Vec<Question> {
+    /// What to ask the machines that are here, and their site: gaps that did not close by themselves. Whoever answers has one
+    /// question at a time, and it goes round: who does not answer holds up nobody else.
+    pub fn questions(&mut self, is_here: &IsHere<'_>, most: usize) -> Vec<Question> {
         let now = Instant::now();
-        let mut questions = Vec::new();
+        self.waiting.clear();
         for (id, stream) in &mut self.streams {
             if stream.good >= stream.head {
                 (stream.gap, stream.pause) = (None, PAUSE);
                 continue;
             }
             let since = *stream.gap.get_or_insert(now);
-            let is_due = !stream.asked && now >= stream.next && now.duration_since(since) >= GRACE;
-            let is_here = || stream.is_of_site || here.binary_search(&stream.machine).is_ok();
-            if is_due && questions.len() < most && is_here() {
+            if !stream.asked && now >= stream.next && now.duration_since(since) >= GRACE {
+                self.waiting.push(*id);
+            }
+        }
+        let last = self.last_asked;
+        let behind = self.waiting.partition_point(|id| *id <= last);
+        self.waiting.rotate_left(behind);
+        self.next_questions(is_here, most)
+    }
+
+    /// The same, of what was due at the last look: after an answer.
+    pub fn next_questions(&mut self, is_here: &IsHere<'_>, most: usize) -> Vec<Question> {
+        let mut questions = Vec::new();
+        for id in std::mem::take(&mut self.waiting) {
+            let Some(stream) = self.streams.get_mut(&id) else {
+                continue;
+            };
+            let who = stream.who_answers();
+            if questions.len() == most || self.under_way.values().any(|w| *w == who) {
+                self.waiting.push(id);
+                continue;
+            }
+            if stream.good < stream.head && (stream.is_of_site || is_here(&stream.machine)) {
                 stream.asked = true;
+                self.under_way.insert(id, who);
+                self.last_asked = id;
                 questions.push(Question {
-                    stream: *id,
+                    stream: id,
                     id: stream.machine.clone(),
                     name: stream.name.clone(),
                     run: stream.run,
@@ -116,6 +139,7 @@ impl Store {
     /// # Errors
     /// The disk takes no more.
     pub fn answered(&mut self, id: i64, answer: Answer) -> rusqlite::Result<()> {
+        self.under_way.remove(&id);
         let Some(stream) = self.streams.get_mut(&id) else {
             return Ok(());
         };
@@ -206,6 +230,15 @@ impl Stream {
         }
     }
 
+    /// Whoever is asked for what is missing: the machine, or its site, which has no name among the machines.
+    fn who_answers(&self) -> MachineId {
+        let mut who = self.machine.clone();
+        if self.is_of_site {
+            who.machine.clear();
+        }
+        who
+    }
+
     /// Whether nothing is missing between what is here and a message that names `after` as the one before it. Where a site
     /// has joined a run on its way, nothing of its own was before.
     pub fn follows(&self, after: Option<i64>) -> bool {
@@ -218,5 +251,88 @@ impl Stream {
     fn lose(&mut self, messages: u64) {
         let messages = i64::try_from(messages).unwrap_or(i64::MAX);
         self.lost = self.lost.saturating_add(messages);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::status::{self, Status};
+
+    const STREAMS: [&str; 3] = ["estimate/inertia_rls", "estimate/inertia_ukf", "health/ukf"];
+
+    fn machine(name: &str) -> MachineId {
+        MachineId::new("north", name).expect("names")
+    }
+
+    /// A history in which something of each stream of these machines is missing since long.
+    fn history(folder: &std::path::Path, machines: &[&str]) -> Store {
+        let mut store = Store::open(&folder.join("fleet.sqlite")).expect("a history");
+        let stream = |name: &str| {
+            let (head, per_period) = (9, 1.0);
+            (name.to_owned(), status::Stream { head, per_period })
+        };
+        for name in machines {
+            let status = Status {
+                streams: STREAMS.map(stream).into(),
+                ..Status::default()
+            };
+            store.status(&machine(name), &status).expect("room");
+        }
+        let long_ago = Instant::now().checked_sub(GRACE);
+        let streams = store.streams.values_mut();
+        streams.for_each(|stream| stream.gap = long_ago);
+        store
+    }
+
+    fn names(questions: &[Question]) -> Vec<&str> {
+        questions.iter().map(|q| q.id.machine.as_str()).collect()
+    }
+
+    #[test]
+    fn a_machine_that_does_not_answer_holds_up_no_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = history(folder.path(), &["mute", "honest"]);
+        let asked = store.questions(&|_| true, 3);
+        assert_eq!(names(&asked), ["mute", "honest"], "one each");
+        // The next of the honest one comes at once.
+        let whole = |q: &Question| {
+            Answer::Whole(crate::question::AnswerSummary {
+                upto: q.upto,
+                ..Default::default()
+            })
+        };
+        store
+            .answered(asked[1].stream, whole(&asked[1]))
+            .expect("room");
+        let next = store.next_questions(&|_| true, 2);
+        assert_eq!(names(&next), ["honest"]);
+        assert_ne!(next[0].name, asked[1].name);
+        store
+            .answered(next[0].stream, whole(&next[0]))
+            .expect("room");
+        let last = store.questions(&|_| true, 2);
+        assert_eq!(names(&last), ["honest"]);
+        assert_eq!(store.account()[&machine("honest")].gaps, 1);
+    }
+
+    #[test]
+    fn where_places_are_few_the_machines_are_asked_in_turn() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = history(folder.path(), &["a", "b", "c"]);
+        let mut order = Vec::new();
+        for _ in 0..6 {
+            let asked = store.questions(&|_| true, 1);
+            order.extend(asked.iter().map(|q| q.id.machine.clone()));
+            store.answered(asked[0].stream, Answer::None).expect("room");
+            store
+                .streams
+                .values_mut()
+                .for_each(|s| s.next = Instant::now());
+        }
+        // By stream, each after the other; nobody a second time before all were asked.
+        assert_eq!(order, ["a", "a", "a", "b", "b", "b"]);
+        let here = |id: &MachineId| id.machine == "a";
+        assert_eq!(names(&store.questions(&here, 9)), ["a"]);
     }
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use rusqlite::params;
 
 use super::Store;
+use crate::status::Status;
 use crate::wall_ms;
 
 /// New runs of a machine at once, and time between two of them over some time [s]: a run lasts longer.
@@ -23,6 +24,8 @@ pub(super) struct Run {
     pub count: i64,
     /// The most that its clock was ahead of ours in a status [ms]: the one that took least time to come.
     clock_ms: Option<i64>,
+    /// It ended in order: the machine said so.
+    pub ended: bool,
 }
 
 /// New runs that a machine may begin now.
@@ -58,13 +61,14 @@ impl Store {
     pub(super) fn load_runs(&mut self) -> rusqlite::Result<()> {
         let mut query = self
             .sql
-            .prepare("SELECT id, machine, run, count, clock_ms FROM run")?;
+            .prepare("SELECT id, machine, run, count, clock_ms, ended FROM run")?;
         let mut rows = query.query([])?;
         while let Some(row) = rows.next()? {
             let run = Run {
                 id: row.get(0)?,
                 count: row.get(3)?,
                 clock_ms: row.get(4)?,
+                ended: row.get(5)?,
             };
             self.runs.insert((row.get(1)?, row.get(2)?), run);
         }
@@ -87,32 +91,33 @@ impl Store {
             id,
             count: 0,
             clock_ms: None,
+            ended: false,
         };
         self.runs.insert((machine, run), new);
         Ok(Some(id))
     }
 
-    /// Notes what a status says of a known run: its count, and how far its clock is off.
+    /// Notes what a status says of a known run: its count, its end, and how far its clock is off.
     pub(super) fn reported_run(
         &mut self,
         machine: i64,
         run: i64,
-        count: u64,
+        status: &Status,
         ahead_ms: i64,
     ) -> rusqlite::Result<()> {
         let Some(known) = self.runs.get_mut(&(machine, run)) else {
             return Ok(());
         };
-        let count = i64::try_from(count).unwrap_or(0);
+        let count = i64::try_from(status.count).unwrap_or(0);
         let ahead = known.clock_ms.map_or(ahead_ms, |was| was.max(ahead_ms));
-        if known.count == count && known.clock_ms == Some(ahead) {
+        if (known.count, known.clock_ms, known.ended) == (count, Some(ahead), status.ended) {
             return Ok(());
         }
-        (known.count, known.clock_ms) = (count, Some(ahead));
+        (known.count, known.clock_ms, known.ended) = (count, Some(ahead), status.ended);
         let off = if ahead.abs() < RIGHT_MS { 0 } else { ahead };
-        let update = "UPDATE run SET count = ?, clock_ms = ?, off_ms = ? WHERE id = ?";
+        let update = "UPDATE run SET count = ?, clock_ms = ?, off_ms = ?, ended = ? WHERE id = ?";
         self.sql
-            .execute(update, params![count, ahead, off, known.id])
+            .execute(update, params![count, ahead, off, status.ended, known.id])
             .map(|_| ())
     }
 
@@ -137,5 +142,85 @@ impl Store {
             .into_iter()
             .map(|(machine, its)| (machine, sum(its)))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::key::MachineId;
+    use crate::status;
+
+    #[test]
+    fn a_run_that_ended_in_order_has_ended_also_after_a_start_and_in_a_history_of_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let db = folder.path().join("fleet.sqlite");
+        let mut store = Store::open(&db).expect("a history");
+        let machine = MachineId::new("north", "ex-1").expect("names");
+        let head = status::Stream {
+            head: 0,
+            per_period: 1.0,
+        };
+        let status = Status {
+            kind: "excavator".into(),
+            run: 7,
+            wall_ms: wall_ms(),
+            ended: true,
+            streams: [("estimate/inertia_ukf".to_owned(), head)].into(),
+            ..Status::default()
+        };
+        store.status(&machine, &status).expect("room");
+        let message = format!(
+            "INSERT INTO message SELECT id, 0, -1, 0, {}, x'' FROM stream",
+            wall_ms()
+        );
+        store.sql.execute_batch(&message).expect("room");
+        let ended = |store: &Store| store.fleet().expect("it").machines[&machine].ended;
+        let store = Store::open(&db).expect("a history");
+        assert!(ended(&store));
+        let before = "ALTER TABLE run DROP COLUMN ended";
+        store.sql.execute_batch(before).expect("room");
+        drop(store);
+        assert!(!ended(&Store::open(&db).expect("a history of before")));
+    }
+
+    #[test]
+    fn of_runs_of_long_ago_nothing_stays_but_what_counts_the_later_ones() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = Store::open(&folder.path().join("fleet.sqlite")).expect("a history");
+        let machine = MachineId::new("north", "ex-1").expect("names");
+        for count in 1..=6_u64 {
+            let (head, per_period) = (9, 1.0);
+            let name = "estimate/inertia_ukf".to_owned();
+            let status = Status {
+                kind: "excavator".into(),
+                run: 100 - count,
+                count,
+                streams: [(name, status::Stream { head, per_period })].into(),
+                ..Status::default()
+            };
+            store.status(&machine, &status).expect("room");
+        }
+        // All but the last two began long ago; of the third a message is left.
+        let make = format!(
+            "UPDATE run SET first_ms = 0 WHERE count <= 4;
+             INSERT INTO message SELECT id, 0, -1, 0, {}, x'' FROM stream WHERE run = 97;",
+            wall_ms()
+        );
+        store.sql.execute_batch(&make).expect("room");
+        let runs = |store: &Store| {
+            let mut counts: Vec<i64> = store.runs.values().map(|run| run.count).collect();
+            counts.sort_unstable();
+            (counts, store.streams.len(), store.ids.len())
+        };
+        store.forget(1.0).expect("room");
+        assert_eq!(runs(&store), (vec![3, 4, 5, 6], 4, 4));
+        assert!(store.unheard().values().all(|runs| *runs == 0));
+        // Of a machine that was not heard for long its latest run stays.
+        let old = "UPDATE run SET first_ms = 0; UPDATE message SET received_ms = 0";
+        store.sql.execute_batch(old).expect("room");
+        store.forget(1.0).expect("room");
+        assert_eq!(runs(&store), (vec![6], 1, 1));
+        store.forget(1.0).expect("again");
     }
 }
