@@ -32,10 +32,7 @@ fn tallies_of(
     let sets = machines::sets(stated);
     description.set_all(&sets).expect("settings that exist");
     let settings = Settings::of(&description, method);
-    let columns = Columns {
-        acceleration: true,
-        ..Columns::default()
-    };
+    let columns = Columns { acceleration: true };
     let mut estimator = CgEstimator::new(&settings, method, columns).expect("an estimator");
     let recording = Table::read(golden(&format!("machines/{name}.csv")));
     let mut tallies = [Tally::default(), Tally::default()];

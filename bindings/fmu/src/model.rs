@@ -237,7 +237,8 @@ impl<M: Machine> Model for Variables<M> {
             keys[key.at] = f64::NAN;
         }
         let stated = read(|i| keys[i]).map_err(|error| error.to_string())?;
-        let machine = M::new(&completed(stated), self.method, self.columns);
+        let settings = completed(stated);
+        let machine = M::new(&settings, self.method, self.columns);
         self.machine = Some(machine.map_err(|error| error.to_string())?);
         Ok(())
     }

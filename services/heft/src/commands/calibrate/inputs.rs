@@ -196,7 +196,9 @@ mod tests {
     fn a_result_is_of_its_recordings_and_of_all_that_was_asked_and_of_no_more() {
         let folder = tempfile::tempdir().expect("a folder");
         let [a, b] = ["a.csv", "b.csv"].map(|name| folder.path().join(name));
-        [&a, &b].map(|file| std::fs::write(file, "t\n1\n").expect("a file"));
+        for file in [&a, &b] {
+            std::fs::write(file, "t\n1\n").expect("a file");
+        }
         let option = |text: &str| text.to_owned();
         let asked_for = [option("--class=21t"), option("--payload=b.csv=500")];
         let files = [a, b];
