@@ -4,9 +4,9 @@ use crate::estimate::Estimate;
 use crate::judgement::Judgement;
 use crate::words::run_judgements;
 
-/// A pause shorter than this does not end a stretch [s].
+/// A pause shorter than this does not end a stretch \[s\].
 pub const PAUSE: f64 = 0.3;
-/// A shorter motion is none [s].
+/// A shorter motion is none \[s\].
 pub const SHORTEST: f64 = 1.0;
 
 /// A stretch of motion.
