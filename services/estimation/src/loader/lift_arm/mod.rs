@@ -145,6 +145,8 @@ pub(super) struct Weighed {
     pub loading_std: [f64; 2],
     /// How far it lies from either place of the tilt cylinder, while both are possible [kg].
     pub undecided: f64,
+    /// Standard deviation by the pressure's gain at a load, which a weighed load alone tells: in that of the payload [kg].
+    pub gain_left: f64,
     /// The content may be changing, or the ground carries a part of it.
     pub open: bool,
     /// No doubt that was stated explains what the pressures show.
@@ -434,8 +436,8 @@ impl LiftWitness {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
         // No emptied bucket tells the gain of a pressure that it has not.
-        let load = payload.value.max(0.0);
-        let std = norm(&[payload.std, drawing.gain_left_std * load]);
+        let gain_left = drawing.gain_left_std * payload.value.max(0.0);
+        let std = norm(&[payload.std, gain_left]);
         let more = moved.with(payload.value + std);
         let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self
@@ -462,6 +464,7 @@ impl LiftWitness {
             },
             loading_std: [widened.moved.ratio, widened.moved.height],
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
+            gain_left,
             open,
             wrong: self.below.is_wrong(),
             silent: false,

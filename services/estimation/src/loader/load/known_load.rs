@@ -174,6 +174,7 @@ mod tests {
             },
             loading_std: [0.02, 0.03],
             undecided: 0.0,
+            gain_left: 0.0,
             open: false,
             wrong: false,
             silent: false,
