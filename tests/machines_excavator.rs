@@ -9,7 +9,10 @@ use common::golden;
 use common::machines::{self, Limits};
 use common::table::Table;
 use config::Tables as _;
-use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
+use estimation::Quantity;
+use estimation::excavator::{
+    Columns, Estimate, Method, Sample, Settings, Smoothed, Smoother, SwingEstimator, Trail,
+};
 use serde_json::{Map, Value};
 use statistics::judge::{JudgedRow, Tally};
 
@@ -142,50 +145,47 @@ fn a_torque_that_was_always_wrong_by_a_quarter_is_hardly_ever_believed() {
     }
 }
 
-/// On-line and smoothed errors of the rows in motion, in standard deviations and relative to the truth.
-fn smoothed(name: &str, sets: &Value) -> Vec<[[f64; 2]; 2]> {
+/// A row in motion as it was known on line and as all rows know it, and the true inertia.
+fn smoothed(
+    name: &str,
+    sets: &Value,
+    change: impl Fn(&mut Sample),
+) -> Vec<(Estimate, Smoothed, f64)> {
     let settings = settings(sets);
     let mut estimator =
         SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
     assert!(estimator.keep_trail());
     let mut trails: Vec<Trail> = Vec::new();
     let mut moving = Vec::new();
-    for (sample, truth, moves) in rows(name) {
+    for (mut sample, truth, moves) in rows(name) {
+        change(&mut sample);
         let online = estimator.step_with(&sample, &mut |trail| trails.push(*trail));
-        if let (true, [Some(boom), Some(arm), Some(bucket)]) = (moves, sample.posture) {
-            moving.push((trails.len(), online, truth, [boom, arm, bucket]));
+        if moves && !trails.is_empty() {
+            moving.push((trails.len() - 1, online, truth));
         }
     }
     let mut smoother = Smoother::default();
     let mut moments: Vec<_> = trails.iter().rev().map(|t| smoother.back(t)).collect();
     moments.reverse();
-    moving
-        .into_iter()
-        .filter(|(end, ..)| *end > 0)
-        .map(|(end, online, truth, posture)| {
-            let moment = &moments[end - 1];
-            let of_posture = |q| settings.geometry.inertia(q);
-            let payload = moment.payload.value;
-            let moved = of_posture(posture).with_payload(payload)
-                - of_posture(moment.posture).with_payload(payload);
-            let (value, std) = (moment.inertia.value + moved, moment.inertia.std);
-            let of = |value: f64, std: f64| [(value - truth) / std, (value - truth) / truth];
-            [of(online.inertia, online.inertia_std), of(value, std)]
-        })
-        .collect()
+    let row = |(tick, online, truth)| (online, moments[tick], truth);
+    moving.into_iter().map(row).collect()
+}
+
+/// Errors in standard deviations, and relative to the truth, on line and smoothed.
+fn errors((online, moment, truth): &(Estimate, Smoothed, f64)) -> [[f64; 2]; 2] {
+    let of = |value: f64, std: f64| [(value - truth) / std, (value - truth) / truth];
+    let Quantity { value, std } = moment.inertia;
+    [of(online.inertia, online.inertia_std), of(value, std)]
 }
 
 #[test]
 fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds() {
     let mut all = Vec::new();
     for (name, about) in recordings() {
-        let found = smoothed(&name, &about["sets"]);
-        assert_eq!(
-            found,
-            smoothed(&name, &about["sets"]),
-            "{name}: the same bits"
-        );
-        all.extend(found);
+        let again = || smoothed(&name, &about["sets"], |_| {});
+        let found = again();
+        assert_eq!(found, again(), "{name}: the same bits");
+        all.extend(found.iter().map(errors));
     }
     let rms = |k: usize| {
         let squares: f64 = all.iter().map(|row| row[k][1] * row[k][1]).sum();
@@ -200,4 +200,42 @@ fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds
     );
     println!("{said}");
     assert!(rms(1) < 0.9 * rms(0) && covered > 0.93, "{said}");
+}
+
+#[test]
+fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_other() {
+    let faults: [(&str, fn(&mut Sample)); 3] = [
+        ("velocity x 1.2", |s| {
+            s.velocity = s.velocity.map(|w| 1.2 * w)
+        }),
+        ("torque x .7 from 15 s on", |s| {
+            s.torque = s.torque.map(|t| if s.time > 15.0 { 0.7 * t } else { t });
+        }),
+        ("torque x 1.4 from 15 s on", |s| {
+            s.torque = s.torque.map(|t| if s.time > 15.0 { 1.4 * t } else { t });
+        }),
+    ];
+    for (fault, change) in faults {
+        let (mut trusted, mut wrong, mut rows) = (0, 0, 0);
+        for (name, about) in recordings() {
+            let share = settings(&about["sets"]).estimator.converged_share;
+            for row in smoothed(&name, &about["sets"], change) {
+                let (online, moment, _) = &row;
+                let flags = online.flags;
+                let [_, [deviations, relative]] = errors(&row);
+                let sound = flags.excited && flags.consistent && flags.fresh && flags.identifiable;
+                rows += 1;
+                if sound && !flags.changing && moment.converged(share) {
+                    trusted += 1;
+                    wrong += usize::from(deviations.abs() > 1.96 || relative.abs() > 0.1);
+                }
+            }
+        }
+        let said = format!("{fault}: {trusted} trusted of {rows}, {wrong} wrong");
+        println!("{said}");
+        assert!(
+            f64::from(wrong as u32) <= 0.05 * f64::from(trusted as u32),
+            "{said}"
+        );
+    }
 }

@@ -168,6 +168,18 @@ fn bad_input_does_not_earn_trust_and_attachments_have_their_ratios() {
             .iter()
             .all(|line| number(&line["summary"], "max").is_finite())
     );
+    let asked = |line: &&Value| line["targets"].as_array().is_some_and(|t| !t.is_empty());
+    let asked: Vec<_> = lines.iter().filter(asked).collect();
+    assert!(asked.len() > 80, "{}", asked.len());
+    for line in asked {
+        let wrong = number(&line["summary"], "trusted_wrong");
+        assert!(
+            wrong <= 0.5,
+            "{} {}: {wrong} %",
+            line["input"],
+            line["mode"]
+        );
+    }
     assert!(table("attachments", 0).met);
 }
 

@@ -65,9 +65,19 @@ pub(crate) fn copy(
         for (start, end) in &part.scan.loose {
             let body = part.bytes.range(*start, *end);
             let message = body.as_deref().and_then(record::message);
-            if let Some((head, data)) = message.filter(|(head, data)| part.is_whole(head, data)) {
-                take(i, &head, data)?;
-                messages += 1;
+            match message.filter(|(head, data)| part.is_whole(head, data)) {
+                Some((head, data)) => {
+                    take(i, &head, data)?;
+                    messages += 1;
+                }
+                None => reader.note(
+                    i,
+                    Damage {
+                        at: *start,
+                        bytes: end - start,
+                        what: "a message that cannot be read",
+                    },
+                ),
             }
         }
     }

@@ -54,6 +54,7 @@ pub struct LoadCounter {
     ledger: Ledger,
     scale: Scale,
     truck: Option<f64>,
+    /// A mass that the scale has not seen yet [kg].
     mass: Option<f64>,
     /// The cylinders are described: their pressures weigh.
     is_described: bool,
@@ -222,7 +223,7 @@ impl LoadCounter {
 
     fn loader_sensors(&mut self, sample: &LoaderSensors) {
         let has = |bit: u32| sample.valid & bit != 0;
-        self.mass = has(loader_bits::MASS).then_some(sample.mass);
+        self.mass = has(loader_bits::MASS).then_some(sample.mass).or(self.mass);
         self.measured[0] |= has(loader_bits::LIFT_HEAD_PRESSURE);
         // The arm weighs on through a gap of its pressures.
         self.pressure = Some(self.measured[0]);
@@ -269,9 +270,7 @@ impl LoadCounter {
             value: m.payload,
             std: m.payload_std,
         });
-        let scale = self
-            .mass
-            .and_then(|mass| self.scale.step(mass, m.stamp.time));
+        let scale = self.scale.step(self.mass.take(), m.stamp.time);
         // The lift pressures know their tolerances; of a scale nobody states any.
         let trusted = match weighed {
             Some(_) => m.flags & loader_bits::TRUSTED_PAYLOAD != 0,

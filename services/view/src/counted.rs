@@ -1,7 +1,5 @@
 //! The loads of a recording, counted as `heft loads` counts them.
 
-use std::cmp::Ordering;
-
 use messages::channels::Channel;
 use messages::{Machine, Message};
 use recording::{Error, Reader, Sensors};
@@ -28,7 +26,7 @@ macro_rules! read {
 
 messages::machines!(read);
 
-/// Takes samples and estimates in the order of their time, each sample before its estimate.
+/// Takes samples and estimates in their order, each sample before its estimate.
 fn count<S: Sensors, E: Estimate>(
     reader: &Reader,
     counter: LoadCounter,
@@ -44,13 +42,7 @@ fn count<S: Sensors, E: Estimate>(
     let mut counter = counter.remembering_all();
     let mut trucks = Vec::new();
     for estimate in reader.stream::<E>(channel.name)? {
-        let time = estimate.stamp().time;
-        // A sample without a time holds up none; before an estimate without one come only such.
-        let is_due = |s: &S| {
-            let sampled = s.stamp().time;
-            let is_later = sampled.partial_cmp(&time) == Some(Ordering::Greater);
-            !is_later && (time.is_finite() || !sampled.is_finite())
-        };
+        let is_due = |s: &S| s.stamp().sequence <= estimate.stamp().sequence;
         while let Some(sample) = samples.next_if(is_due) {
             trucks.extend(counter.see(&sample.envelope()).truck);
         }

@@ -310,6 +310,9 @@ def _run(arguments: Iterable[str]) -> str:
     done = subprocess.run([command(), *arguments], capture_output=True, text=True)
     if done.returncode != 0:
         raise HeftError(done.stderr.strip() or done.stdout.strip())
+    told = done.stderr.strip()
+    if told:
+        warnings.warn(told, HeftWarning, stacklevel=3)
     return done.stdout
 
 

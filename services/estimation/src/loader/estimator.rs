@@ -195,6 +195,7 @@ impl CgEstimator {
             answer.fresh = false;
             answer.reason = Reason::Missing;
             (answer.trusted_ratio, answer.trusted_height) = (false, false);
+            answer.trusted_payload = false;
         }
         answer
     }

@@ -71,8 +71,10 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     if let Some(file) = &args.json {
         results::json(file, &[], "evaluate", IDENTITY, &report.json)?;
     }
-    if !report.met {
-        println!("\nNot every target is met: see the rows marked above.");
+    match report.met {
+        true => Ok(()),
+        false => Err(Failure::answer_is_no(
+            "not every target is met: see the rows marked above",
+        )),
     }
-    Ok(())
 }

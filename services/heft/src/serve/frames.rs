@@ -10,6 +10,8 @@ pub const SAMPLE: u8 = b'S';
 pub const STATE: u8 = b'C';
 /// The row of the estimate of a sample: the machine's number, the flags of the estimate, the row; an empty one is none.
 pub const ROW: u8 = b'E';
+/// In place of a row: the machine of this number is forgotten.
+pub const GONE: u8 = b'-';
 /// Why a shard cannot go on.
 pub const FAULT: u8 = b'!';
 

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::thread::{Builder, Scope};
 use std::time::Duration;
 
-use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
+use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
 use super::rows::{Rows, lock};
 use super::shard;
 use crate::failure::Failure;
@@ -222,9 +222,7 @@ impl<'a> RemoteShard<'a> {
                 (ROW, Some((number, [f0, f1, f2, f3, row @ ..]))) => {
                     count += 1;
                     let mut output = lock(&self.output);
-                    let is_new = count > output.written;
-                    output.written = output.written.max(count);
-                    output.deaths = if is_new { 0 } else { output.deaths };
+                    let is_new = output.answers(count);
                     let number = u32::from_le_bytes(*number);
                     let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
                     // A sample that is only not reported has no flags.
@@ -236,6 +234,12 @@ impl<'a> RemoteShard<'a> {
                     {
                         return self.fail(&why);
                     }
+                }
+                // It comes behind the machine's last row.
+                (GONE, Some((number, []))) => {
+                    count += 1;
+                    lock(&self.output).answers(count);
+                    self.rows.forget(u32::from_le_bytes(*number));
                 }
                 (STATE, _) => {
                     let mut output = lock(&self.output);
@@ -292,6 +296,17 @@ impl<'a> RemoteShard<'a> {
         }
         (input.child, input.pipe, input.sent) = (child, Some(pipe), 0);
         Ok(Some(answers))
+    }
+}
+
+impl Output {
+    /// Counts the answer of this number; whether it comes for the first time, not again after a restart.
+    fn answers(&mut self, count: u64) -> bool {
+        let is_new = count > self.written;
+        if is_new {
+            (self.written, self.deaths) = (count, 0);
+        }
+        is_new
     }
 }
 

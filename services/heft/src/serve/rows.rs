@@ -1,5 +1,6 @@
 //! The rows of all machines: where they go, and what is counted of them.
 
+use std::collections::BTreeMap;
 use std::io::{BufWriter, Stdout, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -65,11 +66,18 @@ pub struct Member {
     pub flagged: Vec<u64>,
 }
 
+/// Machines by their numbers, and how many there have been.
+#[derive(Default)]
+struct Members {
+    here: BTreeMap<u32, Member>,
+    count: u32,
+}
+
 /// The rows of all machines; of a table, below one header.
 pub struct Rows {
     out: Mutex<Out>,
     form: Form,
-    members: Mutex<Vec<Member>>,
+    members: Mutex<Members>,
     /// Flags of an estimate that are counted.
     flags: Vec<u32>,
 }
@@ -96,20 +104,29 @@ impl Rows {
 
     /// Adds a machine; its number is how many there were.
     pub fn add(&self, name: &str) {
-        lock(&self.members).push(Member {
+        let member = Member {
             name: match self.form {
                 Form::Table => recording::csv::quoted(name),
                 Form::Messages => name.to_owned(),
             },
             rows: 0,
             flagged: vec![0; self.flags.len()],
-        });
+        };
+        let mut members = lock(&self.members);
+        let number = members.count;
+        members.here.insert(number, member);
+        members.count += 1;
+    }
+
+    /// Forgets a machine that has gone. Its number is not used again.
+    pub fn forget(&self, number: u32) {
+        lock(&self.members).here.remove(&number);
     }
 
     /// A row of a machine.
     pub fn put(&self, number: u32, flags: u32, row: &[u8]) -> Result<(), String> {
         let mut members = lock(&self.members);
-        let Some(member) = members.get_mut(number as usize) else {
+        let Some(member) = members.here.get_mut(&number) else {
             return Err(format!("a row of the unknown machine {number}"));
         };
         member.rows += 1;
@@ -156,11 +173,35 @@ impl Rows {
         Ok(self
             .members
             .into_inner()
-            .unwrap_or_else(PoisonError::into_inner))
+            .unwrap_or_else(PoisonError::into_inner)
+            .here
+            .into_values()
+            .collect())
     }
 }
 
 /// Whether a file that begins like this is such a table.
 pub fn is_table(head: &[u8]) -> bool {
     head.starts_with(format!("{NAME},t,").as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_machine_that_has_gone_nothing_stays() {
+        let rows = Rows::begin(Out::standard(), Form::Messages, "", Vec::new()).expect("begun");
+        ["a", "b"].map(|name| rows.add(name));
+        rows.forget(0);
+        assert!(rows.put(0, 0, b"row").is_err(), "it is unknown");
+        rows.add("c");
+        let numbers: Vec<u32> = lock(&rows.members).here.keys().copied().collect();
+        assert_eq!(numbers, [1, 2], "no number twice");
+        let here = rows.finish().expect("written");
+        assert_eq!(
+            here.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
+            ["b", "c"]
+        );
+    }
 }

@@ -9,7 +9,7 @@ use messages::{Envelope, Message};
 use recording::csv::{Estimate, EstimateRows};
 
 use super::Form;
-use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
+use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
 
 use crate::failure::Failure;
 use crate::way::{Way, way};
@@ -61,6 +61,10 @@ pub fn serve<S: Message, E: Estimate>(
             return arrives(out.flush()).map(drop);
         };
         let done = match (kind, bytes.split_first_chunk()) {
+            (SAMPLE, Some((number, []))) => {
+                shard.members.remove(&u32::from_le_bytes(*number));
+                Ok(frames::write(&mut out, GONE, &[number]))
+            }
             (SAMPLE, Some((number, sample))) => {
                 row.clear();
                 let answer = shard.answer::<S>(u32::from_le_bytes(*number), sample, &mut row);
@@ -116,10 +120,6 @@ impl<E: Estimate> Shard<'_, E> {
         sample: &[u8],
         row: &mut Vec<u8>,
     ) -> Result<u32, Failure> {
-        if sample.is_empty() {
-            self.members.remove(&number);
-            return Ok(0);
-        }
         let (every, rows, form) = (self.every, self.rows, self.form);
         let member = self.member(number)?;
         let mut message: Envelope = frames::unpack::<S>(sample).envelope();

@@ -1,8 +1,8 @@
 //! Every moment of a recording as all its rows see it (`heft estimate --smooth`).
 
 use config::Excavator as Description;
+use estimation::Quantity;
 use estimation::excavator::{Settings, Smoothed, Smoother, SwingEstimator, Trail};
-use estimation::{HALF_WIDTH_95, Quantity};
 use messages::{ExcavatorEstimate, ExcavatorSensors, excavator_bits as bits};
 
 use super::{columns, method, sample};
@@ -13,19 +13,20 @@ use crate::Error;
 pub struct Past {
     /// Payload \[kg\].
     pub payload: Quantity,
-    /// Inertia in the posture of the row [kg m^2].
+    /// Inertia [kg m^2].
     pub inertia: Quantity,
-    /// Share of the inertia that the interval may have where an estimate is to be trusted.
-    converged: f64,
+    converged: bool,
 }
 
 impl Past {
-    /// Puts the moment into an estimate that knew nothing of later rows. Excitation and consistency stay as they were.
+    /// Puts the moment into an estimate that knew nothing of later rows. Excitation, consistency and doubts stay as they were.
     pub fn put(&self, estimate: &mut ExcavatorEstimate) {
+        if estimate.flags & bits::REFUSED != 0 {
+            return;
+        }
         (estimate.inertia, estimate.inertia_std) = (self.inertia.value, self.inertia.std);
         (estimate.payload, estimate.payload_std) = (self.payload.value, self.payload.std);
-        let sure = HALF_WIDTH_95 * self.inertia.std < self.converged * self.inertia.value
-            && estimate.flags & bits::CHANGING == 0;
+        let sure = self.converged && estimate.flags & bits::CHANGING == 0;
         let set = |flags: u32, bit: u32, on: bool| if on { flags | bit } else { flags & !bit };
         let flags = set(estimate.flags, bits::CONVERGED, sure);
         let needed =
@@ -34,7 +35,7 @@ impl Past {
     }
 }
 
-/// The moments of some rows, none where a row was refused or came before the first estimate.
+/// The moments of some rows, none where a row came before the first tick. A row that was refused has the moment before it.
 ///
 /// It keeps some two kilobytes for every hundredth of a second.
 ///
@@ -59,37 +60,21 @@ pub fn past(
         return Err(refused());
     }
     let mut trails: Vec<Trail> = Vec::new();
-    let mut ends: Vec<(usize, [Option<f64>; 3])> = Vec::new();
+    let mut ends: Vec<usize> = Vec::new();
     for row in rows {
-        let row = sample(&row);
-        estimator.step_with(&row, &mut |trail| trails.push(*trail));
-        ends.push((trails.len(), row.posture));
+        estimator.step_with(&sample(&row), &mut |trail| trails.push(*trail));
+        ends.push(trails.len());
     }
     let mut smoother = Smoother::default();
     let mut moments: Vec<Smoothed> = trails.iter().rev().map(|t| smoother.back(t)).collect();
     moments.reverse();
-    let mut last = None;
-    let smoothed = ends.iter().map(|(end, posture)| {
-        if let [Some(boom), Some(arm), Some(bucket)] = *posture {
-            last = Some([boom, arm, bucket]);
-        }
+    let past = |end: &usize| {
         let moment = moments.get(end.checked_sub(1)?)?;
-        Some(at(&settings, moment, last?))
-    });
-    Ok(smoothed.collect())
-}
-
-fn at(settings: &Settings, moment: &Smoothed, posture: [f64; 3]) -> Past {
-    // The tick may be older than the row.
-    let payload = moment.payload.value;
-    let [now, then] = [posture, moment.posture].map(|q| settings.geometry.inertia(q));
-    let moved = now.with_payload(payload) - then.with_payload(payload);
-    Past {
-        payload: moment.payload,
-        inertia: Quantity {
-            value: moment.inertia.value + moved,
-            std: moment.inertia.std,
-        },
-        converged: settings.estimator.converged_share,
-    }
+        Some(Past {
+            payload: moment.payload,
+            inertia: moment.inertia,
+            converged: moment.converged(settings.estimator.converged_share),
+        })
+    };
+    Ok(ends.iter().map(past).collect())
 }

@@ -15,6 +15,8 @@ const SAME: f64 = 0.01;
 /// It weighs a load after so long, and an empty machine after so long [s].
 const HOLDS: f64 = 0.3;
 const EMPTY_HOLDS: f64 = 1.0;
+/// What it showed counts for so long where rows come more often than its masses: a display renews each second [s].
+const RENEWS: f64 = 2.0;
 /// A mass further below the described one is not that of this machine, in masses.
 const BELOW: f64 = 0.2;
 /// The empty machine weighs at most so much more than described, in masses; a load is more.
@@ -34,6 +36,8 @@ pub(super) struct Scale {
     smooth: Option<(f64, f64)>,
     /// Mass that holds, and since when [kg], [s].
     anchor: (f64, f64),
+    /// What it showed last.
+    shown: Option<Shown>,
 }
 
 /// What it shows.
@@ -55,15 +59,31 @@ impl Scale {
             was_emptied: false,
             smooth: None,
             anchor: (0.0, 0.0),
+            shown: None,
         }
     }
 
+    /// What it shows at that time, where a mass comes with the row or came shortly before.
+    pub(super) fn step(&mut self, mass: Option<f64>, time: f64) -> Option<Shown> {
+        if let Some(mass) = mass {
+            self.shown = self.weigh(mass, time);
+        }
+        let (_, last) = self.smooth?;
+        self.shown
+            .filter(|_| (0.0..RENEWS).contains(&(time - last)))
+    }
+
     /// What this mass shows.
-    pub(super) fn step(&mut self, mass: f64, time: f64) -> Option<Shown> {
+    fn weigh(&mut self, mass: f64, time: f64) -> Option<Shown> {
         if !(mass.is_finite() && mass > (1.0 - BELOW) * self.described) {
             return None;
         }
-        let (smooth, last) = self.smooth.unwrap_or((mass, time));
+        // A clock that was set back begins anew.
+        let before = self.smooth.filter(|(_, last)| *last <= time);
+        if before.is_none() {
+            self.anchor = (mass, time);
+        }
+        let (smooth, last) = before.unwrap_or((mass, time));
         let smooth = smooth + ((time - last) / SMOOTH).clamp(0.0, 1.0) * (mass - smooth);
         self.smooth = Some((smooth, time));
         if (smooth - self.anchor.0).abs() > SAME * smooth {
@@ -118,7 +138,11 @@ mod tests {
             for _ in 0..rows {
                 mass += by;
                 time += 0.01;
-                said.push(scale.step(mass, time).expect("a mass of this machine"));
+                said.push(
+                    scale
+                        .step(Some(mass), time)
+                        .expect("a mass of this machine"),
+                );
             }
         }
         said
@@ -134,6 +158,23 @@ mod tests {
         let full = said.last().expect("rows");
         assert!(!full.changing && full.payload.holds(3600.0));
         assert!((full.payload.value - 3600.0).abs() < 1e-6, "{full:?}");
+    }
+
+    #[test]
+    fn a_mass_that_comes_once_a_second_counts_in_between_and_not_for_ever() {
+        let mut scale = Scale::new(12_000.0);
+        let at = |t: u32| f64::from(t) * 0.01;
+        for t in 0..500 {
+            let mass = (t % 100 == 0).then_some(15_000.0);
+            let shown = scale.step(mass, at(t)).expect("a mass");
+            assert_eq!(shown.changing, t < 100, "{t}");
+        }
+        assert!(scale.step(None, at(610)).is_none());
+        // The clock was set back by a second.
+        assert!(scale.step(None, at(300)).is_none());
+        let first = scale.step(Some(15_000.0), at(300)).expect("a mass");
+        let then = scale.step(Some(15_000.0), at(340)).expect("a mass");
+        assert!(first.changing && !then.changing);
     }
 
     #[test]

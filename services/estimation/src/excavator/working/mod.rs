@@ -281,15 +281,17 @@ impl Working {
         self.attachment.wait(drive.period);
         self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
+        let state = self.state(settings, drive, innovation, standing);
         if let Some(trail) = trail {
-            trail.finish(&self.filter, &self.sticks, &drive.now, drive.posture);
-            trail.anew = anew;
+            trail.finish(&self.filter, &self.sticks, &drive.now);
+            trail.anew = anew || self.is_contradicted();
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
             trail.loads = self.loads;
             trail.disagreement = self.disagreement() * self.doubt();
+            trail.doubts(&state);
         }
-        self.state(settings, drive, innovation, standing)
+        state
     }
 
     /// The moment of the boom's cylinders, where one is there; whether the load must be another one.

@@ -15,25 +15,35 @@ use super::super::geometry::Inertia;
 use super::super::size::Sticking;
 use super::filter::{BUCKET, Filter, M, N, Vector, dot, inertia_row};
 use super::trail::{Act, Trail};
-use crate::Quantity;
+use crate::excavator::state::State;
 use crate::math::sqrt;
+use crate::{HALF_WIDTH_95, Quantity};
 
 impl Trail {
     /// The state after the tick.
-    pub(super) fn finish(
-        &mut self,
-        filter: &Filter,
-        sticks: &Sticking,
-        now: &Inertia,
-        posture: [f64; 3],
-    ) {
+    pub(super) fn finish(&mut self, filter: &Filter, sticks: &Sticking, now: &Inertia) {
         (self.payload, self.own) = filter.payload(sticks);
         self.covariance = filter.along([(M, 1.0), (BUCKET, sticks.share)].into_iter());
         let row = inertia_row(now);
-        self.posture = posture;
         self.inertia = filter.inertia(now, filter.x[M]);
         self.along = filter.along(row.into_iter());
         self.variance = filter.combination(&row).1;
+    }
+
+    /// What the estimate of the tick doubts beside what the filter, its disagreements and the drawing leave open.
+    pub(super) fn doubts(&mut self, state: &State) {
+        let left = |(value, std): (f64, f64), own: f64, variance: f64| {
+            let apart = value - own;
+            (std * std + apart * apart - variance).max(0.0)
+        };
+        let payload = state.payload.unwrap_or_default();
+        let weighed = self.own * self.disagreement + self.loads.variance(payload.0);
+        let drawn = self.variance * self.disagreement + self.form * self.form;
+        self.beside = [
+            left(payload, self.payload, weighed),
+            left((state.inertia, state.inertia_std), self.inertia, drawn),
+        ];
+        self.unsettled = state.unsettled;
     }
 }
 
@@ -42,10 +52,19 @@ impl Trail {
 pub struct Smoothed {
     /// Payload and standard deviation \[kg\].
     pub payload: Quantity,
-    /// Inertia and standard deviation, at the posture of its tick [kg m^2].
+    /// Inertia and standard deviation [kg m^2].
     pub inertia: Quantity,
-    /// That posture \[rad\].
-    pub posture: [f64; 3],
+    /// It may not be believed, whatever its interval.
+    pub unsettled: bool,
+}
+
+impl Smoothed {
+    /// Whether the inertia is to be believed where motion and inputs are as they should be: half of its 95 % interval is narrower than
+    /// this share of it.
+    pub fn converged(&self, share: f64) -> bool {
+        let Quantity { value, std } = self.inertia;
+        !self.unsettled && HALF_WIDTH_95 * std < share * value
+    }
 }
 
 /// Goes back along a trail.
@@ -99,14 +118,16 @@ impl Smoother {
             payload: Quantity {
                 value: payload,
                 std: sqrt(
-                    left(trail.own, known) * self.disagreement + trail.loads.variance(payload),
+                    left(trail.own, known) * self.disagreement
+                        + trail.loads.variance(payload)
+                        + trail.beside[0],
                 ),
             },
             inertia: Quantity {
                 value: trail.inertia - moved,
-                std: sqrt(variance + trail.form * trail.form),
+                std: sqrt(variance + trail.form * trail.form + trail.beside[1]),
             },
-            posture: trail.posture,
+            unsettled: trail.unsettled,
         }
     }
 
@@ -178,7 +199,7 @@ mod tests {
             let innovation = value - filter.x[M];
             filter.measure([(M, 1.0)], innovation, 100.0, 1e9, &mut trail);
             let mut trail = trail.expect("a trail");
-            trail.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
+            trail.finish(&filter, &Sticking::default(), &Inertia::default());
             trail
         });
         let mut smoother = Smoother::default();
@@ -196,12 +217,12 @@ mod tests {
         let mut filter = Filter::new([0.0; N], &std);
         let mut before = Trail::NOTHING;
         before.range = [-1e9, 1e9];
-        before.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
+        before.finish(&filter, &Sticking::default(), &Inertia::default());
         let mut after = Some(before);
         filter.set(M, 0.0, 1e4, &mut after);
         filter.measure([(M, 1.0)], 300.0, 1.0, 1e9, &mut after);
         let mut after = after.expect("a trail");
-        after.finish(&filter, &Sticking::default(), &Inertia::default(), [0.0; 3]);
+        after.finish(&filter, &Sticking::default(), &Inertia::default());
         let mut smoother = Smoother::default();
         assert!(smoother.back(&after).payload.value > 290.0);
         let old = smoother.back(&before).payload;

@@ -30,13 +30,16 @@ pub struct Trail {
     pub(super) payload: f64,
     pub(super) own: f64,
     pub(super) covariance: Vector,
-    /// Inertia at this posture, its covariance with the states, and its variance.
-    pub(super) posture: [f64; 3],
+    /// Inertia, its covariance with the states, and its variance.
     pub(super) inertia: f64,
     pub(super) along: Vector,
     pub(super) variance: f64,
-    /// The filter is a new one: of what was before it knows nothing.
+    /// The filter is a new one, or contradicted: of what was before it says nothing.
     pub(super) anew: bool,
+    /// The estimate may not be believed, whatever its interval.
+    pub(super) unsettled: bool,
+    /// Variance of the estimate beside the filter's, about the filter's payload and inertia [kg^2], [kg^2 m^4].
+    pub(super) beside: [f64; 2],
     /// Smallest and largest payload.
     pub(super) range: [f64; 2],
     /// Standard deviation of what the drawing misses of the inertia [kg m^2].
@@ -55,11 +58,12 @@ impl Trail {
         payload: 0.0,
         own: 0.0,
         covariance: [0.0; N],
-        posture: [0.0; 3],
         inertia: 0.0,
         along: [0.0; N],
         variance: 0.0,
         anew: false,
+        unsettled: false,
+        beside: [0.0; 2],
         range: [0.0; 2],
         form: 0.0,
         loads: CommonError {

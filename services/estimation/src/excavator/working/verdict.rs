@@ -59,7 +59,7 @@ impl Working {
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
         let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
-        let contradicted = self.contradiction.is_open() || self.is_beyond();
+        let contradicted = self.is_contradicted();
         let anything = if contradicted {
             // Uniform in its range, about the estimate.
             let (width, middle) = (most - least, 0.5 * (most + least));
@@ -234,6 +234,11 @@ impl Working {
             }
         }
         most.1
+    }
+
+    /// Whether swings or constants contradict the description.
+    pub(super) fn is_contradicted(&self) -> bool {
+        self.contradiction.is_open() || self.is_beyond()
     }
 
     /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.

@@ -21,7 +21,8 @@ struct HeadlineTally {
 pub struct InputSummary<E: Estimate> {
     rows: usize,
     moving: usize,
-    first_time: f64,
+    /// Time that has passed; none does where a clock is set back \[s\].
+    seconds: f64,
     last: E,
     tally: Vec<HeadlineTally>,
 }
@@ -31,7 +32,7 @@ impl<E: Estimate> InputSummary<E> {
         Self {
             rows: 0,
             moving: 0,
-            first_time: 0.0,
+            seconds: 0.0,
             last: E::default(),
             tally: E::headlines().map(|_| HeadlineTally::default()).collect(),
         }
@@ -39,8 +40,8 @@ impl<E: Estimate> InputSummary<E> {
 
     pub fn add(&mut self, estimate: &E) {
         let time = estimate.stamp().time;
-        if self.rows == 0 {
-            self.first_time = time;
+        if self.rows > 0 {
+            self.seconds += (time - self.last.stamp().time).max(0.0);
         }
         let moves = estimate.motion().abs() >= E::MOTION_NAME.1;
         self.rows += 1;
@@ -89,7 +90,7 @@ impl<E: Estimate> InputSummary<E> {
             "refused": refused,
             "doubt": doubt,
             "guessed": guessed,
-            "seconds": self.last.stamp().time - self.first_time,
+            "seconds": self.seconds,
             "quantities": quantities.collect::<Vec<_>>(),
             "verdict": view::words::verdict(&self.last),
         })

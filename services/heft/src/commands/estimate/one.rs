@@ -41,7 +41,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     let mut found = InputSummary::<E>::new();
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
-    let (mut rows, mut last, mut trusted) = (0, E::default(), None);
+    let (mut rows, mut last, mut latest) = (0, None::<E>, Latest { trusted: None });
     for (sample, truth) in samples.rows()? {
         rows += 1;
         let message = sample.envelope();
@@ -49,14 +49,15 @@ pub fn run<S: Message, T: Message, E: Estimate>(
             notes.add_sample(description, &message, &truth)?;
         }
         let message = last_answer(&mut way, message, notes.as_mut(), |e| put(rows - 1, e))?;
-        if let Some(estimate) = E::inside(&message) {
-            writer.write(estimate)?;
-            found.add(estimate);
-            last = *estimate;
-            trusted = Some(last).filter(Estimate::trusted).or(trusted);
-        }
         let estimate = E::inside(&message);
         doubts.add(&sample, estimate.is_some_and(E::is_refused));
+        // The answer to a row that was refused repeats the one before, at a time that may be none.
+        if let Some(estimate) = estimate.filter(|e| !e.is_refused()) {
+            writer.write(estimate)?;
+            found.add(estimate);
+            latest.add(estimate, last.as_ref());
+            last = Some(*estimate);
+        }
     }
     samples.check()?;
     doubts.has_rows()?;
@@ -64,16 +65,16 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
     }
-    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
+    let last = last.unwrap_or_default();
     let weighs = |p: &Parameter<_, _>| p.is_load && p.value(&last).is_finite();
     let is_weighed = E::PARAMETERS.iter().any(weighs);
     let guessed = guessed(description).filter(|_| is_weighed);
-    let mut words = in_words(&last, trusted.zip(age));
+    let mut words = in_words(&last, latest.trusted);
     words.extend(guessed.clone());
     tell(args, output, written, rows, &words);
     doubts.tell();
     let is_trusted = match args.require_trust {
-        true => summary::require_trust(age),
+        true => summary::require_trust(latest.trusted.map(|(_, age)| age)),
         false => Ok(()),
     };
     let judged = is_trusted.and_then(|()| doubts.judge(&samples.lacks()));
@@ -89,6 +90,22 @@ pub fn run<S: Message, T: Message, E: Estimate>(
         )?;
     }
     judged
+}
+
+/// The latest trusted estimate, and the time that has passed since \[s\].
+struct Latest<E> {
+    trusted: Option<(E, f64)>,
+}
+
+impl<E: Estimate> Latest<E> {
+    /// Takes an estimate; no time passes where a clock is set back.
+    fn add(&mut self, estimate: &E, before: Option<&E>) {
+        let since = before.map_or(0.0, |e| estimate.stamp().time - e.stamp().time);
+        self.trusted = match (estimate.trusted(), self.trusted) {
+            (true, _) => Some((*estimate, 0.0)),
+            (false, trusted) => trusted.map(|(e, age)| (e, age + since.max(0.0))),
+        };
+    }
 }
 
 /// Takes a sample through the stages, and notes what each answers.
