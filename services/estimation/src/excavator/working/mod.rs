@@ -284,7 +284,8 @@ impl Working {
         let state = self.state(settings, drive, innovation, standing);
         if let Some(trail) = trail {
             trail.finish(&self.filter, &self.sticks, &drive.now);
-            trail.anew = anew || self.is_contradicted();
+            trail.anew = anew;
+            trail.contradicted = self.is_contradicted();
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
             trail.loads = self.loads;

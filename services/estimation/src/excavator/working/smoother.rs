@@ -100,8 +100,13 @@ impl Smoother {
                 } => self.measurement(row, gain, *value, *variance),
             }
         }
-        if trail.anew {
-            *self = Self::default();
+        if trail.anew || trail.contradicted {
+            // What contradicts says nothing of before, but that the filter had been surer than it should.
+            let disagreement = if trail.anew { 1.0 } else { self.disagreement };
+            *self = Self {
+                disagreement,
+                ..Self::default()
+            };
         }
         smoothed
     }

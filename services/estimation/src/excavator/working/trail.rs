@@ -34,8 +34,10 @@ pub struct Trail {
     pub(super) inertia: f64,
     pub(super) along: Vector,
     pub(super) variance: f64,
-    /// The filter is a new one, or contradicted: of what was before it says nothing.
+    /// The filter is a new one: of what was before it knows nothing.
     pub(super) anew: bool,
+    /// Swings or constants contradict the description.
+    pub(super) contradicted: bool,
     /// The estimate may not be believed, whatever its interval.
     pub(super) unsettled: bool,
     /// Variance of the estimate beside the filter's, about the filter's payload and inertia [kg^2], [kg^2 m^4].
@@ -62,6 +64,7 @@ impl Trail {
         along: [0.0; N],
         variance: 0.0,
         anew: false,
+        contradicted: false,
         unsettled: false,
         beside: [0.0; 2],
         range: [0.0; 2],
