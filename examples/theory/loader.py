@@ -31,6 +31,12 @@ class Machine:
             keys = tomllib.load(file)
         self.m, self.s, self.prior, self.e = (keys[name] for name in ("machine", "sensors", "prior", "estimator"))
         m, s, prior, e = self.m, self.s, self.prior, self.e
+        followed = {"load_transfer": "physical", "tuning": "paper", "inputs": "auto", "substeps": 1}
+        followed |= {"slope_delay": 0, "slope_acceleration_sensitivity": 0, "length": 0}
+        for table in (e, s, m["lift_arm"]):
+            for key in followed.keys() & table.keys():
+                if table[key] != followed[key]:
+                    sys.exit(f"{key} = {table[key]} is left out here")
         self.paper, self.n = paper, 6 if paper else 12
         if paper:  # (12)
             m |= {"friction": 0.0, "radius_load_sensitivity": 0.0}
@@ -207,19 +213,19 @@ class Forces:
         self.square, self.time = 0.15**2, 2.0
         self.braking, self.slip = False, 0.0
 
-    def step(self, v, stiffness, u, felt, dt):
+    def step(self, v, stiffness, u, felt, is_weighed, dt):
         machine, keys = self.machine, self.machine.m
         mass = machine.mass + 2 * keys["axle_inertia"] / keys["wheel_radius"] ** 2
         pull = (u["T_f"] + u["T_r"]) / (keys["wheel_radius"] * mass)
         rolling = keys["rolling_resistance"] * math.tanh(v / 0.05) * machine.mass * G
         needed = felt + (rolling + u["F_x"]) / mass
-        free = u["F_x"] == 0 and abs(v) > 0.5
-        if free and pull * v > 0 and abs(pull) < 5 and abs(needed) < 5:
+        alone, fast = u["F_x"] == 0, abs(v) > 0.5
+        if alone and (fast or not is_weighed) and pull * v > 0 and abs(pull) < 5 and abs(needed) < 5:
             kept = 1 - min(pull**2 * dt / 10, 1)
             self.sums = [kept * s + q * pull * dt for s, q in zip(self.sums, (needed, pull))]
         gain = min(max(self.sums[0] / self.sums[1], 0.75), 1.33)
         left = needed - gain * pull
-        self.shake(min(max(left, -1.0), 1.0), free, dt)
+        self.shake(min(max(left, -1.0), 1.0), alone and fast, dt)
         self.fast += min(dt / 0.05, 1) * (left - self.fast)
         beyond = max(abs(self.fast) - 0.05 - 0.05 * abs(felt), 0.0)
         self.braking = self.brake.step(float(beyond > 0.15 and self.fast * v < 0), dt) > 0
@@ -431,7 +437,7 @@ class Estimator:
         self.slope.step(rim, measured[3], now["th"], dt)
         u = {key: 0.5 * (old[key] + now[key]) for key in now}
         measured[3] = 0.5 * (self.measured(before)[3] + measured[3])
-        self.forces.step(self.filter.x[V], self.filter.x[K], u, measured[3], dt)
+        self.forces.step(self.filter.x[V], self.filter.x[K], u, measured[3], "mass" in row, dt)
         self.update(u, measured, dt)
 
     def step_of_paper(self, u, measured, dt):
