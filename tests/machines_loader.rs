@@ -37,21 +37,7 @@ fn tallies_of(
     let recording = Table::read(golden(&format!("machines/{name}.csv")));
     let mut tallies = [Tally::default(), Tally::default()];
     for row in recording.rows() {
-        let mut sample = Sample {
-            time: row.number("t"),
-            speed: row.measured("speed"),
-            front_wheel_speed: row.measured("front_wheel_speed"),
-            rear_wheel_speed: row.measured("rear_wheel_speed"),
-            front_torque: row.measured("front_torque"),
-            rear_torque: row.measured("rear_torque"),
-            slope: row.measured("slope"),
-            acceleration: row.measured("acceleration"),
-            mass: row.measured("mass"),
-            articulation: row.measured("articulation"),
-            yaw_rate: row.measured("yaw_rate"),
-            brake: row.measured("brake") == Some(1.0),
-            ..Sample::default()
-        };
+        let mut sample = machines::loader_sample(&row);
         changed(&mut sample);
         let estimate = estimator.step(&sample);
         let judged = [

@@ -1,9 +1,11 @@
 //! Machines that are not our simulator: their recordings, what a competent user states of them, and how an estimator is judged on them.
 
+use estimation::loader::Sample;
 use serde_json::{Map, Value};
 use statistics::judge::Tally;
 
 use super::golden;
+use super::table::Row;
 
 /// The machines of a file in `golden`, by the names of their recordings.
 pub fn described(file: &str) -> Map<String, Value> {
@@ -18,6 +20,26 @@ pub fn sets(stated: &Value) -> Vec<String> {
         .iter()
         .map(|(key, value)| format!("{key}={value}"))
         .collect()
+}
+
+/// What a row of a loader's recording says.
+pub fn loader_sample(row: &Row) -> Sample {
+    Sample {
+        time: row.number("t"),
+        speed: row.measured("speed"),
+        front_wheel_speed: row.measured("front_wheel_speed"),
+        rear_wheel_speed: row.measured("rear_wheel_speed"),
+        front_torque: row.measured("front_torque"),
+        rear_torque: row.measured("rear_torque"),
+        slope: row.measured("slope"),
+        acceleration: row.measured("acceleration"),
+        mass: row.measured("mass"),
+        spade_force_z: row.measured("spade_force_z"),
+        articulation: row.measured("articulation"),
+        yaw_rate: row.measured("yaw_rate"),
+        brake: row.measured("brake") == Some(1.0),
+        ..Sample::default()
+    }
 }
 
 /// How much is trusted, how much of that is wrong, and whether the interval holds all the time.
