@@ -204,7 +204,8 @@ fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds
 
 #[test]
 fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_other() {
-    let faults: [(&str, fn(&mut Sample)); 3] = [
+    let faults: [(&str, fn(&mut Sample)); 4] = [
+        ("nothing", |_| {}),
         ("velocity x 1.2", |s| {
             s.velocity = s.velocity.map(|w| 1.2 * w)
         }),
@@ -234,6 +235,6 @@ fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_oth
         }
         let said = format!("{fault}: {trusted} trusted, {wrong} wrong");
         println!("{said}");
-        assert!(f64::from(wrong) <= 0.1 * f64::from(trusted), "{said}");
+        assert!(trusted > 500 && wrong * 10 <= trusted, "{said}");
     }
 }

@@ -77,9 +77,10 @@ impl Restart {
         if !self.restarted {
             return;
         }
-        let since = *self.since.get_or_insert(time);
+        self.since = self.since.or(Some(time).filter(|t| t.is_finite()));
         // A clock that went back says nothing of the time since.
-        if time < since + STALE && time >= since {
+        let is_new = |since| (since..since + STALE).contains(&time);
+        if self.since.is_none_or(is_new) {
             *flags &= !(bits.fresh | bits.trusted);
         }
         self.restarted = *flags & bits.trusted == 0;

@@ -28,6 +28,9 @@ pub use why::{reason_and_flags, why_words};
 /// Loads that a counter remembers while the machine works; sums know all.
 const REMEMBERED: usize = 1000;
 
+/// A boom is weighed by pressures that are not older \[s\].
+const PRESSED: f64 = 0.25;
+
 /// What the counter is given beside the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -61,6 +64,8 @@ pub struct LoadCounter {
     guessed: Option<String>,
     /// The latest sample has pressures; unknown where only estimates are seen.
     pressure: Option<bool>,
+    /// Time of the last boom pressure \[s\].
+    pressed: f64,
     /// Samples have had pressures, and a mass.
     measured: [bool; 2],
     loads: VecDeque<Load>,
@@ -98,6 +103,7 @@ impl LoadCounter {
             is_described,
             guessed: guessed(description),
             pressure: None,
+            pressed: f64::NEG_INFINITY,
             measured: [false; 2],
             loads: VecDeque::new(),
             remembered: REMEMBERED,
@@ -213,9 +219,13 @@ impl LoadCounter {
 
     fn excavator_sensors(&mut self, sample: &ExcavatorSensors) {
         let has = |bit: u32| sample.valid & bit != 0;
-        let pressure = has(excavator_bits::BOOM_HEAD_PRESSURE);
-        self.pressure = Some(pressure);
-        self.measured[0] |= pressure;
+        if has(excavator_bits::BOOM_HEAD_PRESSURE) {
+            self.pressed = sample.stamp.time;
+            self.measured[0] = true;
+        }
+        // Pressures may come less often than rows.
+        let age = sample.stamp.time - self.pressed;
+        self.pressure = Some((0.0..PRESSED).contains(&age));
         self.truck = has(excavator_bits::TRUCK)
             .then_some(sample.truck)
             .or(self.truck);

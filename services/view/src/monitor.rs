@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use estimation::consistency::MOST_NIS;
 use messages::channels::Channel;
 use messages::{Health, Machine, Message};
+use recording::csv::Estimate as _;
 
 use crate::estimate::Estimate;
 use crate::posture::{self, Posture};
@@ -166,12 +167,12 @@ macro_rules! machines {
         pub struct Machines { $( pub $module: MachineState<messages::$estimate>, )* }
 
         impl Machines {
-            /// Takes note of an estimate or a truth; tells whether it is an estimate.
+            /// Takes note of an estimate or a truth; tells whether it is an estimate of a row that was not refused.
             fn push(&mut self, channel: &Channel, message: &dyn Any, now: Instant) -> bool {
                 $(
-                    if let Some(estimate) = message.downcast_ref() {
+                    if let Some(estimate) = message.downcast_ref::<messages::$estimate>() {
                         self.$module.estimate(channel, estimate, now);
-                        return true;
+                        return !estimate.is_refused();
                     }
                     if let Some(truth) = message.downcast_ref() {
                         self.$module.truth = Some(*truth);

@@ -138,15 +138,18 @@ impl Plot {
         self
     }
 
-    /// A line through `points`; a value that is not finite interrupts it. An empty label keeps it
-    /// out of the legend.
+    /// A line through `points`; a value that is not finite interrupts it, a place that is not finite has no point. An empty label keeps
+    /// it out of the legend.
     pub fn line(&mut self, label: impl Into<String>, style: Style, points: &[(f64, f64)]) {
-        self.add(label, style, Mark::Line(decimate(points, MAX_POINTS)));
+        let mut line = decimate(points, MAX_POINTS);
+        line.retain(|(x, _)| x.is_finite());
+        self.add(label, style, Mark::Line(line));
     }
 
     /// A band between the second and the third value of each point.
     pub fn band(&mut self, label: impl Into<String>, style: Style, points: &[(f64, f64, f64)]) {
-        let band = decimate::decimate_band(points, MAX_POINTS / 2);
+        let mut band = decimate::decimate_band(points, MAX_POINTS / 2);
+        band.retain(|(x, ..)| x.is_finite());
         self.add(label, style, Mark::Band(band));
     }
 

@@ -9,8 +9,8 @@ from . import _heft
 
 # Half the width of a 95 % interval of a normal distribution, in standard deviations.
 _HALF_WIDTH_95 = 1.959963984540054
-# The flags that together make an estimate trusted.
-_NEEDED = ("excited", "consistent", "fresh", "converged", "identifiable")
+# The flags that together make an estimate trusted, those of the first quantity where a machine has several.
+_NEEDED = ("excited", "excited_ratio", "consistent", "fresh", "converged", "converged_ratio", "identifiable")
 
 
 def _row(name: str, machine: str) -> type:

@@ -129,6 +129,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> RowReport<M> {
         self.anchor(sample);
         let process = self.wandering(settings, away);
+        self.wheel_lag.interrupt();
         self.windup = Windup::default();
         let prior = &settings.prior;
         let least = [
