@@ -20,6 +20,9 @@ const MEMORY: f64 = 0.02;
 const HELD: f64 = 2.0;
 const SET_OFF: f64 = 0.25;
 const ACCELERATION: f64 = 3.0;
+/// A sensor that has not repeated a value for as long as [`SET_OFF`] in this time flickers, also while its joint stands: where it does,
+/// it was not heard, and the joint moved on [s].
+const FLICKERS: f64 = 10.0;
 
 /// One angle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -32,6 +35,8 @@ pub(in crate::excavator) struct Jump {
     /// Time since a value came, and since then for which it has repeated [s].
     gap: f64,
     held: f64,
+    /// Time since it repeated one for long [s].
+    flickers: f64,
     /// Mean square of the second differences, six times the variance of the noise [rad^2].
     rough: f64,
     /// Sum of the steps that no joint makes [rad].
@@ -46,6 +51,7 @@ impl Jump {
     /// The value as it counts: missing while the sensor is displaced.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, period: f64) -> Option<f64> {
         self.gap += period;
+        self.flickers += period;
         let value = value?;
         let step = turned(value - self.last.replace(value).unwrap_or(value));
         if step == 0.0 {
@@ -54,18 +60,25 @@ impl Jump {
             self.change(value, step);
             self.held = 0.0;
         }
-        self.away += core::mem::take(&mut self.gap);
-        if !self.has_jumped() {
-            (self.before, self.away, self.single) = (value, 0.0, true);
+        let gap = core::mem::take(&mut self.gap);
+        if self.has_jumped() {
+            self.away += gap;
+            return None;
         }
-        (!self.has_jumped()).then_some(value)
+        (self.before, self.away, self.single) = (value, 0.0, true);
+        Some(value)
     }
 
     fn change(&mut self, value: f64, step: f64) {
-        let off = self.held.min(SET_OFF);
-        let at_once = RATE * self.gap + COARSE + NOISE * sqrt(self.rough / 6.0);
+        let held = self.held;
+        let (unheard, moves_on, off) = if held > SET_OFF {
+            (self.gap + self.unheard(), held.min(HELD), SET_OFF)
+        } else {
+            (self.gap, held, held)
+        };
+        let at_once = RATE * unheard + COARSE + NOISE * sqrt(self.rough / 6.0);
         let possible = at_once
-            + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * self.held.min(HELD)
+            + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * moves_on
             + 0.5 * ACCELERATION * off * off;
         if self.has_jumped() && self.single && step.abs() > at_once {
             let within = RATE * (self.away + self.gap) + COARSE;
@@ -87,6 +100,12 @@ impl Jump {
         if self.displaced.abs() <= possible {
             self.displaced = 0.0;
         }
+    }
+
+    /// For how long it was not heard, having repeated one value for long [s].
+    fn unheard(&mut self) -> f64 {
+        let before = core::mem::take(&mut self.flickers) - self.held;
+        if before > FLICKERS { self.held } else { 0.0 }
     }
 
     /// Whether it says something else than the joint.
@@ -137,6 +156,24 @@ mod tests {
             });
             assert_eq!(spikes, (380, true), "{rate}: the last one is a spike");
         }
+    }
+
+    #[test]
+    fn a_sensor_that_flickers_was_not_heard_while_it_repeats_a_value() {
+        // A joint that stands for 15 s, and has moved by .4 rad within half a second in which the bus repeats its last word.
+        let jumped = |noise: f64| {
+            let mut jump = Jump::default();
+            for k in 0..2000_i32 {
+                let moves = 0.0005 * f64::from(k.min(300));
+                let flicker = noise * f64::from(k.min(1800) * 7919 % 13 % 3);
+                let away = if k > 1850 { 0.4 } else { 0.0 };
+                jump.pass(Some(moves + flicker + away), 0.01);
+            }
+            jump.has_jumped()
+        };
+        assert!(!jumped(0.001));
+        // One that is clean was not held: it slipped.
+        assert!(jumped(0.0));
     }
 
     #[test]

@@ -67,6 +67,10 @@ const MOUNTING: f64 = 0.004;
 const TRAVEL: f64 = 2.0;
 /// How often it does, per further second [1/s].
 const TRAVELS: f64 = 0.02;
+/// A torque within so many standard deviations of its noise may be none.
+const NONE: f64 = 3.0;
+/// While tracks turn the upper body it is under way: the ground is another one within this time [s].
+const UNDER_WAY: f64 = 2.0;
 /// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
 const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
@@ -120,6 +124,8 @@ pub(super) struct Working {
     changed: bool,
     /// What does so is no payload: something pushes the upper body until it stands.
     pushed: bool,
+    /// Its tracks turn it while no torque acts: that motion says nothing of what turns.
+    rides: bool,
     /// An emptied bucket has weighed nothing in this swing.
     weighed_nothing: bool,
     /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
@@ -214,6 +220,7 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             pushed: false,
+            rides: false,
             weighed_nothing: false,
             weighed_something: 0.0,
             expected: true,
@@ -255,8 +262,8 @@ impl Working {
         } else {
             0.0
         };
-        // Who digs is pushed by the ground, and creeps.
-        let stands = standing || self.slow_for > CREPT;
+        // Who digs is pushed by the ground, and creeps. Who rides on turning tracks stands on them.
+        let stands = standing || self.slow_for > CREPT || self.rides;
         let weighs = self.weigh.as_ref().filter(|weigh| weigh.is_there());
         let digs = weighs.map(Weigh::digs);
         let content = self.bucket.step(drive, share, stands, digs);
@@ -269,14 +276,24 @@ impl Working {
             self.incline(inclination, trail);
         }
         let innovation = match phase {
+            Phase::Moving if !drive.driven || self.is_riding(settings, drive, share) => {
+                self.drifting(settings, drive, trail)
+            }
             Phase::Moving => self.moving(settings, drive, share, trail),
             Phase::Held => {
+                self.rides = false;
                 if self.slow_for > TRAVEL {
-                    self.travel(drive.period);
+                    self.travel(TRAVELS * drive.period);
                 }
                 self.rest(0.0, 1e-6, trail)
             }
-            Phase::Released(w) => self.set_off(w, drive, settings.inertia_min, trail),
+            Phase::Released(w) => {
+                self.rides = is_quiet(settings, drive.torque);
+                if self.rides {
+                    self.torque = drive.torque;
+                }
+                self.set_off(w, drive, settings.inertia_min, trail)
+            }
         };
         self.attachment.wait(drive.period);
         self.doubt_gain(drive);
@@ -422,9 +439,6 @@ impl Working {
         share: f64,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        if !drive.driven {
-            return self.drifting(s, drive, trail);
-        }
         self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
         let input = self.input(s, drive);
@@ -466,7 +480,7 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
-        let no_payload = self.watch_payload(z);
+        let no_payload = self.watch_payload(s, z);
         if self.bucket.is_open() {
             self.agreement.interrupt();
             self.sway.forget();
@@ -485,10 +499,16 @@ impl Working {
 
     /// Whether the payload changes without a word, by a normalised innovation; true where it does once more though it may be any: what
     /// does so is none.
-    fn watch_payload(&mut self, z: f64) -> bool {
+    fn watch_payload(&mut self, s: &Settings, z: f64) -> bool {
         let weight = (self.filter.x[M], self.filter.p[M][M]);
         let anything = self.anything();
         if self.change.push(z.clamp(-3.0, 3.0)) {
+            // Where no torque acts, no payload tells.
+            self.rides = is_quiet(s, self.torque);
+            if self.rides {
+                self.agreement.interrupt();
+                return false;
+            }
             for filter in [&mut self.filter, &mut self.parallel.filter] {
                 filter.p[M][M] += anything;
             }
@@ -568,11 +588,21 @@ impl Working {
         Innovation::default()
     }
 
-    /// The machine may be under way: where it arrives, the ground slopes otherwise.
-    fn travel(&mut self, period: f64) {
+    /// Whether the tracks still turn the upper body: as long as no torque acts.
+    fn is_riding(&mut self, s: &Settings, drive: &Drive, share: f64) -> bool {
+        if self.rides {
+            self.torque += share * (drive.torque - self.torque);
+            self.rides = is_quiet(s, self.torque);
+            self.travel(drive.period / UNDER_WAY);
+        }
+        self.rides
+    }
+
+    /// The machine may be under way, with this probability: where it arrives, the ground slopes otherwise.
+    fn travel(&mut self, probability: f64) {
         for i in [SLOPE, SLOPE + 1] {
             let anywhere = self.stated[i] * self.stated[i];
-            let more = TRAVELS * period * anywhere;
+            let more = probability * anywhere;
             let parallel = &mut self.parallel.filter;
             for filter in [&mut self.filter, parallel, &mut self.scale.filter] {
                 if filter.p[i][i] < anywhere {
@@ -606,6 +636,11 @@ impl Working {
         let weighs = self.weigh.is_none() || self.scale.filter.is_sound();
         self.filter.is_sound() && self.parallel.is_sound() && weighs
     }
+}
+
+/// Whether a torque is none: no more than friction, or than its zero and its noise, leave open.
+fn is_quiet(s: &Settings, torque: f64) -> bool {
+    torque.abs() < s.coulomb_friction + NONE * s.sensors.swing_torque_std
 }
 
 #[cfg(test)]
@@ -656,5 +691,40 @@ mod tests {
         // The motion says otherwise than the inclinometer.
         working.filter.x[SLOPE + 1] = 0.06;
         assert_eq!(working.reason(false, (false, false)), Reason::Slope);
+    }
+
+    #[test]
+    fn tracks_that_turn_the_machine_while_no_torque_acts_tell_nothing_of_it() {
+        let settings = Settings::of(&Description::default());
+        let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+        let now = settings.geometry.inertia([0.6, -1.8, -1.5]);
+        let mut turn = |velocity: f64, torque: f64, phase: Phase| {
+            let drive = Drive {
+                period: 0.01,
+                velocity: Some(velocity),
+                variance: 2.5e-5,
+                torque,
+                now,
+                mean: now,
+                posture: [0.6, -1.8, -1.5],
+                driven: true,
+                seen: true,
+                ..Drive::default()
+            };
+            working.step(&settings, &drive, phase, &mut None);
+            let told = working.described[FRICTION] - working.filter.x[FRICTION];
+            (told == 0.0, working.contradiction.is_open(), working.rides)
+        };
+        turn(0.0, 0.0, Phase::Held);
+        turn(0.02, 0.0, Phase::Released(0.02));
+        for k in 0..400 {
+            let velocity = 0.3 * sin_cos(0.015 * f64::from(k)).0;
+            assert_eq!(turn(velocity, 0.0, Phase::Moving), (true, false, true));
+        }
+        // A torque drives the swing again.
+        (0..30).for_each(|_| {
+            turn(0.2, 4000.0, Phase::Moving);
+        });
+        assert!(!turn(0.2, 4000.0, Phase::Moving).2);
     }
 }

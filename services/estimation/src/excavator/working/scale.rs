@@ -2,7 +2,8 @@
 //!
 //! Where torque and load contradict each other, the filter of both is wrong, and which of them is nobody knows. Then this one answers: the
 //! torque, which is the one that mostly errs, has never touched it. In [`ERRS`] of such cases the pressures err, and the bucket may hold
-//! anything.
+//! anything. A load that no bucket holds tells that they do (Bayes): sensors on the wrong side of a load-holding valve weigh less
+//! than nothing.
 //!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
@@ -12,6 +13,7 @@ use super::super::size::Sticking;
 use super::filter::{Filter, Input, M, SLOPE, inertia_row};
 use super::weigh::{LASTS, Weigh, fits};
 use crate::excavator::geometry::Inertia;
+use crate::math::exp;
 
 /// Probability that the pressures are wrong where torque and load contradict each other.
 const ERRS: f64 = 0.1;
@@ -82,18 +84,21 @@ impl Scale {
             .measure([(M, 1.0)], value, variance, gate, &mut None);
     }
 
-    /// Payload, within what a bucket may hold \[kg\], and inertia at a posture, with variances; `anything`: that of a bucket that may hold
-    /// anything [kg^2].
+    /// Payload, within what a bucket may hold \[kg\], and inertia at a posture, with variances.
     pub(super) fn answer(
         &self,
         sticks: &Sticking,
         now: &Inertia,
         [least, most]: [f64; 2],
-        anything: f64,
     ) -> [(f64, f64); 2] {
         let filter = &self.filter;
         let (weight, left) = filter.payload(sticks);
-        let (payload, wrong) = (weight.clamp(least, most), ERRS * anything);
+        let payload = weight.clamp(least, most);
+        let (beyond, middle, width) = (weight - payload, 0.5 * (least + most), most - least);
+        let right = (1.0 - ERRS) * exp(-0.5 * beyond * beyond / left.max(1.0));
+        // Uniform in its range, about the estimate.
+        let anything = width * width / 12.0 + (payload - middle) * (payload - middle);
+        let wrong = ERRS / (ERRS + right) * anything;
         let (_, variance) = filter.combination(&inertia_row(now));
         let g = now.per_payload;
         [
@@ -150,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn one_time_in_ten_the_bucket_may_hold_anything() {
+    fn one_time_in_ten_the_bucket_may_hold_anything_and_surely_where_the_load_is_impossible() {
         let mut std = [0.0; N];
         std[M] = 50.0;
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
@@ -160,12 +165,15 @@ mod tests {
             per_payload: 30.0,
             ..Inertia::default()
         };
-        let [payload, inertia] = scale.answer(&Sticking::default(), &now, [0.0, 1500.0], ANYTHING);
-        assert_eq!(payload, (700.0, 2500.0 + ERRS * ANYTHING));
+        let range = [0.0, 1500.0];
+        let anything = range[1] * range[1] / 12.0 + 50.0 * 50.0;
+        let [payload, inertia] = scale.answer(&Sticking::default(), &now, range);
+        assert_eq!(payload, (700.0, 2500.0 + ERRS * anything));
         assert_eq!(inertia, (61e3, 900.0 * payload.1));
-        assert_eq!(
-            scale.answer(&Sticking::default(), &now, [0.0, 500.0], ANYTHING)[0].0,
-            500.0
-        );
+        // What no bucket holds it may not hold: then the pressures err.
+        scale.hold(-400.0, 50.0);
+        let [payload, _] = scale.answer(&Sticking::default(), &now, range);
+        let anything = range[1] * range[1] / 12.0 + 750.0 * 750.0;
+        assert_eq!(payload, (0.0, 2500.0 + anything));
     }
 }

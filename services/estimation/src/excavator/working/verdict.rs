@@ -77,8 +77,7 @@ impl Working {
         let g = drive.now.per_payload;
         let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let [payload, inertia] = if contradicted && weighs {
-            self.scale
-                .answer(&self.sticks, &drive.now, [least, most], anything)
+            self.scale.answer(&self.sticks, &drive.now, [least, most])
         } else {
             let variance = variance * factor + self.loads.variance(payload);
             [
