@@ -11,6 +11,7 @@ mod attachment;
 mod bucket;
 mod contradiction;
 mod correlations;
+mod fading;
 mod filter;
 mod noise;
 mod parallel;
@@ -149,6 +150,8 @@ pub(super) struct Working {
     weigh: Option<Weigh>,
     /// The load by them alone.
     scale: Scale,
+    /// Time in motion since what was told of the constants has faded \[s\].
+    unfaded: f64,
     /// The upper body hardly moves for this time [s]; its velocity a tick ago [rad/s] and what it gains, smoothed [rad/s^2].
     slow_for: f64,
     before: f64,
@@ -231,6 +234,7 @@ impl Working {
             tail: Tail::new(doubts),
             attachment: Attachment::new(settings.geometry.masses[2], bucket, sticking),
             weigh: settings.boom.map(Weigh::new),
+            unfaded: 0.0,
             slow_for: 0.0,
             before: 0.0,
             gaining: 0.0,
@@ -453,6 +457,7 @@ impl Working {
                 filter.p[i][i] += self.stated[i] * self.stated[i] * drive.period / WARMING;
             }
         }
+        self.fade(s, drive.period, trail);
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
         if weighed {

@@ -13,6 +13,7 @@
 
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
+use super::fading::CONSTANTS;
 use super::filter::{BUCKET, Filter, M, N, Vector, dot, inertia_row};
 use super::trail::{Act, Trail};
 use crate::excavator::state::State;
@@ -92,6 +93,7 @@ impl Smoother {
         for act in trail.acts[..trail.count].iter().rev().flatten() {
             match act {
                 Act::Row(i, row) => self.transition(*i, row),
+                Act::Faded(kept) => self.fade(*kept),
                 Act::Measured {
                     row,
                     gain,
@@ -165,6 +167,17 @@ impl Smoother {
             for k in 0..N {
                 self.curvature[j][k] +=
                     row[j] * others[k] + others[j] * row[k] + row[j] * corner * row[k];
+            }
+        }
+    }
+
+    /// The constants had been further from their description.
+    fn fade(&mut self, kept: f64) {
+        for i in CONSTANTS {
+            self.lambda[i] *= kept;
+            for j in 0..N {
+                self.curvature[i][j] *= kept;
+                self.curvature[j][i] *= kept;
             }
         }
     }

@@ -4,7 +4,7 @@ use super::states::{N, Vector};
 use crate::CommonError;
 
 /// Most that a tick does. The longest stand in which boom pressures begin: content over and unknown, span, zero, rest and gain anew, two
-/// inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom.
+/// inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom, constants that fade.
 const MOST: usize = 12;
 
 /// One thing that the filter did.
@@ -12,6 +12,8 @@ const MOST: usize = 12;
 pub(super) enum Act {
     /// State `i` became `row x`.
     Row(usize, Vector),
+    /// This share of what was told of the constants is kept.
+    Faded(f64),
     /// A measurement of `row x` with its gain, innovation and variance.
     Measured {
         row: Vector,
@@ -85,6 +87,11 @@ impl Trail {
             *free = Some(act);
             self.count += 1;
         }
+    }
+
+    /// What was told of the constants fades.
+    pub(super) fn fade(&mut self, kept: f64) {
+        self.push(Act::Faded(kept));
     }
 
     /// State `i` is a new one, independent of all.

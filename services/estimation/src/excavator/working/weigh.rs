@@ -12,7 +12,7 @@ use super::bucket::Content;
 use super::filter::{BUCKET, Filter, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
-use crate::math::exp;
+use crate::math::{exp, sqrt};
 
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
@@ -113,7 +113,6 @@ impl Weigh {
         }
         self.begun = true;
         let c = &self.cylinder;
-        let together = c.correlation * c.span_std * c.zero_std;
         // The trail is that of the first filter.
         let (mut trail, mut none) = (trail, None);
         for filter in filters {
@@ -125,9 +124,17 @@ impl Weigh {
                 filter.set(i, 0.0, std * std, trail);
             }
             trail = &mut none;
-            (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
+            self.correlate(filter);
         }
         Some([c.span_std, c.zero_std])
+    }
+
+    /// Span and zero as a calibration has found them err together.
+    pub(super) fn correlate(&self, filter: &mut Filter) {
+        let c = &self.cylinder;
+        let variances = filter.p[SPAN][SPAN] * filter.p[ZERO][ZERO];
+        let together = c.correlation * sqrt(variances);
+        (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
     }
 
     /// One tick; sine and cosine of the swing angle, and the velocity; what becomes of the bucket's content, and whether the bucket opens.

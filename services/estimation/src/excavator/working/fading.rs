@@ -1,0 +1,65 @@
+//! What the motion has told of the machine's constants fades towards what the description says.
+//!
+//! ```text
+//! c <- d + k (c - d),   P_cc <- k^2 P_cc + (1 - k^2) S,   P_co <- k P_co,   k = exp(-dt / LASTS)
+//! ```
+//! with c the constants, d and S what the description says of them, o the other states (Ornstein, Uhlenbeck). No model is exact: what
+//! it misses pushes the constants the same way in each swing. A filter that takes them for constants knows them ever more closely, and
+//! after an hour believes a machine that is none.
+
+use super::correlations::correlate;
+use super::filter::{BUCKET, Filter, GAIN, LINKS, LOSS, MOMENT, N, OFFSET, SPAN, UPPER, ZERO};
+use super::trail::Trail;
+use super::Working;
+use crate::excavator::settings::Settings;
+use crate::math::exp;
+
+/// What motion tells counts for so long, in motion [s]. Simulated machines of others stay trusted for ... hours.
+const LASTS: f64 = 1800.0;
+/// Between two times that it fades, in motion [s]: little fades in between.
+const EVERY: f64 = 20.0;
+/// Those that no wear and no oil changes from swing to swing: those have walks of their own.
+pub(super) const CONSTANTS: [usize; 9] =
+    [OFFSET, GAIN, LOSS, MOMENT, UPPER, BUCKET, LINKS, SPAN, ZERO];
+
+impl Working {
+    /// Time in motion passes.
+    pub(super) fn fade(&mut self, settings: &Settings, period: f64, trail: &mut Option<Trail>) {
+        self.unfaded += period;
+        if self.unfaded < EVERY {
+            return;
+        }
+        let kept = exp(-core::mem::take(&mut self.unfaded) / LASTS);
+        let mut described = Filter::new(self.described, &self.stated);
+        if let Some((doubts, found)) = settings.doubts.as_ref().and_then(|d| Some((d, d.found?))) {
+            correlate(&mut described, doubts, found);
+        }
+        if let Some(weigh) = &self.weigh {
+            weigh.correlate(&mut described);
+        }
+        self.filter.fade(&described, kept);
+        self.parallel.filter.fade(&described, kept);
+        self.scale.filter.fade(&described, kept);
+        if let Some(trail) = trail {
+            trail.fade(kept);
+        }
+    }
+}
+
+impl Filter {
+    fn fade(&mut self, described: &Self, kept: f64) {
+        for i in CONSTANTS {
+            self.x[i] = described.x[i] + kept * (self.x[i] - described.x[i]);
+            for j in 0..N {
+                self.p[i][j] *= kept;
+                self.p[j][i] *= kept;
+            }
+        }
+        let lost = 1.0 - kept * kept;
+        for i in CONSTANTS {
+            for j in CONSTANTS {
+                self.p[i][j] += lost * described.p[i][j];
+            }
+        }
+    }
+}
