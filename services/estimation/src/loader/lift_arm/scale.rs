@@ -29,8 +29,9 @@ const FIRST_HEAVING: f64 = 0.02;
 const LEAST_HEAVING: f64 = 0.004;
 /// Moments of an arm that carries nothing heave too: what counts as carried at least, as a share of the full force.
 const ARM_ALONE: f64 = 0.03;
-/// A load on a machine that rocks after a stop swings for some periods of half a second: what heaves now, over this time [s].
-const ROCKING: f64 = 0.5;
+/// A load swings for some periods of half a second after the machine or the arm has stopped: what heaves now, over as long as rows tell
+/// the same [s].
+const ROCKING: f64 = 0.3;
 /// Square of an innovation beyond which it is no heaving: a fifth of the moment.
 const MOST_HEAVING: f64 = 0.04;
 /// What an accelerated arm adds, and what a moving content does, as shares of the moment.
@@ -69,7 +70,7 @@ pub(super) struct Scale {
     /// Smoothed innovation, and variance of what heaves, as shares of the moment.
     fast: f64,
     heaving: f64,
-    /// The same of the last half second, whatever its size.
+    /// The same of the last moments, whatever its size.
     rocking: f64,
     /// The moment is another one, of a rocking machine or of another content.
     swings: bool,
@@ -252,11 +253,15 @@ impl Scale {
     fn listen(&mut self, innovation: f64, expected: f64, motion: &Motion, dt: f64) {
         let innovation = innovation.clamp(-1.0, 1.0);
         self.fast += (dt / FAST).min(1.0) * (innovation - self.fast);
-        if !motion.settling && !motion.lifting && !motion.held {
-            let away = innovation - self.fast;
-            let square = away * away;
-            let rocking = (square - expected).max(0.0);
-            self.rocking += (dt / ROCKING).min(1.0) * (rocking - self.rocking);
+        if motion.settling || motion.held {
+            return;
+        }
+        let away = innovation - self.fast;
+        let square = away * away;
+        // An arm that starts or stops rocks its load as a machine does.
+        let rocking = (square - expected).max(0.0);
+        self.rocking += (dt / ROCKING).min(1.0) * (rocking - self.rocking);
+        if !motion.lifting {
             self.heaving += (dt / MEMORY).min(1.0) * (square.min(MOST_HEAVING) - self.heaving);
         }
     }
@@ -327,5 +332,38 @@ impl Scale {
     /// The moment jumped in this row, and no bucket turned.
     pub fn jumped(&self) -> bool {
         self.jumped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loader::lift_arm::tests::settings;
+
+    #[test]
+    fn a_load_that_rocks_while_the_arm_lifts_is_weighed_less_surely_for_a_moment() {
+        let drawing = Drawing::of(&settings()).expect("a described arm");
+        let mut scale = Scale::new(&drawing);
+        let mut listen = |lifting, amplitude: f64| {
+            let motion = Motion {
+                turning: false,
+                changing: 0.0,
+                lifting,
+                settling: false,
+                held: false,
+                open: false,
+            };
+            // An arm that starts or stops rocks on its oil at 1.3 Hz.
+            for k in 0..100 {
+                let swing = amplitude * (0.08 * f64::from(k)).sin();
+                scale.listen(swing, 0.0, &motion, 0.01);
+            }
+            (sqrt(scale.heaves()), sqrt(scale.heaving))
+        };
+        let (now, usual) = listen(true, 0.3);
+        assert!((0.12..0.3).contains(&now), "{now}");
+        assert_eq!(usual, FIRST_HEAVING, "lifts say nothing of the drive");
+        let (now, _) = listen(false, 0.0);
+        assert!(now < 0.05, "{now}");
     }
 }

@@ -7,7 +7,7 @@ use std::vec::Vec;
 const FRESH: f64 = Settings::DEFAULT.estimator.fresh;
 
 /// A 12 t loader, its pressures made by the statics of its own drawing.
-fn settings() -> Settings {
+pub(super) fn settings() -> Settings {
     let mut settings = Settings::DEFAULT;
     settings.machine.mass = 12_500.0;
     settings.machine.wheelbase = 3.0;
