@@ -15,7 +15,7 @@ use crate::excavator::settings::Settings;
 use crate::math::exp;
 
 /// What motion tells counts for so long, in motion [s]. Simulated machines of others stay trusted for ... hours.
-const LASTS: f64 = 1800.0;
+const LASTS: f64 = 150.0;
 /// Between two times that it fades, in motion [s]: little fades in between.
 const EVERY: f64 = 20.0;
 /// Those that no wear and no oil changes from swing to swing: those have walks of their own.
