@@ -202,9 +202,12 @@ fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds
     assert!(rms(1) < 0.9 * rms(0) && covered > 0.93, "{said}");
 }
 
+/// What a fault makes of a row.
+type Change = fn(&mut Sample);
+
 #[test]
 fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_other() {
-    let faults: [(&str, fn(&mut Sample)); 4] = [
+    let faults: [(&str, Change); 4] = [
         ("nothing", |_| {}),
         ("velocity x 1.2", |s| {
             s.velocity = s.velocity.map(|w| 1.2 * w)
