@@ -192,7 +192,9 @@ mod tests {
     #[test]
     fn of_a_machine_that_has_gone_nothing_stays() {
         let rows = Rows::begin(Out::standard(), Form::Messages, "", Vec::new()).expect("begun");
-        ["a", "b"].map(|name| rows.add(name));
+        for name in ["a", "b"] {
+            rows.add(name);
+        }
         rows.forget(0);
         assert!(rows.put(0, 0, b"row").is_err(), "it is unknown");
         rows.add("c");

@@ -30,6 +30,9 @@ pub const GRAVITY: f64 = 9.806_65;
 /// Length of a block \[s\], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
+/// Pressures stand for the time since the ones before, at most this long [s]. So 20 a second weigh; ten a second, read beside angles
+/// that move, make more of the loads doubtful than none do.
+const STANDS: f64 = 0.018;
 /// A lever shorter than this is in line with the pin: force and load tell nothing of each other \[m\].
 const LEAST_LEVER: f64 = 1e-3;
 /// Travel within which the seals' friction follows the motion (Dahl) \[m\].
@@ -146,6 +149,8 @@ pub(in crate::excavator) struct Front {
 pub(in crate::excavator) struct BoomMoment {
     block: Block,
     elapsed: f64,
+    /// Time since the last pressures \[s\].
+    unread: f64,
     last: [Option<Block>; 2],
     direction: f64,
     since: f64,
@@ -156,6 +161,7 @@ impl BoomMoment {
         Self {
             block: Block::default(),
             elapsed: 0.0,
+            unread: 0.0,
             last: [None; 2],
             direction: 0.0,
             since: 0.0,
@@ -175,9 +181,11 @@ impl BoomMoment {
         self.block.constant = constant && (self.elapsed == 0.0 || self.block.constant);
         self.block.touches |= touches;
         self.elapsed += dt;
+        self.unread += dt;
         if let Some(pressures) = front.pressures {
             let force = cylinder.force(pressures);
-            self.block.add(cylinder, front, force);
+            let stands = core::mem::take(&mut self.unread).min(STANDS);
+            self.block.add(cylinder, front, (force, stands));
         }
         if self.elapsed < BLOCK - 0.5 * dt {
             return None;
@@ -224,8 +232,9 @@ impl BoomMoment {
 }
 
 impl Block {
-    fn add(&mut self, cylinder: &Cylinder, front: &Front, force: f64) {
-        let (dt, [boom, arm, bucket]) = (front.period, front.posture);
+    /// A force, and the posture with it, for the time `dt`.
+    fn add(&mut self, cylinder: &Cylinder, front: &Front, (force, dt): (f64, f64)) {
+        let [boom, arm, bucket] = front.posture;
         let alpha = [boom, boom + arm, boom + arm + bucket];
         for (i, (sin, cos)) in front.turns.into_iter().enumerate() {
             self.alpha[i] += dt * alpha[i];
