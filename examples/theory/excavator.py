@@ -121,6 +121,17 @@ class Filter:
             self.p[i][j] = self.p[j][i] = 0.0
         self.p[i][i] = variance
 
+    def fade(self, start, kept):
+        """What was told of the constants fades towards their description."""
+        constants = (D, K, L, S, JU, MB, E)
+        for i in constants:
+            self.x[i] = start[i][0] + kept * (self.x[i] - start[i][0])
+            for j in range(N):
+                self.p[i][j] *= kept
+                self.p[j][i] *= kept
+        for i in constants:
+            self.p[i][i] += (1 - kept * kept) * start[i][1] ** 2
+
 
 class Standstill:
     """(4): does the upper body stand?"""
@@ -232,7 +243,7 @@ class Estimator:
         self.standstill, self.noise = Standstill(machine, velocity_std), Noise()
         self.bucket, self.variance = Bucket(machine.e["opening_rate"]), velocity_std**2
         self.before = self.torque_before = None
-        self.turn = self.smoothed = self.largest = self.slow_for = self.w_before = self.gaining = 0.0
+        self.turn = self.smoothed = self.largest = self.slow_for = self.w_before = self.gaining = self.unfaded = 0.0
         self.expected, self.tared, self.up, self.down = True, False, 0.0, 0.0
 
     def answer(self, now):
@@ -314,6 +325,10 @@ class Estimator:
         p[K][K] += 0.001**2 * dt
         for i in (TF, B):
             p[i][i] += machine.start[i][1] ** 2 * dt / 60
+        self.unfaded += dt
+        if self.unfaded + dt / 2 >= 20:
+            f.fade(machine.start, math.exp(-self.unfaded / 300))
+            self.unfaded = 0.0
         braked = max(1 - abs(x[W]) / 0.04, 0.0) * (abs(torque) + machine.friction)
         ground = self.largest if self.slow_for > 0.3 else 0.0
         torque_variance = (

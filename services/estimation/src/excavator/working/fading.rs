@@ -27,7 +27,8 @@ impl Working {
     /// Time in motion passes.
     pub(super) fn fade(&mut self, settings: &Settings, period: f64, trail: &mut Option<Trail>) {
         self.unfaded += period;
-        if self.unfaded < EVERY {
+        // Periods are rounded.
+        if self.unfaded + 0.5 * period < EVERY {
             return;
         }
         let kept = exp(-core::mem::take(&mut self.unfaded) / LASTS);
