@@ -123,7 +123,7 @@ class Filter:
 
     def fade(self, start, kept):
         """What was told of the constants fades towards their description."""
-        constants = (D, K, L, S, JU, MB, E)
+        constants = (K, JU, MB, E)
         for i in constants:
             self.x[i] = start[i][0] + kept * (self.x[i] - start[i][0])
             for j in range(N):

@@ -9,19 +9,18 @@
 
 use super::Working;
 use super::correlations::correlate;
-use super::filter::{BUCKET, Filter, GAIN, LINKS, LOSS, MOMENT, N, OFFSET, SPAN, UPPER, ZERO};
+use super::filter::{BUCKET, Filter, GAIN, LINKS, N, SPAN, UPPER};
 use super::trail::Trail;
 use crate::excavator::settings::Settings;
 use crate::math::exp;
 
-/// What motion tells counts for so long, in motion [s]. A simulated machine without pressures has an inertia 5 % off (rms) after two
-/// hours; with 600 s it is wrong in a quarter of the trusted rows, without fading it is trusted no more after one.
+/// What motion tells counts for so long, in motion [s]. With 600 s a simulated machine without pressures is wrong in a quarter of the
+/// trusted rows after two hours; without fading it is trusted no more after one.
 const LASTS: f64 = 300.0;
 /// Between two times that it fades, in motion [s]: little fades in between.
 const EVERY: f64 = 20.0;
-/// Constants of the machine. Friction and damping have walks of their own, the delay is the bus's.
-pub(super) const CONSTANTS: [usize; 9] =
-    [OFFSET, GAIN, LOSS, MOMENT, UPPER, BUCKET, LINKS, SPAN, ZERO];
+/// Constants that grow together and leave every motion as it is.
+pub(super) const CONSTANTS: [usize; 5] = [GAIN, UPPER, BUCKET, LINKS, SPAN];
 
 impl Working {
     /// Time in motion passes.

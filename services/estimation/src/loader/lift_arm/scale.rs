@@ -31,7 +31,7 @@ const LEAST_HEAVING: f64 = 0.004;
 const ARM_ALONE: f64 = 0.03;
 /// A load swings for some periods of half a second after the machine or the arm has stopped: what heaves now, over as long as rows tell
 /// the same [s].
-const ROCKING: f64 = 0.3;
+const ROCKING: f64 = 0.2;
 /// Square of an innovation beyond which it is no heaving: a fifth of the moment.
 const MOST_HEAVING: f64 = 0.04;
 /// What an accelerated arm adds, and what a moving content does, as shares of the moment.
