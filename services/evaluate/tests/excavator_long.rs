@@ -1,9 +1,8 @@
 //! An excavator works for an hour and a half: what was trusted in the first minutes is trusted in the last ones.
 
-use config::Excavator;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
-use evaluate::excavator::honesty_lines::described;
-use sim::excavator::{Effects, Size, Work, cylinders};
+use evaluate::excavator::honesty_lines::{describe_boom_cylinder, described};
+use sim::excavator::{Effects, Size, Work};
 use statistics::judge::{JudgedRow, Tally};
 
 const COLUMNS: Columns = Columns {
@@ -16,23 +15,15 @@ const COLUMNS: Columns = Columns {
 const ROWS: usize = 540_000;
 const LAST: usize = 120_000;
 
-fn described_with_cylinders(work: &Work) -> Excavator {
-    let mut d = described(work);
-    let [boom, _] = cylinders(&work.size().geometry);
-    let c = &mut d.boom_cylinder;
-    (c.count, c.head_area, c.rod_area) = (boom.count, boom.head_area, boom.rod_area);
-    (c.base_distance, c.rod_distance) = (boom.base_distance, boom.rod_distance);
-    (c.angle, c.friction) = (boom.angle, boom.friction);
-    d
-}
-
 /// What is said of the last rows.
 fn last(size: Size, seed: u64, has_pressures: bool) -> Tally {
     let mut work = Work::new(size, Effects::default(), seed);
     if has_pressures {
         work = work.with_gauges(seed);
     }
-    let settings = Settings::of(&described_with_cylinders(&work));
+    let mut description = described(&work);
+    describe_boom_cylinder(&mut description, &work);
+    let settings = Settings::of(&description);
     let mut estimator =
         SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
     let mut tally = Tally::default();

@@ -2,7 +2,7 @@
 
 use estimation::excavator::Geometry;
 use estimation::excavator::keys::{Attachment, Description, Variant};
-use sim::excavator::{Effects, Work, cases};
+use sim::excavator::{Effects, Work, cases, cylinders};
 
 /// What is asked of a line.
 #[derive(Clone, Copy)]
@@ -48,6 +48,16 @@ pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, R
         };
         (effect, severity, effects, asked)
     })
+}
+
+/// What the drawing says of the boom's cylinders.
+pub fn describe_boom_cylinder(d: &mut Description, work: &Work) {
+    let [boom, _] = cylinders(&work.size().geometry);
+    let c = &mut d.boom_cylinder;
+    (c.count, c.head_area, c.rod_area) = (boom.count, boom.head_area, boom.rod_area);
+    (c.base_distance, c.rod_distance) = (boom.base_distance, boom.rod_distance);
+    (c.angle, c.friction) = (boom.angle, boom.friction);
+    c.friction_std = 0.5 * boom.friction;
 }
 
 /// What a competent user states of a machine: its data sheet.

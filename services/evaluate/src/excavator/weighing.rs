@@ -8,12 +8,12 @@ use estimation::HALF_WIDTH_95;
 use estimation::excavator::{Estimate, Method, Reason, Settings};
 use estimation::loads::Row as Weighing;
 use serde_json::json;
-use sim::excavator::{Effects, Row, Size, Work, cylinders};
+use sim::excavator::{Effects, Row, Size, Work};
 use statistics::judge::is_wrong;
 
 use super::calibrated;
 use super::estimators::{Point, Setup};
-use super::honesty_lines::described;
+use super::honesty_lines::{describe_boom_cylinder, described};
 use crate::loads::{Book, Tally, share};
 use crate::weighing::{Column, Line, at_least, at_most, text};
 use crate::{Error, Options, Report, seeds};
@@ -179,12 +179,7 @@ fn settings(work: &Work, case: &Case, seed: u64) -> Result<Option<Settings>, Err
     if case.knowledge == Knowledge::Motion {
         return Ok(Some(Settings::of(&d)));
     }
-    let [boom, _] = cylinders(&work.size().geometry);
-    let c = &mut d.boom_cylinder;
-    (c.count, c.head_area, c.rod_area) = (boom.count, boom.head_area, boom.rod_area);
-    (c.base_distance, c.rod_distance) = (boom.base_distance, boom.rod_distance);
-    (c.angle, c.friction) = (boom.angle, boom.friction);
-    c.friction_std = 0.5 * boom.friction;
+    describe_boom_cylinder(&mut d, work);
     if case.knowledge == Knowledge::Calibrated {
         return calibrated::settings((*work.size(), case.effects, seed), &d);
     }
