@@ -6,7 +6,7 @@
 //! 1932). This also catches what no state of the model names.
 
 use super::super::geometry::Inertia;
-use super::filter::{Filter, inertia_row};
+use super::filter::Filter;
 
 /// Length of a stretch [s].
 const STRETCH: f64 = 0.4;
@@ -19,7 +19,7 @@ const LARGEST: f64 = 36.0;
 const OUTRIGHT: f64 = 18.0;
 
 /// Where a stretch began: how the inertia depends on the states, its value and its variance.
-type Start = ([(usize, f64); 4], f64, f64);
+type Start = ([(usize, f64); 5], f64, f64);
 
 /// Mean ratio of what stretches moved to what they may move.
 #[derive(Debug, Clone)]
@@ -60,7 +60,7 @@ impl Agreement {
     }
 
     fn begin(&mut self, filter: &Filter, now: &Inertia) {
-        let row = inertia_row(now);
+        let row = filter.inertia_row(now);
         let (value, variance) = filter.combination(&row);
         self.start = Some((row, value, variance));
         self.elapsed = 0.0;

@@ -12,7 +12,7 @@
 //! What is undecided when the content is over is mixed by its moments.
 
 use super::Working;
-use super::filter::{BUCKET, Filter, M, inertia_row};
+use super::filter::{BUCKET, Filter, M};
 use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::size::Sticking;
@@ -175,7 +175,7 @@ impl Attachment {
         // Of the content proper, and of what content and bucket weigh more than thought.
         let content = (z * a / other, a * (other - a) / other);
         let both = (z * (other - v) / other, v * (other - v) / other);
-        let row = inertia_row(now);
+        let row = filter.inertia_row(now);
         let of_content: f64 = row.iter().map(|(i, entry)| entry * filter.p[M][*i]).sum();
         let per = of_content / p;
         let (_, own) = filter.combination(&row);
@@ -193,7 +193,7 @@ impl Attachment {
     fn take_back(&self, filter: &mut Filter, trail: &mut Option<Trail>) {
         let variance = self.emptied.variance;
         if self.emptied.tared && filter.p[M][M] < TOLD * variance {
-            filter.without(M, (0.0, variance), trail);
+            filter.without([(M, 1.0)], (-filter.x[M], variance), trail);
         }
     }
 

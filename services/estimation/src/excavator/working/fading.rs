@@ -41,6 +41,7 @@ impl Working {
         self.filter.fade(&described, kept);
         self.parallel.filter.fade(&described, kept);
         self.scale.filter.fade(&described, kept);
+        self.scale.has_no_torque();
         if let Some(trail) = trail {
             trail.fade(kept);
         }

@@ -1,16 +1,16 @@
 //! Extended Kalman filter of the swing with everything that a described machine may differ by.
 //!
 //! ```text
-//! J w' = T (1 + k) - l |T| th - T_f th + d - (b + Jd) w + g0 M (p cos psi - q sin psi)
-//! J = J_e(q) + dJ_u + dm_b g_b(q) + e J_l(q) + m g(q),  th = tanh(w / width),  M = S + sum m_i r_i + m r_p + ...
+//! J w' = (1 + k) [T - l |T| th - T_f th + d - b w] - Jd w + g0 M (p cos psi - q sin psi)
+//! J = J_e(q) + dJ_u + dm_b g_b(q) + e J_l(q) + (1 + k) m g(q),  th = tanh(w / width),  M = S + sum m_i r_i + (1 + k) m r_p + ...
 //! measured velocity: y(t) = w(t - tau) = w - tau w'
 //! ```
 //!
 //! | symbol | index | meaning | unit |
 //! |---|---|---|---|
 //! | w | [`W`] | swing velocity | rad/s |
-//! | m | [`M`] | payload beyond what sticks in the bucket | kg |
-//! | d | [`OFFSET`] | torque offset: true minus measured | N m |
+//! | m | [`M`] | payload beyond what sticks in the bucket, over 1 + k | kg |
+//! | d | [`OFFSET`] | offset of the measured torque | N m |
 //! | b | [`DAMPING`] | viscous damping | N m s/rad |
 //! | k | [`GAIN`] | true torque over the measured one, minus 1 | - |
 //! | l | [`LOSS`] | share of the torque lost while driving, gained while braking | - |
@@ -22,6 +22,10 @@
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
 //! | s, z, f | [`SPAN`], [`ZERO`], [`REST`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N |
+//!
+//! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
+//! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
+//! their values, and no linearisation tells of it (unlike in coordinates where it turns: Huang, Mourikis, Roumeliotis 2010).
 //!
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
 //! identity, in the states before [`ACTING`], so a step costs two passes over the covariance. It lies column by column: the sums
@@ -94,7 +98,8 @@ impl Filter {
         trail: &mut Option<Trail>,
     ) {
         let (x, dt) = (&mut self.x, input.period);
-        let (w, m) = (x[W], x[M]);
+        let (w, gain) = (x[W], 1.0 + x[GAIN]);
+        let m = gain * x[M];
         let parts = |of: &Inertia| {
             of.with_payload(m) + x[UPPER] + x[BUCKET] * of.per_bucket + x[LINKS] * of.links
         };
@@ -111,27 +116,27 @@ impl Filter {
             + x[BUCKET] * now.bucket_radius
             + x[LINKS] * now.links_moment;
         let dissipated = x[FRICTION] + x[LOSS] * size;
-        let torque =
-            input.torque * (1.0 + x[GAIN]) + x[OFFSET] - dissipated * direction + lean * moment;
-        let f = (torque - (x[DAMPING] + rate) * w) / inertia;
+        let driving = input.torque + x[OFFSET] - dissipated * direction - x[DAMPING] * w;
+        let f = (gain * driving + lean * moment - rate * w) / inertia;
         let steep = dissipated.max(0.0) * (1.0 - direction * direction) / width;
 
         let step = dt / inertia;
         // The noise is that of the measured torque.
-        let of_torque = step * (1.0 + x[GAIN]);
+        let of_torque = step * gain;
         let mut row = [0.0; N];
-        row[W] = exp(-step * (x[DAMPING] + rate + steep));
+        row[W] = exp(-step * (gain * (x[DAMPING] + steep) + rate));
         let heavier = |radius, rate, inertia| step * (lean * radius - rate * w - f * inertia);
         let (of, rates) = (&input.inertia, &input.rate);
-        row[M] = heavier(now.radius, rates.per_payload, of.per_payload);
+        let per_load = heavier(now.radius, rates.per_payload, of.per_payload);
+        row[M] = gain * per_load;
         row[BUCKET] = heavier(now.bucket_radius, rates.per_bucket, of.per_bucket);
         row[LINKS] = heavier(now.links_moment, rates.links, of.links);
         row[UPPER] = -step * f;
-        row[OFFSET] = step;
-        row[DAMPING] = -step * w;
-        row[GAIN] = step * input.torque;
-        row[LOSS] = -step * size * direction;
-        row[FRICTION] = -step * direction;
+        row[OFFSET] = of_torque;
+        row[DAMPING] = -of_torque * w;
+        row[GAIN] = step * driving + x[M] * per_load;
+        row[LOSS] = -of_torque * size * direction;
+        row[FRICTION] = -of_torque * direction;
         row[SLOPE] = step * GRAVITY * moment * cos;
         row[SLOPE + 1] = -step * GRAVITY * moment * sin;
         row[MOMENT] = step * lean;
@@ -232,38 +237,80 @@ impl Filter {
         }
     }
 
-    /// Takes back what was known of state `i` beforehand, value and variance: it tells nothing of the other states any more. The inverse
-    /// of a measurement, with a negative variance. What has hardly been informed since is left.
+    /// Takes back what was known of the load beforehand, value and variance: it tells nothing of the other states any more. What has
+    /// hardly been informed since is left.
     #[inline]
     pub(super) fn take_back(
         &mut self,
-        i: usize,
         (value, variance): (f64, f64),
+        true_mass: bool,
         trail: &mut Option<Trail>,
     ) {
-        if self.p[i][i] <= INFORMED * variance {
-            self.without(i, (value, variance), trail);
+        let row = self.content_row(true_mass);
+        let (load, own) = self.combination(&row);
+        if own <= INFORMED * variance {
+            let load = if true_mass { self.load() } else { load };
+            self.without(row, (value - load, variance), trail);
         }
     }
 
-    /// The measurement with negative variance that takes back what was expected.
+    /// How the content depends on the states: as a true mass, or as the motion weighs it.
+    fn content_row(&self, true_mass: bool) -> [(usize, f64); 2] {
+        if true_mass {
+            self.load_row()
+        } else {
+            [(M, 1.0), (GAIN, 0.0)]
+        }
+    }
+
+    /// The inverse of a measurement that differed by `value` from what is expected: one with a negative variance.
     #[inline(never)]
-    pub(super) fn without(
+    pub(super) fn without<const K: usize>(
         &mut self,
-        i: usize,
+        row: [(usize, f64); K],
         (value, variance): (f64, f64),
         trail: &mut Option<Trail>,
     ) {
-        let column = self.p[i];
-        let left = column[i] - variance;
+        let column = self.along(row.into_iter());
+        let own: f64 = row.iter().map(|&(i, entry)| entry * column[i]).sum();
+        let left = own - variance;
         let gain = column.map(|c| c / left);
-        let away = value - self.x[i];
+        if let Some(trail) = trail {
+            let mut whole = [0.0; N];
+            for (i, entry) in row {
+                whole[i] = entry;
+            }
+            trail.measured(&whole, &gain, value, left);
+        }
+        self.take(&gain, value, &column);
+    }
+
+    /// The bucket holds something else: value and variance of it, as a true mass, or as the motion weighs it.
+    pub(super) fn hold(
+        &mut self,
+        (value, variance): (f64, f64),
+        true_mass: bool,
+        trail: &mut Option<Trail>,
+    ) {
+        if !true_mass {
+            self.set(M, value, variance, trail);
+            return;
+        }
+        let share = 1.0 / (1.0 + self.x[GAIN]);
+        self.set(M, value * share, variance * share * share, &mut None);
+        let per_gain = -self.x[M] * share;
         if let Some(trail) = trail {
             let mut row = [0.0; N];
-            row[i] = 1.0;
-            trail.measured(&row, &gain, away, left);
+            row[GAIN] = per_gain;
+            trail.row(M, &row);
         }
-        self.take(&gain, away, &column);
+        for j in 0..N {
+            self.p[M][j] += per_gain * self.p[GAIN][j];
+        }
+        for j in 0..N {
+            self.p[j][M] = self.p[M][j];
+        }
+        self.p[M][M] = variance * share * share + per_gain * per_gain * self.p[GAIN][GAIN];
     }
 
     /// States and covariance by a gain, an innovation, and the covariances with what is measured.
@@ -310,11 +357,40 @@ impl Filter {
         (value, variance.max(0.0))
     }
 
+    /// What the bucket holds beyond what sticks in it [kg].
+    pub(super) fn load(&self) -> f64 {
+        (1.0 + self.x[GAIN]) * self.x[M]
+    }
+
     /// Payload with what sticks in the bucket \[kg\], and what the states leave open of it [kg^2].
     pub(super) fn payload(&self, sticks: &Sticking) -> (f64, f64) {
-        let (x, p, share) = (&self.x, &self.p, sticks.share);
-        let variance = p[M][M] + share * (2.0 * p[M][BUCKET] + share * p[BUCKET][BUCKET]);
-        (x[M] + sticks.of(x[BUCKET]), variance.max(0.0))
+        let (_, variance) = self.combination(&self.payload_row(sticks));
+        (self.load() + sticks.of(self.x[BUCKET]), variance)
+    }
+
+    /// How the payload depends on the states.
+    pub(super) fn payload_row(&self, sticks: &Sticking) -> [(usize, f64); 3] {
+        let [load, gain] = self.load_row();
+        [load, gain, (BUCKET, sticks.share)]
+    }
+
+    /// How the load depends on the states.
+    pub(super) fn load_row(&self) -> [(usize, f64); 2] {
+        [(M, 1.0 + self.x[GAIN]), (GAIN, self.x[M])]
+    }
+
+    /// How the inertia at a posture depends on the states.
+    #[inline]
+    pub(super) fn inertia_row(&self, now: &Inertia) -> [(usize, f64); 5] {
+        let per_payload = now.per_payload;
+        let [load, gain] = self.load_row().map(|(i, entry)| (i, entry * per_payload));
+        [
+            load,
+            gain,
+            (UPPER, 1.0),
+            (BUCKET, now.per_bucket),
+            (LINKS, now.links),
+        ]
     }
 
     /// Row `i` of the covariance.
@@ -366,17 +442,6 @@ impl Filter {
     }
 }
 
-/// How the inertia at a posture depends on the states.
-#[inline]
-pub(super) fn inertia_row(now: &Inertia) -> [(usize, f64); 4] {
-    [
-        (M, now.per_payload),
-        (UPPER, 1.0),
-        (BUCKET, now.per_bucket),
-        (LINKS, now.links),
-    ]
-}
-
 pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
@@ -402,7 +467,7 @@ mod tests {
         };
         let mut filter = measured(prior);
         assert!(filter.x[BUCKET] < -5.0, "{}", filter.x[BUCKET]);
-        filter.take_back(M, prior, &mut None);
+        filter.take_back(prior, false, &mut None);
         assert!(filter.x[BUCKET].abs() < 1e-9, "{}", filter.x[BUCKET]);
         assert!((filter.p[BUCKET][BUCKET] / known - 1.0).abs() < 1e-9);
         // A content of which nothing was known says the same.

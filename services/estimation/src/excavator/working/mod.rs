@@ -133,6 +133,8 @@ pub(super) struct Working {
     weighed_something: f64,
     /// The content is believed to be what is expected of any, beside what weighed it.
     expected: bool,
+    /// As a true mass: what pressures weigh; and not as the motion weighs it.
+    true_mass: bool,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
     /// What sticks in it, the same in all of them.
@@ -227,6 +229,7 @@ impl Working {
             weighed_nothing: false,
             weighed_something: 0.0,
             expected: true,
+            true_mass: false,
             tared: false,
             sticks,
             carried: None,
@@ -339,7 +342,7 @@ impl Working {
         let said = weigh.measure(settings, &moment, &mut self.filter, trail);
         let other = weigh.measure(settings, &moment, parallel, &mut None);
         self.scale.weigh(weigh, settings, &moment, anything);
-        let load = (self.filter.x[M], self.rated);
+        let load = (self.filter.load(), self.rated);
         if moment.touches {
             return weigh.sets_down(said, load);
         }
@@ -422,7 +425,7 @@ impl Working {
         trail: &mut Option<Trail>,
     ) -> Innovation {
         let innovation = self.rest(velocity, released_variance(drive.variance), trail);
-        let inertia = drive.now.with_payload(self.filter.x[M]).max(inertia_min);
+        let inertia = drive.now.with_payload(self.filter.load()).max(inertia_min);
         let acceleration = drive.torque / inertia;
         self.filter.lag(acceleration, trail);
         self.parallel.filter.lag(acceleration, &mut None);

@@ -10,7 +10,7 @@
 use super::super::doubts::Doubts;
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
-use super::filter::{Filter, GAIN, Input, M};
+use super::filter::{Filter, GAIN, Input};
 use crate::kalman::Innovation;
 use crate::math::{exp, ln, sqrt};
 use crate::mixture::spread;
@@ -168,10 +168,9 @@ impl ParallelFilter {
         if !self.driven {
             return [0.0; 2];
         }
-        let x = &self.filter.x;
-        let (_, own) = self.filter.combination(&super::filter::inertia_row(now));
+        let (_, own) = self.filter.combination(&self.filter.inertia_row(now));
         let (weight, variance) = self.filter.payload(sticks);
-        let heavier = self.filter.inertia(now, x[M]) - inertia;
+        let heavier = self.filter.inertia(now, self.filter.load()) - inertia;
         let probability = self.probability();
         [(weight - payload, variance), (heavier, own)].map(|(away, variance)| {
             let spread = spread(probability, away, sqrt(variance));

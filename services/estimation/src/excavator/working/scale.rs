@@ -10,7 +10,7 @@
 use super::super::measurements::boom_moment::Moment;
 use super::super::settings::Settings;
 use super::super::size::Sticking;
-use super::filter::{Filter, Input, M, SLOPE, inertia_row};
+use super::filter::{Filter, GAIN, Input, M, SLOPE};
 use super::weigh::{LASTS, Weigh, fits};
 use crate::excavator::geometry::Inertia;
 use crate::math::exp;
@@ -29,10 +29,17 @@ pub(super) struct Scale {
 impl Scale {
     /// That knows what this one knows.
     pub(super) fn new(filter: &Filter) -> Self {
-        Self {
+        let mut scale = Self {
             filter: filter.clone(),
             strange: 0,
-        }
+        };
+        scale.has_no_torque();
+        scale
+    }
+
+    /// It weighs true masses.
+    pub(super) fn has_no_torque(&mut self) {
+        self.filter.set(GAIN, 0.0, 0.0, &mut None);
     }
 
     /// The bucket holds this from now on [kg].
@@ -99,12 +106,12 @@ impl Scale {
         // Uniform in its range, about the estimate.
         let anything = width * width / 12.0 + (payload - middle) * (payload - middle);
         let wrong = ERRS / (ERRS + right) * anything;
-        let (_, variance) = filter.combination(&inertia_row(now));
+        let (_, variance) = filter.combination(&filter.inertia_row(now));
         let g = now.per_payload;
         [
             (payload, left + wrong),
             (
-                filter.inertia(now, filter.x[M] + payload - weight),
+                filter.inertia(now, filter.load() + payload - weight),
                 variance + wrong * g * g,
             ),
         ]

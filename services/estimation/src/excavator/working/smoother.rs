@@ -14,7 +14,7 @@
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
 use super::fading::CONSTANTS;
-use super::filter::{BUCKET, Filter, M, N, Vector, dot, inertia_row};
+use super::filter::{Filter, N, Vector, dot};
 use super::trail::{Act, Trail};
 use crate::excavator::state::State;
 use crate::math::sqrt;
@@ -24,9 +24,9 @@ impl Trail {
     /// The state after the tick.
     pub(super) fn finish(&mut self, filter: &Filter, sticks: &Sticking, now: &Inertia) {
         (self.payload, self.own) = filter.payload(sticks);
-        self.covariance = filter.along([(M, 1.0), (BUCKET, sticks.share)].into_iter());
-        let row = inertia_row(now);
-        self.inertia = filter.inertia(now, filter.x[M]);
+        self.covariance = filter.along(filter.payload_row(sticks).into_iter());
+        let row = filter.inertia_row(now);
+        self.inertia = filter.inertia(now, filter.load());
         self.along = filter.along(row.into_iter());
         self.variance = filter.combination(&row).1;
     }
@@ -202,7 +202,7 @@ impl Smoother {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excavator::working::filter::{OFFSET, W};
+    use crate::excavator::working::filter::{M, OFFSET, W};
 
     #[test]
     fn a_constant_that_was_measured_twice_is_the_same_at_both_times() {

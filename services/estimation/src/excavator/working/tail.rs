@@ -10,7 +10,7 @@
 //! E is the ratio of the evidences (Dickey 1971). Whatever else has the covariance c with the gain moves by c (m' - m)/v, and its variance
 //! grows by (c/v)² (v' - v). The interval is that of the mixture ([`crate::mixture`]).
 
-use super::filter::{BUCKET, Filter, GAIN, M, inertia_row};
+use super::filter::{Filter, GAIN};
 use super::parallel::is_calibrated;
 use crate::excavator::doubts::Doubts;
 use crate::excavator::geometry::Inertia;
@@ -80,7 +80,7 @@ impl Tail {
         let odds = exp((LOG_ODDS + said + volumes.min(0.0)).min(MOST));
         let probability = odds / (1.0 + odds);
         let own = [
-            filter.combination(&inertia_row(now)).1,
+            filter.combination(&filter.inertia_row(now)).1,
             filter.payload(sticks).1,
         ];
         // What hardly depends on the gain now may do so before it is asked again.
@@ -108,16 +108,16 @@ impl Tail {
 
 /// Covariances of inertia and payload with the gain.
 fn covariances(filter: &Filter, now: &Inertia, sticks: &Sticking) -> [f64; 2] {
-    let p = &filter.p[GAIN];
+    let along = |row: &[(usize, f64)]| row.iter().map(|(i, a)| a * filter.p[GAIN][*i]).sum();
     [
-        inertia_row(now).iter().map(|(i, a)| a * p[*i]).sum(),
-        p[M] + sticks.share * p[BUCKET],
+        along(&filter.inertia_row(now)),
+        along(&filter.payload_row(sticks)),
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::filter::{N, UPPER};
+    use super::super::filter::{M, N, UPPER};
     use super::*;
 
     const STATED: f64 = 0.03;

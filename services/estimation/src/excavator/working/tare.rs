@@ -6,8 +6,9 @@ use core::f64::consts::TAU;
 use super::Working;
 use super::attachment::Emptied;
 use super::bucket::Content;
-use super::filter::{BUCKET, Filter, M, inertia_row};
+use super::filter::{BUCKET, Filter, M};
 use super::trail::Trail;
+use super::weigh::Weigh;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
@@ -52,8 +53,11 @@ impl Working {
             weigh.forget();
             self.scale.hold(value, std);
         }
-        self.filter.set(M, value, std * std, trail);
-        self.parallel.filter.set(M, value, std * std, &mut None);
+        self.true_mass = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let holds = (value, std * std);
+        self.filter.hold(holds, self.true_mass, trail);
+        let parallel = &mut self.parallel.filter;
+        parallel.hold(holds, self.true_mass, &mut None);
         self.tared = false;
         self.expected = content == Content::Unknown;
         if content == Content::Emptied {
@@ -66,9 +70,10 @@ impl Working {
     fn content_is_over(&mut self, (value, std): (f64, f64), trail: &mut Option<Trail>) {
         self.expected = false;
         let prior = (value, std * std);
-        self.filter.take_back(M, prior, trail);
-        self.parallel.filter.take_back(M, prior, &mut None);
-        self.scale.filter.take_back(M, prior, &mut None);
+        self.filter.take_back(prior, self.true_mass, trail);
+        let parallel = &mut self.parallel.filter;
+        parallel.take_back(prior, self.true_mass, &mut None);
+        self.scale.filter.take_back(prior, true, &mut None);
     }
 
     /// Other soil may stick from now on.
@@ -155,7 +160,7 @@ impl Working {
             return;
         }
         if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
-            let (_, before) = self.filter.combination(&inertia_row(now));
+            let (_, before) = self.filter.combination(&self.filter.inertia_row(now));
             self.contradiction
                 .agreed(sqrt(before) < CONFIRMED_STD_SHARE * now.empty);
         }

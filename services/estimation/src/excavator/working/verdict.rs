@@ -1,8 +1,7 @@
 //! What the default estimator says of its state: the estimate with its interval, and why it may not be believed.
 
 use super::filter::{
-    BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, M, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
-    inertia_row,
+    BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
 };
 use super::weigh::Weigh;
 use super::{GAIN_WALK, SUSPICIOUS, Working};
@@ -58,7 +57,9 @@ impl Working {
         let at_limit = payload != weight;
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
-        let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
+        let (_, inertia_variance) = self
+            .filter
+            .combination(&self.filter.inertia_row(&drive.now));
         let contradicted = self.is_contradicted();
         let anything = if contradicted {
             // Uniform in its range, about the estimate.
@@ -67,7 +68,9 @@ impl Working {
         } else {
             0.0
         };
-        let inertia = self.filter.inertia(&drive.now, x[M] + payload - weight);
+        let inertia = self
+            .filter
+            .inertia(&drive.now, self.filter.load() + payload - weight);
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);

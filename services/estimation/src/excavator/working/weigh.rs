@@ -9,7 +9,7 @@ use super::super::measurements::boom_moment::{BoomMoment, FADING, Front, GRAVITY
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
-use super::filter::{BUCKET, Filter, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
+use super::filter::{BUCKET, Filter, GAIN, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::{exp, sqrt};
@@ -188,7 +188,7 @@ impl Weigh {
         } else {
             0.5 * c.friction[1]
         };
-        let load = filter.x[M].max(0.0) * m.per_payload / m.lever;
+        let load = filter.load().max(0.0) * m.per_payload / m.lever;
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
         let variance = m.rest(c.friction[0]) + doubt * doubt + centre * centre;
@@ -222,15 +222,21 @@ impl Weigh {
         let [sin, cos] = m.turn;
         // Pitch of the upper body, by the slope of the ground in the axes of the start.
         let pitch = -(x[SLOPE] * sin + x[SLOPE + 1] * cos);
-        let tilt = m.tilt + x[M] * m.tilt_payload;
+        let [of_load, of_gain] = filter.load_row();
+        let payload = filter.load();
+        let tilt = m.tilt + payload * m.tilt_payload;
         let load = m.per_payload + pitch * m.tilt_payload;
-        let tau =
-            m.empty + x[LINKS] * m.links + x[BUCKET] * m.per_bucket + x[M] * load + pitch * m.tilt;
+        let tau = m.empty
+            + x[LINKS] * m.links
+            + x[BUCKET] * m.per_bucket
+            + payload * load
+            + pitch * m.tilt;
         let span = 1.0 + x[SPAN];
         let expected =
             span * tau + m.lever * (x[ZERO] + x[REST] + self.cylinder.friction[0] * m.direction);
         let row = [
-            (M, span * load),
+            (M, span * load * of_load.1),
+            (GAIN, span * load * of_gain.1),
             (BUCKET, span * m.per_bucket),
             (LINKS, span * m.links),
             (SPAN, tau),
