@@ -249,10 +249,11 @@ class Estimator:
     def answer(self, now):
         """(10): inertia, and the payload with what sticks, which no bucket holds beyond a range."""
         f, (least, most) = self.filter, self.machine.range
-        weight = f.x[M] + self.machine.soil(f.x[MB])
+        load = (1 + f.x[K]) * f.x[M]
+        weight = load + self.machine.soil(f.x[MB])
         payload = min(max(weight, least), most)
         beside = f.x[JU] + f.x[MB] * now["bucket"] + f.x[E] * now["links"]
-        return now["empty"] + (f.x[M] + payload - weight) * now["load"] + beside, payload
+        return now["empty"] + (load + payload - weight) * now["load"] + beside, payload
 
     def step(self, t, dt, velocity, torque, joints, inclination):
         machine, f = self.machine, self.filter
@@ -285,7 +286,7 @@ class Estimator:
         self.noise.rest()
         if phase == "released":
             # The mean is late by tau of the acceleration that begins.
-            a = torque / max(now["empty"] + f.x[M] * now["load"], machine.least)
+            a = torque / max(now["empty"] + (1 + f.x[K]) * f.x[M] * now["load"], machine.least)
             f.x[W] += a * f.x[TAU]
             variance = f.p[W][W] + a * a * f.p[TAU][TAU]
             for i in range(N):
@@ -342,33 +343,39 @@ class Estimator:
         mean = {key: (now[key] + before[key]) / 2 for key in now}
         rate = {key: (now[key] - before[key]) / dt for key in now}
 
+        gain = 1 + x[K]
+        load = gain * x[M]
+
         def inertia(of):
-            return of["empty"] + x[M] * of["load"] + x[MB] * of["bucket"] + x[E] * of["links"]
+            return of["empty"] + load * of["load"] + x[MB] * of["bucket"] + x[E] * of["links"]
 
         j, j_rate = max(inertia(mean) + x[JU], machine.least), inertia(rate)
         s, size = math.tanh(x[W] / e["friction_width"]), abs(torque)
         sin, cos = math.sin(self.turn), math.cos(self.turn)
         lean = G * (x[P] * cos - x[Q] * sin)
         moment = (
-            x[S] + now["moment"] + x[M] * now["radius"] + x[MB] * now["bucket_radius"] + x[E] * now["links_moment"]
+            x[S] + now["moment"] + load * now["radius"] + x[MB] * now["bucket_radius"] + x[E] * now["links_moment"]
         )
         lost = x[TF] + x[L] * size
-        acceleration = (torque * (1 + x[K]) + x[D] - lost * s + lean * moment - (x[B] + j_rate) * x[W]) / j
+        driving = torque + x[D] - lost * s - x[B] * x[W]
+        acceleration = (gain * driving + lean * moment - j_rate * x[W]) / j
         steep = max(lost, 0.0) * (1 - s * s) / e["friction_width"]
 
         def heavier(radius, its_rate, its_inertia):
             return dt / j * (lean * radius - its_rate * x[W] - acceleration * its_inertia)
 
         row = [0.0] * N
-        row[W] = math.exp(-dt / j * (x[B] + j_rate + steep))
-        row[M] = heavier(now["radius"], rate["load"], mean["load"])
+        row[W] = math.exp(-dt / j * (gain * (x[B] + steep) + j_rate))
+        per_load = heavier(now["radius"], rate["load"], mean["load"])
+        row[M], row[K] = gain * per_load, dt / j * driving + x[M] * per_load
         row[MB] = heavier(now["bucket_radius"], rate["bucket"], mean["bucket"])
         row[E] = heavier(now["links_moment"], rate["links"], mean["links"])
-        row[JU], row[D], row[B], row[K] = -dt / j * acceleration, dt / j, -dt / j * x[W], dt / j * torque
-        row[L], row[TF] = -dt / j * size * s, -dt / j * s
+        of_torque = gain * dt / j
+        row[JU], row[D], row[B] = -dt / j * acceleration, of_torque, -of_torque * x[W]
+        row[L], row[TF] = -of_torque * size * s, -of_torque * s
         row[P], row[Q], row[S] = dt / j * G * moment * cos, -dt / j * G * moment * sin, dt / j * lean
         column = [sum(row[k] * p[k][i] for k in range(N)) for i in range(N)]
-        variance = sum(a * b for a, b in zip(row, column)) + torque_variance * (dt / j * (1 + x[K])) ** 2
+        variance = sum(a * b for a, b in zip(row, column)) + torque_variance * of_torque**2
         x[W] += dt * acceleration
         f.acceleration = acceleration
         for i in range(N):
