@@ -141,7 +141,8 @@ fn a_machine_that_has_moved_stands_on_other_ground() {
     assert!(trusted > 0.6 && wrong < 0.05, "{trusted} {wrong}");
 }
 
-/// A gain of 1 ± .05 is an inertia of ± 5 %: a filter whose linearisation tells the scale claims to know it closer after some swings.
+/// A gain of 1 ± .05 leaves 5 % of the inertia open, of which what is expected of a load takes .1 %. A filter whose linearisation tells the
+/// scale claims 4.7 % after some swings.
 #[test]
 fn a_gain_that_nobody_states_leaves_the_inertia_as_open_as_it_is_itself() {
     for (vibration, friction, slope) in [(0.012, 1.0, 0.0), (0.0, 4.0, 0.0), (0.0, 1.0, 0.015)] {
@@ -151,7 +152,7 @@ fn a_gain_that_nobody_states_leaves_the_inertia_as_open_as_it_is_itself() {
             slope,
         };
         let shares = shares_by(&machine, None);
-        assert!(shares.closest > 0.046, "{}", shares.closest);
+        assert!(shares.closest > 0.0485, "{}", shares.closest);
         assert!(
             shares.covered > 0.95 && shares.wrong < 0.05,
             "{}",
