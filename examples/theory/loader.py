@@ -19,7 +19,7 @@ import tomllib
 STATES = ("v", "w_f", "w_r", "K", "h", "lam", "F_x", "d_f", "d_r", "b", "e", "tau")
 V, WF, WR, K, H, LAM, FX, DF, DR, B, E, TAU = range(12)
 WHEELS = (WF, WR)
-G = 9.81
+G, G_OF_PAPER = 9.80665, 9.81
 TINY = 1e-30  # of the complex step that differentiates: f'(x) = Im f(x + i TINY)/TINY
 
 
@@ -42,6 +42,7 @@ class Machine:
             m |= {"friction": 0.0, "radius_load_sensitivity": 0.0}
             e |= {"q_speed": 5e-3, "q_wheel_speed": 1e-2, "q_slip_stiffness": 1e-3, "q_cg_height": 1e-4, "q_cg_ratio": 1e-4}
         self.mass = self.empty_mass = m["mass"]
+        self.g = G_OF_PAPER if paper else G
         gain = math.sqrt(m["stiffness_ratio"])
         self.gains = gain, 1 / gain
         # (2): what is known at the start, with standard deviations, and the random walks of 10 ms.
@@ -57,11 +58,11 @@ class Machine:
     def loads(self, p, a, u, sine, cosine):
         """(3): both axle loads at an acceleration, none below 2 % of the weight."""
         m, base = self.mass, self.m["wheelbase"]
-        tr = -m * p[H] * (a + G * sine) / base
+        tr = -m * p[H] * (a + self.g * sine) / base
         lever = self.m["bucket_reach"] / base
-        front = m * G * p[LAM] * cosine + u["F_z"] * (1 + lever) + tr
-        rear = m * G * (1 - p[LAM]) * cosine - u["F_z"] * lever - tr
-        return [larger(load, 0.02 * m * G) for load in (front, rear)]
+        front = m * self.g * p[LAM] * cosine + u["F_z"] * (1 + lever) + tr
+        rear = m * self.g * (1 - p[LAM]) * cosine - u["F_z"] * lever - tr
+        return [larger(load, 0.02 * m * self.g) for load in (front, rear)]
 
     def advance(self, x, u, dt):
         """(3): v, w_f and w_r one step later, of real or complex states."""
@@ -69,8 +70,8 @@ class Machine:
         r, inertia, m = self.m["wheel_radius"], self.m["axle_inertia"], self.mass
         slope = u["th"] - p[B]
         sine, cosine = cmath.sin(slope), cmath.cos(slope)
-        rolling = self.m["rolling_resistance"] * cmath.tanh(p[V] / 0.05) * (m * G * cosine + u["F_z"])
-        drag = rolling + m * G * sine + p[FX] + u["F_x"]
+        rolling = self.m["rolling_resistance"] * cmath.tanh(p[V] / 0.05) * (m * self.g * cosine + u["F_z"])
+        drag = rolling + m * self.g * sine + p[FX] + u["F_x"]
         radii = [r * (1 + p[d]) for d in (DF, DR)]
         force = u["T_f"] / radii[0] + u["T_r"] / radii[1] - drag
         a = force / (m + inertia / radii[0] ** 2 + inertia / radii[1] ** 2)
@@ -79,7 +80,7 @@ class Machine:
             push, grips, pulls = -drag, 0.0, []
             for i, load in enumerate(self.loads(p, a, u, sine, cosine)):
                 torque, old = (u["T_f"], u["T_r"])[i], p[WHEELS[i]]
-                relative = 2 * load / (self.empty_mass * G)
+                relative = 2 * load / (self.empty_mass * self.g)
                 radius = r * (1 + p[(DF, DR)[i]] - (self.m["radius_load_sensitivity"] + p[E]) * (relative - 1))
                 stiffness = p[K] * self.gains[i] * relative ** -self.m["stiffness_load_exponent"]
                 if self.m["friction"] > 0:
@@ -190,16 +191,13 @@ def dot(a, b):
 
 
 class Peak:
-    """The largest value of the last .25 s."""
+    """The largest value, which fades with .25 s."""
 
     def __init__(self):
-        self.value, self.left = 0.0, 0.0
+        self.value = 0.0
 
     def step(self, value, dt):
-        if value >= self.value or self.left <= 0:
-            self.value, self.left = value, 0.25
-        else:
-            self.left -= dt
+        self.value = max(value, self.value * (1 - min(dt / 0.25, 1)))
         return self.value
 
 
@@ -207,7 +205,7 @@ class Forces:
     """(5): specific force that the torques do not explain."""
 
     def __init__(self, machine):
-        self.machine, self.brake, self.force = machine, Peak(), Peak()
+        self.machine, self.brake, self.force = machine, 0.0, Peak()
         self.sums, self.fast = [1.0, 1.0], 0.0
         self.short = self.long = 0.0
         self.square, self.time = 0.15**2, 2.0
@@ -228,7 +226,8 @@ class Forces:
         self.shake(min(max(left, -1.0), 1.0), alone and fast, dt)
         self.fast += min(dt / 0.05, 1) * (left - self.fast)
         beyond = max(abs(self.fast) - 0.05 - 0.05 * abs(felt), 0.0)
-        self.braking = self.brake.step(float(beyond > 0.15 and self.fast * v < 0), dt) > 0
+        self.brake = 0.25 if beyond > 0.15 and self.fast * v < 0 else self.brake - dt
+        self.braking = self.brake > dt / 2
         self.slip = 4 * self.force.step(beyond, dt) / (G * stiffness)
 
     def shake(self, left, counts, dt):
@@ -343,9 +342,9 @@ class Lag:
     def __init__(self, machine):
         self.machine, prior = machine, machine.prior
         k, lam = prior["slip_stiffness"], prior["cg_ratio"]
-        spread = math.hypot(prior["slip_stiffness_std"] / k, prior["cg_ratio_std"] / lam)
         front, rear = 1 / (k * lam), 1 / (k * (1 - lam))
-        std = math.sqrt(2) * prior["radius_std"], front * spread, rear * spread, 0.004, 0.01 / math.sqrt(6)
+        spread = [math.hypot(prior["slip_stiffness_std"] / k, prior["cg_ratio_std"] / x) for x in (lam, 1 - lam)]
+        std = math.sqrt(2) * prior["radius_std"], front * spread[0], rear * spread[1], 0.004, 0.01 / math.sqrt(6)
         self.theta = [0.0, front, -rear, 0.0, 0.0]
         self.p = [[std[i] ** 2 if i == j else 0.0 for j in range(5)] for i in range(5)]
         self.chi, self.time, self.value = 1.0, 0.0, 0.0
@@ -356,7 +355,7 @@ class Lag:
         self.sums = [s + a for s, a in zip(self.sums, (difference, v, u["T_f"], u["T_r"]))]
         self.rows += 1
         self.time += dt
-        if self.time >= 0.2:
+        if self.time >= 0.2 - dt / 2:
             self.absorb(*(s / self.rows for s in self.sums), (v - self.begin) / self.time)
             self.time = 0.0
 
@@ -451,7 +450,7 @@ class Estimator:
     def walks(self, dt):
         machine = self.machine
         walks = [q * math.sqrt(dt / 0.01) for q in machine.walk[: machine.n]]
-        walks[V] = max(walks[V], G * machine.s["slope_std"] * dt)
+        walks[V] = max(walks[V], machine.g * machine.s["slope_std"] * dt)
         return walks
 
     def conditions(self, v, force, dt):
@@ -523,7 +522,8 @@ class Estimator:
         if not both:
             f.x[E], self.more[E] = e, math.sqrt(max(e_variance - f.p[E][E], 0.0))
         elif first and max(machine.m["radius_load_sensitivity_std"], machine.e["load_sensitivity_floor"]) > 0:
-            for i, std in ((E, 0.005), (LAM, 16 * 0.005 * f.x[LAM]), (H, machine.std[H])):
+            height = 0.005 * f.x[H] / abs(machine.m["radius_load_sensitivity"] + f.x[E])
+            for i, std in ((E, 0.005), (LAM, 16 * 0.005 * f.x[LAM]), (H, min(height, machine.std[H]))):
                 self.more[i] = math.hypot(self.more[i], std)
 
     def relearn(self):

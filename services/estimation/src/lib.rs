@@ -97,6 +97,9 @@ pub use common_error::CommonError;
 /// Half the width of a 95 % interval, in standard deviations.
 pub const HALF_WIDTH_95: f64 = 1.96;
 
+/// Standard gravity (CGPM 1901) [m/s^2].
+pub const GRAVITY: f64 = 9.806_65;
+
 /// Pressure of a cylinder at which its largest force, and so the friction of its seals, is stated \[Pa\].
 pub const FULL_PRESSURE: f64 = 20e6;
 

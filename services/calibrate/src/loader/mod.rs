@@ -24,8 +24,8 @@ mod words;
 use std::sync::atomic::AtomicBool;
 
 use config::Loader as Description;
+use estimation::GRAVITY;
 use estimation::Quantity;
-use estimation::loader::wheel_dynamics::GRAVITY;
 use estimation::loader::{Method, Sample, Settings};
 
 pub use drive::Drive;

@@ -13,8 +13,8 @@
 //! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
 
 use super::layout::Each;
-use super::physics::wheel_dynamics::GRAVITY;
 use super::settings::Settings;
+use crate::GRAVITY;
 use crate::math::norm;
 
 /// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).

@@ -81,7 +81,7 @@ const MASS_LIMIT: f64 = 20.0;
 /// decides.
 #[must_use]
 pub fn largest(signal: &str, described: &Description) -> Option<f64> {
-    let weight = described.machine.mass * super::physics::wheel_dynamics::GRAVITY;
+    let weight = described.machine.mass * crate::GRAVITY;
     match signal {
         "speed" => Some(SPEED_LIMIT),
         "front_wheel_speed" | "rear_wheel_speed" => Some(WHEEL_SPEED_LIMIT),
@@ -107,7 +107,7 @@ impl Sample {
     /// restarts) and keeps every later number finite: what is not a finite number is not plausible either.
     pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
-        let weight = mass * super::physics::wheel_dynamics::GRAVITY;
+        let weight = mass * crate::GRAVITY;
         let (force, pull) = (FORCE_LIMIT * weight, PULL_LIMIT * weight);
         let mass_range = mass / MASS_LIMIT..=mass * MASS_LIMIT;
         Self {

@@ -5,9 +5,7 @@
 use estimation::loader::LoadTransfer;
 use estimation::loader::axle_loads::unfloored_axle_loads;
 use estimation::loader::cg_model::CgModel;
-use estimation::loader::wheel_dynamics::{
-    GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics,
-};
+use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, WheelDynamics};
 use estimation::model::Model;
 use estimation::scalar::Scalar;
 
@@ -46,7 +44,8 @@ impl Explicit {
             p.cg_ratio * stiffness * front + (-p.cg_ratio + 1.0) * stiffness * rear - rolling;
         let spade = (stiffness * (front * (1.0 + lever) - rear * lever) - rolling)
             * (u.spade_force_z / machine.mass);
-        let numerator = pull * road.cosine * GRAVITY - (transfer + 1.0) * road.sine * GRAVITY
+        let numerator = pull * road.cosine * machine.gravity
+            - (transfer + 1.0) * road.sine * machine.gravity
             + spade
             - (p.spade_force_x + u.spade_force_x) / machine.mass;
         let denominator = match machine.load_transfer {

@@ -10,6 +10,7 @@ use serde_json::Value;
 /// The machine of the paper, on rigid tyres that never skid.
 pub fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
     WheelDynamics {
+        gravity: 9.81,
         mass: 4700.0,
         empty_mass: 4700.0,
         wheel_radius: 0.55,

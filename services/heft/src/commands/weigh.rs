@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use config::Description;
+use estimation::GRAVITY;
 use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
-use estimation::loader::wheel_dynamics::GRAVITY;
 use messages::Machine;
 
 use crate::args::{DescriptionArgs, description};

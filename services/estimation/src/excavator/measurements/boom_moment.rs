@@ -25,8 +25,7 @@ use super::super::cylinder::Cylinder;
 use super::super::geometry::{Geometry, Turns};
 use crate::math::{exp, sin_cos, sqrt};
 
-/// Standard gravity [m/s^2].
-pub const GRAVITY: f64 = 9.806_65;
+pub use crate::GRAVITY;
 /// Length of a block \[s\], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;

@@ -11,18 +11,18 @@
 //! little more or less changes nothing): the wheels are expected to turn so, and a share of it is noise of the slips.
 //! A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
 //! and passes through the tyres or not: it moves a slip by up to a_u/(g K). All are errors of one sign for as long as they
-//! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
-//! tyres and body settle.
+//! last, so they do not average out and count more than noise of their size. They fade over 0.25 s, because
+//! tyres and body settle; brakes count for so long.
 
 use super::gain::{Gain, LARGEST};
 use crate::loader::input::inputs::StepInputs;
 use crate::loader::load::inertia::Push;
 use crate::loader::load::stated_mass::{Kind, StatedMass};
 use crate::loader::measurements::accelerometer::Shaking;
-use crate::loader::physics::wheel_dynamics::{GRAVITY, ROLLING_WIDTH, WheelDynamics};
+use crate::loader::physics::wheel_dynamics::{ROLLING_WIDTH, WheelDynamics};
 use crate::math::tanh;
 
-/// How long a disturbance outlasts its cause [s].
+/// How long brakes outlast their cause, and with which time constant other disturbances fade [s].
 const HOLD: f64 = 0.25;
 /// Averaging time of the unexplained specific force [s].
 const TIME: f64 = 0.05;
@@ -44,22 +44,16 @@ const BENDING_LEFT: f64 = 0.3;
 const LEAST_SPEED: f64 = 0.5;
 /// A machine that turns more drags its wheels [rad].
 const STRAIGHT: f64 = 0.1;
-/// The largest value of the last quarter second.
+
+/// What a disturbance leaves: its largest value, which fades as tyres and body settle. A lower one shows once the higher has faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Peak {
-    value: f64,
-    left: f64,
-}
+struct Peak(f64);
 
 impl Peak {
     fn update(&mut self, value: f64, dt: f64) -> f64 {
-        if value >= self.value || self.left <= 0.0 {
-            *self = Self { value, left: HOLD };
-        } else {
-            self.left -= dt;
-        }
-        self.value
+        self.0 = value.max(self.0 * (1.0 - (dt / HOLD).min(1.0)));
+        self.0
     }
 }
 
@@ -67,7 +61,8 @@ impl Peak {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Disturbance {
-    brake: Peak,
+    /// How long brakes still act [s].
+    brake: f64,
     turn: Peak,
     force: Peak,
     /// The angle between the bodies, [`BENDING`] late [rad].
@@ -118,11 +113,13 @@ impl Disturbance {
             (self.fast.abs() - EXPLAINED - EXPLAINED_SHARE * a.abs()).max(0.0)
         });
         let unreported_braking = excess > UNREPORTED && self.fast * speed < 0.0;
-        let braking = self
-            .brake
-            .update(f64::from(step.brake || unreported_braking), dt)
-            > 0.0;
-        let force = FORCE_WEIGHT * self.force.update(excess, dt) / (GRAVITY * stiffness);
+        self.brake = if step.brake || unreported_braking {
+            HOLD
+        } else {
+            self.brake - dt
+        };
+        let braking = self.brake > 0.5 * dt;
+        let force = FORCE_WEIGHT * self.force.update(excess, dt) / (machine.gravity * stiffness);
         Effect {
             braking,
             turn,
@@ -153,7 +150,7 @@ impl Disturbance {
         let inertia = machine.rolling_mass();
         let pull = (u.front_torque + u.rear_torque) / (machine.wheel_radius * inertia);
         let fade = tanh(speed / ROLLING_WIDTH);
-        let rolling = machine.rolling_resistance * fade * machine.mass * GRAVITY;
+        let rolling = machine.rolling_resistance * fade * machine.mass * machine.gravity;
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
@@ -194,7 +191,7 @@ mod tests {
         let machine = WheelDynamics::of(&Settings::DEFAULT);
         let inertia = machine.rolling_mass();
         let torque = 0.5 * machine.wheel_radius * inertia;
-        let rolling = machine.rolling_resistance * machine.mass * GRAVITY / inertia;
+        let rolling = machine.rolling_resistance * machine.mass * machine.gravity / inertia;
         let step = StepInputs {
             inputs: Inputs::of([torque, torque, 0.0, 0.0, 0.0]),
             sine: 0.0,
@@ -209,6 +206,37 @@ mod tests {
             disturbance.update(&machine, &step, [speed, 19.0], 0.01);
         }
         disturbance
+    }
+
+    #[test]
+    fn a_lower_peak_is_not_forgotten_with_the_higher_one_before() {
+        let mut peak = Peak::default();
+        let mut values = [0.0; 31];
+        (values[0], values[20]) = (2.0, 1.0);
+        let told = values.map(|value| peak.update(value, 0.01));
+        for (row, left) in [(20, 1.0), (30, 0.96_f64.powi(10))] {
+            assert!((told[row] - left).abs() < 1e-12, "{told:?}");
+        }
+    }
+
+    #[test]
+    fn brakes_act_a_quarter_of_a_second_longer() {
+        let machine = WheelDynamics::of(&Settings::DEFAULT);
+        let mut step = StepInputs {
+            inputs: Inputs::of([0.0; 5]),
+            sine: 0.0,
+            acceleration: None,
+            brake: true,
+            states_mass: false,
+            articulation: None,
+            yaw_rate: None,
+        };
+        let mut disturbance = Disturbance::default();
+        let mut brakes = |step: &StepInputs| disturbance.update(&machine, step, [2.0, 19.0], 0.01);
+        assert!(brakes(&step).braking);
+        step.brake = false;
+        let after = [0; 30].map(|_| brakes(&step).braking);
+        assert_eq!(after.iter().filter(|braking| **braking).count(), 24);
     }
 
     #[test]

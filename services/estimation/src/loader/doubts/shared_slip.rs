@@ -15,8 +15,8 @@
 
 use core::f64::consts::TAU;
 
+use crate::GRAVITY;
 use crate::Quantity;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::{exp, norm, sqrt};
 
 /// How far apart in time signals come that say the same [s]: a frame of a CAN bus and a task of a controller.

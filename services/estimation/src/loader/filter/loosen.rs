@@ -109,7 +109,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let state = self.belief.state();
         let ratio = RATIO_PER_SENSITIVITY * LEARNT_STD * state[CG_RATIO];
-        let height = (state[CG_HEIGHT] * LEARNT_STD / state[i]).abs();
+        let sensitivity = settings.machine.radius_load_sensitivity + state[i];
+        let height = (state[CG_HEIGHT] * LEARNT_STD / sensitivity).abs();
+        // Where the tyres may be rigid, no radius tells of the height: the whole prior.
         let height = settings.prior.cg_height_std.min(height);
         for (i, std) in [(i, LEARNT_STD), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
             self.loosen_by(i, std);
@@ -162,6 +164,19 @@ mod tests {
         ] {
             assert!((opened - 0.4 * std).abs() < 1e-12, "{opened} {std}");
         }
+    }
+
+    #[test]
+    fn the_height_is_opened_by_what_the_sensitivity_of_the_tyre_leaves_of_it() {
+        let opened = |sensitivity: f64| {
+            let mut settings = Settings::DEFAULT;
+            settings.machine.radius_load_sensitivity = sensitivity;
+            let mut filter = CgFilter::<12, 4, Ekf<12, 4>>::new(&settings, Method::FullEkf);
+            filter.open_sensitivity(&settings, 10);
+            filter.loosened[CG_HEIGHT] / settings.prior.cg_height_std
+        };
+        assert!((opened(0.1) - 0.9 * 0.05 / 0.13).abs() < 1e-12);
+        assert_eq!((opened(0.012), opened(0.0)), (1.0, 1.0));
     }
 
     #[test]

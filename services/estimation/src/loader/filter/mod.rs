@@ -42,7 +42,7 @@ use super::measurements::wheel_lag::WheelLag;
 use super::measurements::wheel_noise::WheelNoise;
 use super::measurements::windup::Windup;
 use super::physics::cg_model::CgModel;
-use super::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use super::physics::wheel_dynamics::{Inputs, WheelDynamics};
 use super::sample::Sample;
 use super::settings::{Inputs as Driven, Settings};
 use super::verdict::Evidence;
@@ -282,7 +282,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let speed = self.belief.state()[SPEED];
         // Along the road, measured, or what the torques would give without slip.
         let acceleration = if M > 3 {
-            step.acceleration.map(|a| a - GRAVITY * step.sine)
+            step.acceleration
+                .map(|a| a - self.dynamics.gravity * step.sine)
         } else {
             Some(self.dynamics.free_acceleration(inputs, speed, step.sine))
         };
@@ -301,7 +302,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn pulled_slips(&self, inputs: &Inputs) -> [f64; 2] {
         let state = self.belief.state();
         let (ratio, machine) = (state[CG_RATIO], &self.dynamics);
-        let weight = machine.wheel_radius * machine.mass * GRAVITY;
+        let weight = machine.wheel_radius * machine.mass * machine.gravity;
         let per_torque = 1.0 / (weight * state[SLIP_STIFFNESS] * ratio * (1.0 - ratio));
         [
             inputs.front_torque * per_torque * (1.0 - ratio),

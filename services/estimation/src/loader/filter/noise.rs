@@ -7,13 +7,30 @@ use crate::loader::layout::{
 use crate::loader::measurements::conditions::Conditions;
 use crate::loader::measurements::wheel_noise::{REFERENCE_STEP, WheelStep};
 use crate::loader::physics::cg_model::CgModel;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Process noise of a step, by state.
+    /// Process noise of a step, by state: what wanders, and what was loosened.
     pub(super) fn process_std(
+        &self,
+        settings: &Settings,
+        conditions: &Conditions,
+        boom_moving: bool,
+        dt: f64,
+    ) -> [f64; N] {
+        let mut std = self.walk_std(settings, conditions, boom_moving, dt);
+        for (std, more) in std.iter_mut().zip(self.loosened) {
+            // The usual noise keeps its bits.
+            if more > 0.0 {
+                *std = sqrt(*std * *std + more * more);
+            }
+        }
+        std
+    }
+
+    /// How far the states wander in a time.
+    pub(super) fn walk_std(
         &self,
         settings: &Settings,
         conditions: &Conditions,
@@ -39,17 +56,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if settings.protected() && !self.known_load.is_some() {
             self.free_centre(settings, &mut std, conditions, boom_moving, scale);
         }
-        std[SPEED] = std[SPEED].max(GRAVITY * settings.sensors.slope_std * dt);
+        std[SPEED] = std[SPEED].max(self.dynamics.gravity * settings.sensors.slope_std * dt);
         if let Some(bias) = const { Layout::of(N) }.slope_bias
             && settings.at_work()
         {
             std[bias] = std[bias].max(self.slope_error.walk(dt));
-        }
-        for (std, more) in std.iter_mut().zip(self.loosened) {
-            // The usual noise keeps its bits.
-            if more > 0.0 {
-                *std = sqrt(*std * *std + more * more);
-            }
         }
         std
     }

@@ -144,12 +144,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         RowReport::without_update(Status::Gap, self.frozen)
     }
 
-    /// Process noise of the parameters over a time without rows, by state.
+    /// Process noise of the parameters over a time without rows, by state. What was loosened is the next step's.
     fn wandering(&self, settings: &Settings, away: f64) -> [f64; N] {
         if away <= 0.0 || !settings.at_work() {
             return [0.0; N];
         }
-        let usual = self.process_std(settings, &Conditions::default(), false, away);
+        let usual = self.walk_std(settings, &Conditions::default(), false, away);
         let prior = Self::prior_std(settings);
         core::array::from_fn(|i| {
             let room = (prior[i] * prior[i] - self.belief.variance(i)).max(0.0);
@@ -185,5 +185,26 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 state[i]
             };
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ekf::Ekf;
+    use crate::loader::Method;
+
+    #[test]
+    fn what_is_loosened_before_a_gap_is_added_once_and_after_it() {
+        let settings = Settings::DEFAULT;
+        let gap = |loosened: f64| {
+            let mut filter = CgFilter::<12, 4, Ekf<12, 4>>::new(&settings, Method::FullEkf);
+            filter.belief.separate(&[(CG_RATIO, 0.01)], &[0.0; 12]);
+            filter.loosened[CG_RATIO] = loosened;
+            filter.bridge_gap(&settings, &Sample::default(), 1.0);
+            (filter.belief.variance(CG_RATIO), filter.loosened[CG_RATIO])
+        };
+        let (variance, left) = gap(0.02);
+        assert_eq!((variance, left), (gap(0.0).0, 0.02));
     }
 }

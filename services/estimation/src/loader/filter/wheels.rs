@@ -9,7 +9,6 @@ use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_S
 use crate::loader::measurements::wheel_lag::Row;
 use crate::loader::measurements::windup::LEAST_SHARE;
 use crate::loader::physics::cg_model::CgModel;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
 
 /// What held before the row.
@@ -101,10 +100,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let [speed, stiffness, height, ratio] =
             [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| seen.state[i]);
         let acceleration = (speed - seen.before.speed) / model.dt;
-        let lift = acceleration + GRAVITY * seen.sine;
-        let front = ratio - height * lift / (GRAVITY * machine.wheelbase);
+        let lift = acceleration + machine.gravity * seen.sine;
+        let front = ratio - height * lift / (machine.gravity * machine.wheelbase);
         let front = front.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
-        let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
+        let per_weight = 1.0 / (radius * stiffness * machine.mass * machine.gravity);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
         let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);
         let [front, rear] = [FRONT_WHEEL, REAR_WHEEL].map(|i| seen.std[i]);

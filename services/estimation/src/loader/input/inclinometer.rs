@@ -16,7 +16,7 @@
 //! that its rate may be smoothed. What the smoothing leaves is of second order: tau times [`SMOOTH`] times th''. A pure delay
 //! is taken out to first order. Without an accelerometer in the recording only the delay is.
 
-use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::GRAVITY;
 use crate::loader::sample::{SLOPE_LIMIT, Sample};
 use crate::loader::settings::Sensors;
 

@@ -7,8 +7,8 @@
 //!
 //! Slip, tyres and loads change both by parts of their size; a wrong unit, sign or machine by several times.
 
-use super::super::physics::wheel_dynamics::GRAVITY;
 use super::super::sample::Sample;
+use crate::GRAVITY;
 
 /// Rows and spans that are enough.
 const ROWS: f64 = 500.0;

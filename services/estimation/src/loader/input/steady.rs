@@ -1,7 +1,7 @@
 //! What no drive and no road of a loader can do is missing.
 
+use crate::GRAVITY;
 use crate::leap::{Leap, SteadyTorque};
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::sample::Sample;
 
 /// An axle pulls at least this share of the weight.

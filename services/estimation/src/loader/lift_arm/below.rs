@@ -50,6 +50,11 @@ impl Below {
         self.largest.max(1.0)
     }
 
+    /// The stated doubts explain this payload, and those before.
+    pub fn explains(&self, payload: Quantity) -> bool {
+        !self.is_wrong() && payload.value > -WRONG * payload.std
+    }
+
     /// No doubt that was stated explains it.
     pub fn is_wrong(&self) -> bool {
         self.largest > WRONG
@@ -74,6 +79,15 @@ mod tests {
         let low = after(20, -170.0);
         assert!((low.factor() - 1.7).abs() < 0.1 && !low.is_wrong());
         assert!(after(20, -260.0).is_wrong());
+        let empty = Quantity {
+            value: -170.0,
+            std: 100.0,
+        };
+        assert!(low.explains(empty) && !after(20, -260.0).explains(empty));
+        assert!(!low.explains(Quantity {
+            value: -210.0,
+            ..empty
+        }));
         assert!(after(20, 9260.0).is_wrong(), "the rear axle would lift");
         // Loads and a moment below zero say nothing.
         assert_eq!(after(60, 3000.0).factor(), 1.0);

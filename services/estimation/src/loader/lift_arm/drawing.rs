@@ -7,10 +7,10 @@ use super::numbers::{
     TILT_ZERO,
 };
 use super::turn::Turn;
+use crate::GRAVITY;
 use crate::loader::RATED_SHARE;
 use crate::loader::keys::{Description, LiftArm, LiftCylinder};
 use crate::loader::layout::Each;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sqrt};
 use crate::{FULL_PRESSURE, Quantity};

@@ -8,7 +8,7 @@
 //! with a full bucket: a push is what no load explains. Wheels push the way they move: against it they brake. Against brakes that
 //! nobody measures no wheel drives.
 
-use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::GRAVITY;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::sin_cos;

@@ -7,8 +7,8 @@ use super::numbers::{
     PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO, TURN,
 };
 use super::turn::Turn;
+use crate::GRAVITY;
 use crate::loader::layout::Each;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
 use crate::math::{sin_cos, sqrt};
 
 /// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.

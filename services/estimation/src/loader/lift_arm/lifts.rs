@@ -14,7 +14,7 @@ use super::numbers::{
 use super::seals::Seals;
 use super::signals::Signals;
 use super::turn::Turn;
-use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::GRAVITY;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};

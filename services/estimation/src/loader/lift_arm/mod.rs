@@ -336,15 +336,17 @@ impl LiftWitness {
         }
         self.doubts
             .see(drawing, &posture, [shown.payload(), payload.value], &empty);
+        let std = norm(&[payload.std, self.doubts.shown()]);
+        let shown = Quantity { std, ..payload };
+        // The ground may carry a low bucket.
+        let hangs = !low && self.below.explains(shown);
         let capacity = self.drawing.capacity;
-        let tare = self.emptied.see(payload, &motion, capacity);
+        let tare = self.emptied.see(payload, &motion, hangs, capacity);
         self.doubts.empty(tare);
         if !motion.open {
-            let std = norm(&[payload.std, self.doubts.shown()]);
             // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
             let rests = low && !sample.speed.is_some_and(|v| v.abs() > DRIVING);
-            self.below
-                .see(Quantity { std, ..payload }, empty.most(), rests, dt);
+            self.below.see(shown, empty.most(), rests, dt);
         }
         let answer = self.answer(&empty, &empty, payload, motion.open);
         self.answer = Some(answer);

@@ -2,7 +2,8 @@
 //!
 //! Every weighing system on a machine has its zero set with an empty bucket. Here the machine does it at each dump: where a load has
 //! left the bucket, what is weighed then is `left`, .015 +- .03 of the capacity, give or take the rows' own noise. A bucket that did not
-//! turn was not emptied, whatever the pressures show.
+//! turn was not emptied, whatever the pressures show; but a fork puts its load down without, and may be another tool than the one described.
+//! A tool that hangs free and shows less than nothing is empty: with content the error of the drawing would have to be larger still.
 
 use super::content::Motion;
 use crate::Quantity;
@@ -42,7 +43,15 @@ pub(super) struct Emptied {
 impl Emptied {
     /// Takes what the rows show of the payload, and what arm and bucket do; what an emptied bucket tells. One that turns in the air
     /// stays empty: only the ground fills it.
-    pub fn see(&mut self, shown: Quantity, motion: &Motion, capacity: f64) -> Option<Tare> {
+    ///
+    /// One that hangs free (`hangs`) and shows less than nothing is empty, however it was emptied.
+    pub fn see(
+        &mut self,
+        shown: Quantity,
+        motion: &Motion,
+        hangs: bool,
+        capacity: f64,
+    ) -> Option<Tare> {
         self.empty &= !motion.held;
         self.turned |= motion.changing > 0.0;
         if motion.open || motion.changing > 0.0 {
@@ -51,8 +60,12 @@ impl Emptied {
         }
         if shown.value - 2.0 * shown.std > LOADED * capacity {
             (self.was_loaded, self.turned, self.empty) = (true, false, false);
-        } else if core::mem::take(&mut self.was_loaded) && self.turned {
-            (self.empty, self.at_dump) = (true, true);
+        } else {
+            let dumped = core::mem::take(&mut self.was_loaded) && self.turned;
+            let less = hangs && !self.empty && shown.value < -shown.std;
+            if dumped || less {
+                (self.empty, self.at_dump) = (true, true);
+            }
         }
         let left = STAYS_STD * capacity;
         let is_known = shown.std < left && shown.value.abs() < EMPTIED * capacity;
@@ -83,6 +96,10 @@ mod tests {
         open: true,
         ..STILL
     };
+    const LOW: Motion = Motion {
+        lifting: true,
+        ..STILL
+    };
     const IN_THE_GROUND: Motion = Motion { held: true, ..OPEN };
 
     /// What the bucket tells after it has shown these payloads [kg] in these motions.
@@ -90,7 +107,7 @@ mod tests {
         let mut bucket = Emptied::default();
         let see = |&(value, motion): &(f64, &Motion)| {
             let shown = Quantity { value, std: 40.0 };
-            bucket.see(shown, motion, CAPACITY)
+            bucket.see(shown, motion, motion != &LOW, CAPACITY)
         };
         rows.iter().map(see).last().flatten()
     }
@@ -114,6 +131,21 @@ mod tests {
         assert_eq!(dumped(3000.0, 800.0), None, "too much for what sticks");
         let still = shown_after(&[(3000.0, &STILL), (250.0, &STILL)]);
         assert_eq!(still, None, "it did not turn");
+    }
+
+    #[test]
+    fn a_fork_that_hangs_free_and_shows_less_than_nothing_is_empty_and_tells_of_loads() {
+        let tare = shown_after(&[(1200.0, &STILL), (-100.0, &STILL)]).expect("it was put down");
+        assert!((tare.apart + 175.0).abs() < 1e-9 && tare.at_dump);
+        let rows: [&[(f64, &Motion)]; 4] = [
+            &[(1200.0, &STILL), (-30.0, &STILL)],
+            &[(1200.0, &STILL), (-100.0, &LOW)],
+            &[(1200.0, &STILL), (-600.0, &STILL)],
+            &[(-100.0, &STILL), (1200.0, &STILL)],
+        ];
+        for rows in rows {
+            assert_eq!(shown_after(rows), None, "{rows:?}");
+        }
     }
 
     #[test]

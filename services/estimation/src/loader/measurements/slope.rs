@@ -10,7 +10,7 @@
 
 use crate::math::{sin_cos, sqrt};
 
-use crate::loader::physics::wheel_dynamics::GRAVITY;
+use crate::GRAVITY;
 
 /// Smoothing of the signals [s].
 const SMOOTH: f64 = 0.5;

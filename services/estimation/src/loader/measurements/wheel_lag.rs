@@ -26,7 +26,7 @@ use core::f64::consts::{SQRT_2, TAU};
 
 use crate::Quantity;
 use crate::linear::{Measurement, dot};
-use crate::loader::physics::wheel_dynamics::{GRAVITY, WheelDynamics};
+use crate::loader::physics::wheel_dynamics::WheelDynamics;
 use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
 
@@ -96,12 +96,14 @@ pub struct WheelLag {
 impl WheelLag {
     /// What is expected of a machine of this slip stiffness and ratio, with rolling radii that are known to `radius_std`.
     pub fn new(stiffness: Quantity, ratio: Quantity, radius_std: f64) -> Self {
-        let relative = norm(&[stiffness.std / stiffness.value, ratio.std / ratio.value]);
-        let [front, rear] = [ratio.value, 1.0 - ratio.value].map(|x| 1.0 / (stiffness.value * x));
+        let shares = [ratio.value, 1.0 - ratio.value];
+        let [front, rear] = shares.map(|share| 1.0 / (stiffness.value * share));
+        let relative = |share| norm(&[stiffness.std / stiffness.value, ratio.std / share]);
+        let [front_std, rear_std] = shares.map(relative);
         let std = [
             SQRT_2 * radius_std,
-            front * relative,
-            rear * relative,
+            front * front_std,
+            rear * rear_std,
             RADII_BY_LOAD,
             LONGEST / sqrt(6.0),
         ];
@@ -150,7 +152,8 @@ impl WheelLag {
         block.rows += 1.0;
         block.turn = block.turn.max(row.turn);
         block.time += dt;
-        if block.time >= BLOCK {
+        // The row that comes nearest ends it: rounding has no say.
+        if block.time >= BLOCK - 0.5 * dt {
             self.absorb(machine, speed);
             self.block.time = 0.0;
         }
@@ -161,7 +164,7 @@ impl WheelLag {
         let block = &self.block;
         let [difference, speed, front, rear] = block.sums.map(|sum| sum / block.rows);
         let y = machine.wheel_radius * difference;
-        let drawn = speed.abs() / (machine.wheel_radius * machine.mass * GRAVITY);
+        let drawn = speed.abs() / (machine.wheel_radius * machine.mass * machine.gravity);
         if speed.abs() < SLOWEST {
             return;
         }
@@ -227,7 +230,7 @@ mod tests {
     /// A minute of shuttling at up to 2.5 m/s with this lag [s], slip per pull .12 and .10, and radii .4 % apart.
     fn shuttle(lag: f64) -> WheelLag {
         let mut learnt = before();
-        let weight = machine().wheel_radius * machine().mass * GRAVITY;
+        let weight = machine().wheel_radius * machine().mass * machine().gravity;
         let at = |t: f64| 2.5 * (0.7 * t).sin() + 0.8 * (1.9 * t).sin();
         for k in 1..6000 {
             let t = 0.01 * f64::from(k);
@@ -257,6 +260,33 @@ mod tests {
         }
         let none = shuttle(0.0).lag();
         assert!(none.value.abs() < 5e-4 && none.std < 1e-3, "{none:?}");
+    }
+
+    #[test]
+    fn a_block_has_as_many_rows_wherever_its_sum_rounds() {
+        let mut lag = before();
+        let row = Row {
+            speeds: [2.0, 2.0],
+            difference: 0.0,
+            turn: 0.0,
+            torques: [1e3; 2],
+        };
+        for k in 0..2000 {
+            let time = 0.01 * f64::from(k);
+            lag.see(&machine(), &row, (time + 0.01) - time);
+            assert_eq!(lag.block.time == 0.0, k % 20 == 19, "row {k}");
+        }
+    }
+
+    #[test]
+    fn each_axle_knows_its_slip_by_its_own_share() {
+        let covariance = before().covariance;
+        let relative = [1, 2].map(|i| sqrt(covariance[i][i]) / before().state[i].abs());
+        let stiffness = 2.5 / 18.0;
+        let expected = [0.45, 0.55].map(|share| norm(&[stiffness, 0.1 / share]));
+        for i in 0..2 {
+            assert!((relative[i] - expected[i]).abs() < 1e-12, "{relative:?}");
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! higher rates their standard deviation grows with the root of the rate.
 
 use super::slip_fluctuation::{SlipFluctuation, Wavering};
-use crate::loader::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use crate::loader::physics::wheel_dynamics::{Inputs, WheelDynamics};
 use crate::loader::settings::Estimator;
 use crate::math::sqrt;
 
@@ -74,7 +74,8 @@ impl WheelNoise {
     ) -> [f64; 2] {
         let speed = speed.abs();
         let radius = step.machine.wheel_radius;
-        let torque_per_slip = radius * slip_stiffness * 0.5 * step.machine.mass * GRAVITY;
+        let torque_per_slip =
+            radius * slip_stiffness * 0.5 * step.machine.mass * step.machine.gravity;
         let per_torque = speed.max(step.machine.minimum_speed) / (torque_per_slip * radius);
         let sensitivity = step
             .machine

@@ -14,7 +14,7 @@
 //! It is some mrad/s, and comes with every change of torque, which are the moments that tell the height. Unaccounted it
 //! makes the height 5 % too high.
 
-use crate::loader::physics::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use crate::loader::physics::wheel_dynamics::{Inputs, WheelDynamics};
 
 /// Torques are differentiated over at least this time [s]: at higher rates their noise would grow.
 const LEAST_TIME: f64 = 0.01;
@@ -51,7 +51,7 @@ impl Windup {
             let rate = (torque[i] - last[i]) / dt;
             self.rate[i] += weight * (rate - self.rate[i]);
             let share = [ratio, 1.0 - ratio][i].max(LEAST_SHARE);
-            let load = share * machine.mass * GRAVITY;
+            let load = share * machine.mass * machine.gravity;
             relaxation_length * self.rate[i] / (radius * radius * stiffness * load)
         })
     }

@@ -17,7 +17,7 @@
 //! Misprints of (6), (7), (10), (11): numerators stand inside the wrong fractions, and dv/dt has the wrong sign. The printed
 //! slope term is right, so no choice of axes makes the printed pair consistent with (1). Accelerating unloads the front axle.
 
-use super::machine::{GRAVITY, Road, WheelDynamics};
+use super::machine::{Road, WheelDynamics};
 use crate::loader::LoadTransfer;
 use crate::scalar::Scalar;
 
@@ -36,7 +36,7 @@ pub fn axle_loads<T: Scalar>(
 ) -> (T, T) {
     let (front, rear) =
         unfloored_axle_loads(machine, acceleration, height, ratio, spade_force_z, road);
-    let least = T::constant(LEAST_LOAD * machine.mass * GRAVITY);
+    let least = T::constant(LEAST_LOAD * machine.mass * machine.gravity);
     (front.max(least), rear.max(least))
 }
 
@@ -51,12 +51,12 @@ pub fn unfloored_axle_loads<T: Scalar>(
     road: &Road<T>,
 ) -> (T, T) {
     let (mass, wheelbase) = (machine.mass, machine.wheelbase);
-    let along = road.sine * GRAVITY;
+    let along = road.sine * machine.gravity;
     let transfer = match machine.load_transfer {
         LoadTransfer::Physical => -(height * (acceleration + along) * (mass / wheelbase)),
         LoadTransfer::Printed => height * (acceleration - along) * (mass / wheelbase),
     };
-    let weight = road.cosine * (mass * GRAVITY);
+    let weight = road.cosine * (mass * machine.gravity);
     let lever = machine.bucket_reach / wheelbase;
     let front = weight * ratio + spade_force_z * (1.0 + lever) + transfer; // (10)
     let rear = weight * (-ratio + 1.0) - spade_force_z * lever - transfer; // (11)

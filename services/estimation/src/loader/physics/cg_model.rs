@@ -20,7 +20,7 @@
 use core::ops::Range;
 
 use super::tangent::Tangent;
-use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
+use super::wheel_dynamics::{Inputs, Motion, Parameters, Road, WheelDynamics};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
 use crate::math::sin_cos;
 use crate::model::Model;
@@ -139,7 +139,7 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
             core::array::from_fn(|j| match (j, const { Layout::of(N) }.speed_delay) {
                 (SPEED, Some(delay)) => next[SPEED] - rate * state[delay],
                 (SPEED..=REAR_WHEEL, _) => next[j],
-                _ => rate + road.sine * GRAVITY,
+                _ => rate + road.sine * self.dynamics.gravity,
             });
         (next, measurement)
     }
@@ -158,7 +158,8 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         (next, measurement)
     }
 
-    /// The speed noise of the step acts on the specific force as q_v/dt, and what measures a state sees its noise.
+    /// The speed noise of the step acts on the specific force as q_v/dt, and what measures a state sees its noise. So does a late speed:
+    /// its noise came some steps ago, and the rate v' of its tau v' is that of the machine, not of one step's noise.
     fn noise_coupling(&self) -> [[f64; N]; M] {
         let mut coupling = [[0.0; N]; M];
         for (j, row) in coupling.iter_mut().enumerate().take(3) {

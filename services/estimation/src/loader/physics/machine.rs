@@ -3,13 +3,12 @@
 use crate::loader::settings::{LoadTransfer, Settings};
 use crate::scalar::Scalar;
 
-/// Gravity [m/s^2].
-pub const GRAVITY: f64 = 9.81;
-
 /// The machine as the process model knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelDynamics {
+    /// Gravity [m/s^2].
+    pub gravity: f64,
     /// Mass \[kg\].
     pub mass: f64,
     /// Mass of the empty machine, for which the tyres are described \[kg\].
@@ -41,6 +40,7 @@ impl WheelDynamics {
     pub(in crate::loader) fn of(settings: &Settings) -> Self {
         let (machine, keys) = (&settings.machine, &settings.estimator);
         Self {
+            gravity: settings.gravity(),
             mass: machine.mass,
             empty_mass: machine.mass,
             wheel_radius: machine.wheel_radius,

@@ -7,6 +7,7 @@
 //! | `presets` | each filter as a difference to the defaults of the keys |
 //! | `check` | which settings can be used |
 
+use crate::GRAVITY;
 use crate::keys::Range;
 
 mod check;
@@ -17,6 +18,9 @@ pub use super::keys::{
     Estimator, Inputs, LiftArm, LiftCylinder, LoadTransfer, Machine, Prior, Sensors,
 };
 pub use check::{MustBe, SettingsError};
+
+/// Gravity of the paper and of the golden vectors of the filters that it specifies [m/s^2].
+const PAPERS_GRAVITY: f64 = 9.81;
 
 /// How much of a real machine the filter reckons with, each more than the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,6 +79,15 @@ impl Settings {
     /// Whether the machine is taken for one at work.
     pub(super) fn at_work(&self) -> bool {
         self.realism >= Realism::AtWork
+    }
+
+    /// Gravity: standard but for the filters whose numbers others have printed [m/s^2].
+    pub(super) fn gravity(&self) -> f64 {
+        if self.at_work() {
+            GRAVITY
+        } else {
+            PAPERS_GRAVITY
+        }
     }
 
     /// Friction limit of tyre on ground; infinite for the linear tyre.

@@ -13,8 +13,8 @@
 
 use std::ops::Range;
 
+use estimation::GRAVITY;
 use estimation::loader::Sample;
-use estimation::loader::wheel_dynamics::GRAVITY;
 
 use super::grade::Grade;
 use super::pair::{Pair, about};

@@ -9,7 +9,7 @@
 //!
 //! A hill sensor that follows the acceleration leaves less of c1 and all of c2. Level ground tells nothing.
 
-use estimation::loader::wheel_dynamics::GRAVITY;
+use estimation::GRAVITY;
 
 use super::pair::about;
 use super::regression::Regression;

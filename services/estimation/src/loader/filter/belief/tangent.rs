@@ -7,13 +7,14 @@ use crate::ekf::{Ekf, Expected, carry, combine};
 use crate::loader::layout::{Layout, SPEED};
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::physics::tangent::Tangent;
-use crate::loader::physics::wheel_dynamics::{GRAVITY, Road};
+use crate::loader::physics::wheel_dynamics::Road;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
 
 /// A measurement that is made of the speed after the step and two states before it, to first order.
 struct Made {
-    /// How much of the noise of the new speed it sees, as [`CgModel`] says.
+    /// How much of the noise of the new speed it sees, as [`CgModel`] says. Of a late speed that is the noise of an earlier step,
+    /// as large: not 1 - tau/dt times that of this one.
     noise: f64,
     new_speed: f64,
     old: [(usize, f64); 2],
@@ -27,7 +28,7 @@ impl Made {
         dt: f64,
         rate: f64,
         delay: f64,
-        road: &Road<f64>,
+        (road, gravity): (&Road<f64>, f64),
     ) -> Option<Self> {
         match (j, const { Layout::of(N) }.speed_delay) {
             (SPEED, Some(late)) => Some(Self {
@@ -42,7 +43,7 @@ impl Made {
                     (SPEED, -1.0 / dt),
                     Layout::of(N)
                         .slope_bias
-                        .map_or((SPEED, 0.0), |bias| (bias, -GRAVITY * road.cosine)),
+                        .map_or((SPEED, 0.0), |bias| (bias, -gravity * road.cosine)),
                 ],
             }),
             _ => None,
@@ -138,7 +139,8 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         let delay = const { Layout::of(N) }
             .speed_delay
             .map_or(0.0, |i| self.state[i]);
-        let made = |j: usize| Made::of::<N>(j, model.dt, rate, delay, &ahead.road);
+        let ground = (&ahead.road, model.dynamics.gravity);
+        let made = |j: usize| Made::of::<N>(j, model.dt, rate, delay, ground);
         let mut expected = Expected {
             measurement: [0.0; M],
             cross: [[0.0; N]; M],
@@ -151,7 +153,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
             }
             expected.measurement[j] = match j {
                 SPEED => ahead.state[SPEED] - rate * delay,
-                _ => rate + ahead.road.sine * GRAVITY,
+                _ => rate + ahead.road.sine * model.dynamics.gravity,
             };
         }
         carry(p, &moved, by);

@@ -4,7 +4,7 @@ use super::{H, LAM, Step, V, W, at};
 use crate::loader::LoadTransfer;
 use crate::loader::layout::Layout;
 use crate::loader::physics::axle_loads::{LEAST_LOAD, axle_loads};
-use crate::loader::physics::wheel_dynamics::{GRAVITY, MOST_USED, WheelDynamics};
+use crate::loader::physics::wheel_dynamics::{MOST_USED, WheelDynamics};
 
 /// Use of the friction limit below which a tyre does not bend.
 const LEAST_USED: f64 = 1e-6;
@@ -74,11 +74,11 @@ impl Step<'_> {
             LoadTransfer::Physical => 1.0,
             LoadTransfer::Printed => -1.0,
         };
-        let (weight, per_base) = (m.mass * GRAVITY, m.mass / m.wheelbase);
-        let by_height = -sign * per_base * (acceleration + sign * GRAVITY * road.sine);
+        let (weight, per_base) = (m.mass * m.gravity, m.mass / m.wheelbase);
+        let by_height = -sign * per_base * (acceleration + sign * m.gravity * road.sine);
         let by_acceleration = -sign * per_base * p.cg_height;
-        let tilt = per_base * p.cg_height * GRAVITY * road.cosine;
-        let least = LEAST_LOAD * m.mass * GRAVITY;
+        let tilt = per_base * p.cg_height * m.gravity * road.cosine;
+        let least = LEAST_LOAD * m.mass * m.gravity;
         let load = |value: f64, sign: f64, share: f64| {
             let live = if value > least { 1.0 } else { 0.0 };
             let signed = live * sign;
@@ -101,7 +101,7 @@ impl Step<'_> {
     pub(super) fn radius_by_load(&self) -> f64 {
         let m = self.machine;
         let sensitivity = m.radius_load_sensitivity + self.p.load_sensitivity_error;
-        -m.wheel_radius * sensitivity / (0.5 * m.empty_mass * GRAVITY)
+        -m.wheel_radius * sensitivity / (0.5 * m.empty_mass * m.gravity)
     }
 
     /// Axle `i` under a load, at the speeds of the pass before.

@@ -18,9 +18,7 @@
 //! | den | - | max(\|v\|, \|r w\|, v_min) |
 //! | d_i | `denominator` | 1 + dt r^2 c/I |
 
-use super::wheel_dynamics::{
-    GRAVITY, Inputs, Motion, Parameters, ROLLING_WIDTH, Road, WheelDynamics,
-};
+use super::wheel_dynamics::{Inputs, Motion, Parameters, ROLLING_WIDTH, Road, WheelDynamics};
 use crate::ekf::add;
 use crate::loader::layout::{
     CG_HEIGHT as H, CG_RATIO as LAM, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS as K, SPEED as V,
@@ -113,7 +111,7 @@ impl WheelDynamics {
     #[inline(always)]
     fn drag_tangent(&self, speed: f64, p: &Parameters<f64>, u: &Inputs, road: &Road<f64>) -> Drag {
         let fade = tanh(speed / ROLLING_WIDTH);
-        let weight = self.mass * GRAVITY;
+        let weight = self.mass * self.gravity;
         let rolling = (road.cosine * weight + u.spade_force_z) * self.rolling_resistance;
         Drag {
             value: self.faded_drag(fade, u, road) + p.spade_force_x + u.spade_force_x,
@@ -157,6 +155,7 @@ mod tests {
 
     fn machine(k: u32) -> WheelDynamics {
         WheelDynamics {
+            gravity: 9.81,
             mass: 4700.0,
             empty_mass: 4300.0,
             wheel_radius: 0.55,

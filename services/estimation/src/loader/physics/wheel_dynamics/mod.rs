@@ -18,7 +18,7 @@
 //! |---|---|
 //! | `implicit` | the linearly implicit step, which the estimator takes |
 
-pub use super::machine::{GRAVITY, Road, Tyres, WheelDynamics};
+pub use super::machine::{Road, Tyres, WheelDynamics};
 use crate::loader::layout::{
     CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
@@ -164,7 +164,7 @@ impl WheelDynamics {
     /// Acceleration that the torques would give without slip on this slope, at nominal radii [m/s^2].
     pub(in crate::loader) fn free_acceleration(&self, u: &Inputs, speed: f64, sine: f64) -> f64 {
         let pull = (u.front_torque + u.rear_torque) / self.wheel_radius;
-        let weight = self.mass * GRAVITY;
+        let weight = self.mass * self.gravity;
         let rolling = self.rolling_resistance * tanh(speed / ROLLING_WIDTH) * weight;
         (pull - rolling - weight * sine - u.spade_force_x) / self.rolling_mass()
     }
@@ -178,8 +178,8 @@ impl WheelDynamics {
     /// The same with the rolling resistance at this share of its full size.
     #[inline(always)]
     pub(super) fn faded_drag<T: Scalar>(&self, fade: T, u: &Inputs, road: &Road<T>) -> T {
-        let load = road.cosine * (self.mass * GRAVITY) + u.spade_force_z;
-        fade * load * self.rolling_resistance + road.sine * (self.mass * GRAVITY)
+        let load = road.cosine * (self.mass * self.gravity) + u.spade_force_z;
+        fade * load * self.rolling_resistance + road.sine * (self.mass * self.gravity)
     }
 
     /// Rolling radius under load [m], from its own error and that of the load sensitivity.
@@ -192,7 +192,7 @@ impl WheelDynamics {
     /// An axle's load over half the weight of the empty machine, less one.
     #[inline(always)]
     pub(super) fn excess<T: Scalar>(&self, load: T) -> T {
-        load / (0.5 * self.empty_mass * GRAVITY) - 1.0
+        load / (0.5 * self.empty_mass * self.gravity) - 1.0
     }
 
     /// Slip stiffness of an axle under its load, before it saturates.
@@ -202,7 +202,7 @@ impl WheelDynamics {
         if self.tyres.load_exponent == 0.0 {
             return stiffness;
         }
-        let relative = load / (0.5 * self.empty_mass * GRAVITY);
+        let relative = load / (0.5 * self.empty_mass * self.gravity);
         stiffness * (relative.ln() * -self.tyres.load_exponent).exp()
     }
 
@@ -254,7 +254,7 @@ mod tests {
         }
         let softer = of(&empty, 15_000.0)[0] - of(&empty, 40_000.0)[0];
         let rho = 0.001 + empty.radius_load_sensitivity;
-        let expected = empty.wheel_radius * rho * 50_000.0 / (empty.mass * GRAVITY);
+        let expected = empty.wheel_radius * rho * 50_000.0 / (empty.mass * empty.gravity);
         assert!((softer - expected).abs() < 1e-12);
     }
 }
