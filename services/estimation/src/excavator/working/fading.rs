@@ -5,7 +5,8 @@
 //! ```
 //! with c the constants, d and S what the description says of them, o the other states (Ornstein, Uhlenbeck). No model is exact: what
 //! it misses pushes the constants the same way in each swing. A filter that takes them for constants knows them ever more closely, and
-//! after an hour believes a machine that is none.
+//! after hours believes a machine that is none. That the motion pushes no further than what is missed is due to the states' units
+//! ([`super::filter`]).
 
 use super::Working;
 use super::correlations::correlate;
@@ -14,8 +15,8 @@ use super::trail::Trail;
 use crate::excavator::settings::Settings;
 use crate::math::exp;
 
-/// What motion tells counts for so long, in motion [s]. Where all constants fade, a simulated machine without pressures is wrong in a
-/// quarter of the trusted rows after two hours with 600 s, in none with 300 s. Without fading it is trusted no more after one.
+/// What motion tells counts for so long, in motion [s]. A simulated machine with pressures is trusted no more after two hours without
+/// fading; with 300 s it is for all of them.
 const LASTS: f64 = 300.0;
 /// Between two times that it fades, in motion [s]: little fades in between.
 const EVERY: f64 = 20.0;

@@ -506,6 +506,54 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_heavier_by_a_factor_with_a_torque_larger_by_it_moves_alike_whatever_it_carries_and_loses()
+     {
+        let input = Input {
+            period: 0.01,
+            torque: 2000.0,
+            inertia: Inertia {
+                empty: 6000.0,
+                per_payload: 9.0,
+                ..Inertia::default()
+            },
+            rate: Inertia {
+                per_payload: 2.0,
+                ..Inertia::default()
+            },
+            ..Input::default()
+        };
+        let moved = |scale: f64| {
+            let mut x = [0.0; N];
+            (x[W], x[M], x[OFFSET], x[DAMPING]) = (0.3, 250.0, 40.0, 900.0);
+            (x[LOSS], x[FRICTION]) = (0.05, 300.0);
+            (x[GAIN], x[UPPER]) = (scale - 1.0, (scale - 1.0) * 6000.0);
+            let mut filter = Filter::new(x, &[0.0; N]);
+            (0..50).for_each(|_| filter.predict(&input, 0.01, 1000.0, &mut None));
+            filter.x[W]
+        };
+        assert!((moved(1.2) / moved(1.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_held_as_a_true_mass_says_nothing_of_the_gain() {
+        let mut std = [0.0; N];
+        std[GAIN] = 0.05;
+        let mut x = [0.0; N];
+        x[GAIN] = 0.1;
+        let mut filter = Filter::new(x, &std);
+        let prior = (200.0, 160.0 * 160.0);
+        filter.hold(prior, true, &mut None);
+        assert!((filter.load() - 200.0).abs() < 1e-9);
+        let row = filter.load_row();
+        assert!((filter.combination(&row).1 / prior.1 - 1.0).abs() < 1e-9);
+        // A scale says 600 kg; then what was expected is taken back.
+        filter.measure(row, 400.0, 100.0, 1e9, &mut None);
+        filter.take_back(prior, true, &mut None);
+        assert!((filter.x[GAIN] - 0.1).abs() < 1e-9 && (filter.load() - 600.0).abs() < 2.0);
+        assert!((filter.p[GAIN][GAIN] - 0.0025).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_covariance_that_is_no_number_anywhere_shows_with_the_next_motion_and_moment_or_is_gone() {
         let input = Input {
             period: 0.01,
