@@ -87,7 +87,7 @@ fn stands(work: &Work, row: &Row, noise: &mut Noise) -> Row {
 
 /// What is said of work with pressures after a stand.
 fn after_a_stand(size: Size, seed: u64) -> Tally {
-    let mut work = Work::new(size, Effects::default(), seed).with_gauges(seed);
+    let work = Work::new(size, Effects::default(), seed).with_gauges(seed);
     let mut description = described(&work);
     describe_boom_cylinder(&mut description, &work);
     let settings = Settings::of(&description);
@@ -112,7 +112,9 @@ fn after_a_stand(size: Size, seed: u64) -> Tally {
     let mut n = 0;
     while n < SHIFT || !last.is_some_and(|row| is_at_rest(&row)) {
         last = rows.next();
-        last.iter().for_each(|row| drop(step(n, row)));
+        if let Some(row) = &last {
+            step(n, row);
+        }
         n += 1;
     }
     let (held, mut noise) = (last.expect("a row"), Noise::new(seed));
