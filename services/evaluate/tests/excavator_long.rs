@@ -1,8 +1,9 @@
-//! An excavator works for an hour and a half: what was trusted in the first minutes is trusted in the last ones.
+//! An excavator works for an hour and a half, or stands for a while: what was trusted in the first minutes is trusted in the last ones.
 
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use evaluate::excavator::honesty_lines::{describe_boom_cylinder, described};
-use sim::excavator::{Effects, Size, Work};
+use sim::excavator::{Effects, Row, Size, Work};
+use sim::noise::Noise;
 use statistics::judge::{JudgedRow, Tally};
 
 const COLUMNS: Columns = Columns {
@@ -61,5 +62,88 @@ fn what_was_learnt_of_the_machine_does_not_wander_off_in_hours() {
             assert!(tally.trusted() > 0.8, "{said}");
             assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
         }
+    }
+}
+
+/// Work before and after a stand, and the stand, in rows: 5 and 20 minutes.
+const SHIFT: usize = 30_000;
+const STAND: usize = 120_000;
+/// Noise of a joint angle [rad], of a pressure [Pa].
+const ANGLE: f64 = 1e-3;
+const PRESSURE: f64 = 50e3;
+
+/// The machine stands as it does in this row, its engine and its sensors on.
+fn stands(work: &Work, row: &Row, noise: &mut Noise) -> Row {
+    let size = work.size();
+    let mut normal = |std: f64| std * noise.normal();
+    Row {
+        swing_velocity: Some(normal(size.gyro_noise)),
+        swing_torque: Some(normal(size.torque_noise)),
+        posture: row.posture.map(|angle| angle.map(|a| a + normal(ANGLE))),
+        pressures: row.pressures.map(|p| p.map(|p| p + normal(PRESSURE))),
+        ..*row
+    }
+}
+
+/// What is said of work with pressures after a stand.
+fn after_a_stand(size: Size, seed: u64) -> Tally {
+    let work = Work::new(size, Effects::default(), seed).with_gauges(seed);
+    let mut description = described(&work);
+    describe_boom_cylinder(&mut description, &work);
+    let settings = Settings::of(&description);
+    let mut estimator =
+        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
+    let mut step = |n: usize, row: &Row| {
+        let [head, rod, ..] = row.pressures;
+        estimator.step(&Sample {
+            time: n as f64 * 0.01,
+            velocity: row.swing_velocity,
+            torque: row.swing_torque,
+            posture: row.posture,
+            boom_head_pressure: head,
+            boom_rod_pressure: rod,
+            ..Sample::default()
+        })
+    };
+    let mut rows = work.clone();
+    let is_at_rest =
+        |row: &Row| row.truth.velocity == 0.0 && row.truth.payload < 0.1 * work.size().rated;
+    let mut last = None;
+    let mut n = 0;
+    while n < SHIFT || !last.is_some_and(|row| is_at_rest(&row)) {
+        last = rows.next();
+        if let Some(row) = &last {
+            step(n, row);
+        }
+        n += 1;
+    }
+    let (held, mut noise) = (last.expect("a row"), Noise::new(seed));
+    for _ in 0..STAND {
+        step(n, &stands(&work, &held, &mut noise));
+        n += 1;
+    }
+    let mut tally = Tally::default();
+    for row in rows.take(SHIFT) {
+        let estimate = step(n, &row);
+        n += 1;
+        tally.push(&JudgedRow {
+            truth: row.truth.inertia,
+            estimate: estimate.inertia,
+            std: estimate.inertia_std,
+            trusted: estimate.flags.trusted(),
+            moving: row.truth.velocity.abs() > 0.05,
+            reason: "",
+        });
+    }
+    tally
+}
+
+#[test]
+fn a_machine_that_stands_with_its_engine_on_is_trusted_when_it_works_again() {
+    for (size, seed) in [Size::t13(), Size::t22(), Size::t36()].into_iter().zip(1..) {
+        let tally = after_a_stand(size, seed);
+        let said = format!("seed {seed}: {tally:?}");
+        assert!(tally.trusted() > 0.8, "{said}");
+        assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
     }
 }

@@ -5,14 +5,14 @@
 
 use super::super::cylinder::Cylinder;
 use super::super::drive::Drive;
-use super::super::measurements::boom_moment::{BoomMoment, FADING, Front, GRAVITY, Moment};
+use super::super::measurements::boom_moment::{BoomMoment, Front, GRAVITY, Moment};
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
 use super::filter::{BUCKET, Filter, GAIN, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
-use crate::math::{exp, sqrt};
+use crate::math::sqrt;
 
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
@@ -192,7 +192,7 @@ impl Weigh {
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
         let variance = m.rest(c.friction[0]) + doubt * doubt + centre * centre;
-        let kept = exp(-m.period / FADING);
+        let kept = m.kept();
         if let Some(trail) = trail {
             let mut row = [0.0; N];
             row[REST] = kept;
@@ -349,7 +349,7 @@ impl Weigh {
 mod tests {
     use super::*;
     use crate::excavator::keys::Description;
-    use crate::math::sin_cos;
+    use crate::math::{exp, sin_cos};
 
     const MOMENT: f64 = 70e3;
 
