@@ -208,7 +208,7 @@ fn route<M: MachineKind>(
     shards: usize,
     arguments: &[OsString],
 ) -> Result<(), Failure> {
-    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let header = EstimateRows::<M::Estimate>::default().header();
     let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
     serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
 }
@@ -220,7 +220,7 @@ fn play<M: MachineKind>(
     arguments: &[OsString],
     signals: &Signals,
 ) -> Result<Played, Failure> {
-    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let header = EstimateRows::<M::Estimate>::default().header();
     let flags = M::Estimate::headlines().map(|p| p.trusted).collect();
     let rows = Rows::begin(out, Form::Table, &header, flags)?;
     let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));

@@ -15,7 +15,7 @@ pub(crate) use columns::{Columns, listed, misread};
 pub(crate) use dialect::Dialect;
 pub(crate) use dialect::name;
 pub use estimate::{Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
-pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};
+pub(crate) use estimate::{columns, count, estimate_of};
 pub use export::{export, is_export};
 pub(crate) use front::{Front, Line, Lines, MOST_ABOVE, comment, is_by_blanks};
 pub(crate) use header::{check_units, fill, header};

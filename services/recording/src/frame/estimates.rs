@@ -25,8 +25,6 @@ pub type NamedColumn = (&'static str, &'static str, Values);
 pub struct Table<E: Estimate> {
     times: Vec<f64>,
     columns: Vec<(Column, Option<usize>, Values)>,
-    /// Whether the method has the quantities that few methods have.
-    has_extra: Option<bool>,
     methods: Vec<u8>,
     reasons: Vec<u8>,
     rows: u32,
@@ -47,8 +45,7 @@ impl<E: Estimate> Table<E> {
         };
         Self {
             times: Vec::with_capacity(rows),
-            has_extra: None,
-            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            columns: E::COLUMNS.iter().map(column).collect(),
             methods: Vec::with_capacity(rows),
             reasons: Vec::with_capacity(rows),
             rows: 0,
@@ -70,7 +67,6 @@ impl<E: Estimate> Table<E> {
             self.refused.push(self.rows - 1);
             return;
         }
-        self.has_extra.get_or_insert(estimated & E::EXTRA.1 != 0);
         self.times.push(estimate.stamp().time);
         for (column, index, cells) in &mut self.columns {
             match (cells, *column) {
@@ -90,13 +86,10 @@ impl<E: Estimate> Table<E> {
         &self.refused
     }
 
-    /// The columns; those of quantities that few methods have, only where this one has them.
+    /// The columns.
     pub fn finish(self) -> Vec<NamedColumn> {
         let mut columns = vec![("t", "s", Values::Numbers(self.times))];
-        for (i, (column, _, values)) in self.columns.into_iter().enumerate() {
-            if i >= E::COLUMNS.len() && self.has_extra != Some(true) {
-                break;
-            }
+        for (column, _, values) in self.columns {
             columns.push((column.name(), column.unit::<E>(), values));
         }
         columns.push((
@@ -140,7 +133,7 @@ pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
         (c.name(), c.unit::<E>(), kind)
     };
     let mut all = vec![("t", "s", Kind::Number)];
-    all.extend(E::COLUMNS.iter().chain(E::EXTRA.0).map(column));
+    all.extend(E::COLUMNS.iter().map(column));
     all.extend([("refused", "", Kind::Flag), ("method", "", Kind::Method)]);
     all.push(("reason", "", Kind::Reason));
     all
@@ -168,7 +161,7 @@ pub struct Cells<E: Estimate> {
 
 impl<E: Estimate> Default for Cells<E> {
     fn default() -> Self {
-        let columns = E::COLUMNS.iter().chain(E::EXTRA.0);
+        let columns = E::COLUMNS.iter();
         Self {
             columns: columns.map(|c| (*c, c.index::<E>())).collect(),
             estimates: PhantomData,
