@@ -1,6 +1,6 @@
 //! Signals that never come in the same row: tables that were merged, topics and frames of their own times.
 
-use messages::{Message, Value};
+use messages::Value;
 
 use crate::Sensors;
 
