@@ -160,15 +160,26 @@ pub trait Estimate: Message {
     }
 }
 
-/// Estimates as rows of text.
+/// A cell of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    /// A number; NaN where the method does not estimate the quantity.
+    Number(f64),
+    /// A flag.
+    Flag(bool),
+    /// A word.
+    Word(&'static str),
+}
+
+/// Takes estimates apart into the cells of their columns.
 #[derive(Debug)]
-pub struct EstimateRows<E: Estimate> {
+pub struct Values<E: Estimate> {
     /// Columns with the field of each.
     columns: Vec<(Column, Option<usize>)>,
     estimates: PhantomData<E>,
 }
 
-impl<E: Estimate> Default for EstimateRows<E> {
+impl<E: Estimate> Default for Values<E> {
     fn default() -> Self {
         let columns = E::COLUMNS.iter();
         Self {
@@ -178,11 +189,40 @@ impl<E: Estimate> Default for EstimateRows<E> {
     }
 }
 
+impl<E: Estimate> Values<E> {
+    /// The cells between time and method.
+    pub fn of(&self, estimate: &E) -> impl Iterator<Item = Cell> {
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
+        self.columns
+            .iter()
+            .map(move |(column, index)| match *column {
+                Column::Flag(_, bit) => Cell::Flag(flags & bit != 0),
+                Column::Value(_, bits) if estimated & bits != bits => Cell::Number(f64::NAN),
+                Column::Value(..) => match index.and_then(|i| estimate.get(i)) {
+                    Some(Value::F64(x)) => Cell::Number(x),
+                    _ => Cell::Number(f64::NAN),
+                },
+            })
+    }
+}
+
+/// Estimates as rows of text.
+#[derive(Debug)]
+pub struct EstimateRows<E: Estimate>(Values<E>);
+
+impl<E: Estimate> Default for EstimateRows<E> {
+    fn default() -> Self {
+        Self(Values::default())
+    }
+}
+
 impl<E: Estimate> EstimateRows<E> {
     /// Names of the columns, without the end of the line.
     pub fn header(&self) -> String {
         let mut row = String::from("t");
-        for (column, _) in &self.columns {
+        for column in E::COLUMNS {
             let _ = write!(row, ",{}", column.name());
         }
         row + ",method,reason"
@@ -190,28 +230,18 @@ impl<E: Estimate> EstimateRows<E> {
 
     /// Appends the row of an estimate, without the end of the line; false, and nothing, for a refused one.
     pub fn put(&self, estimate: &E, row: &mut String) -> bool {
-        let Codes {
-            flags, estimated, ..
-        } = estimate.codes();
-        if flags & E::REFUSED != 0 {
+        if estimate.is_refused() {
             return false;
         }
         put_number(row, estimate.stamp().time);
-        for (column, index) in &self.columns {
+        let names = estimate.names().map(Cell::Word);
+        for cell in self.0.of(estimate).chain(names) {
             row.push(',');
-            match column {
-                Column::Flag(_, bit) => row.push(if flags & bit != 0 { '1' } else { '0' }),
-                Column::Value(_, bits) if estimated & bits != *bits => {}
-                Column::Value(..) => {
-                    if let Some(Value::F64(x)) = index.and_then(|i| estimate.get(i)) {
-                        put_number(row, x);
-                    }
-                }
+            match cell {
+                Cell::Number(x) => put_number(row, x),
+                Cell::Flag(x) => row.push(if x { '1' } else { '0' }),
+                Cell::Word(x) => row.push_str(x),
             }
-        }
-        for name in estimate.names() {
-            row.push(',');
-            row.push_str(name);
         }
         true
     }
