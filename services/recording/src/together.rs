@@ -62,8 +62,9 @@ mod tests {
                 ..LoaderSensors::default()
             };
             row.stamp.time = time;
-            row.valid = u32::from(speed.is_some()) * bits::SPEED
-                | u32::from(wheel.is_some()) * bits::FRONT_WHEEL_SPEED;
+            let has = |there: bool, bit| if there { bit } else { 0 };
+            row.valid =
+                has(speed.is_some(), bits::SPEED) | has(wheel.is_some(), bits::FRONT_WHEEL_SPEED);
             row
         };
         let mut seen = |time, speed, wheel| {
