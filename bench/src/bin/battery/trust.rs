@@ -23,7 +23,7 @@ use crate::ground::Ground;
 /// Largest share of the trusted samples that may be wrong.
 const BOUND: f64 = 0.05;
 /// Cells that lie above it: method, with pressures or without, since when, quantity, what goes wrong and how, and the largest share of the
-/// time that may be trusted and wrong: a quarter, and two hundredths, beyond the worst of six tables.
+/// time that may be trusted and wrong: a quarter, and two hundredths, beyond the worst of seven tables.
 const KNOWN: &str = include_str!("known.csv");
 /// Fewer trusted samples than these have no share \[samples\].
 const LEAST: u32 = 20;
