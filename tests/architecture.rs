@@ -69,6 +69,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "recording",
             "runtime",
             "sensor",
+            "sheet",
             "sim",
             "statistics",
             "steps",

@@ -262,7 +262,7 @@ fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew(
     let (answers, said) = serve_messages(input);
     assert!(said.contains("3 messages left out"), "{said}");
 
-    let table = EstimateRows::<ExcavatorEstimate>::new(u32::MAX);
+    let table = EstimateRows::<ExcavatorEstimate>::default();
     let (mut rest, mut found) = (answers.as_slice(), BTreeMap::<String, String>::new());
     while !rest.is_empty() {
         let name = take_delimited(&mut rest).expect("a name");

@@ -1,12 +1,22 @@
-//! Recordings of earlier versions: read for ever; replayed, or the difference explained by the build.
+//! Recordings of earlier versions: read for ever; replayed, or the difference explained by the build. What the estimators of today make of them
+//! is kept in `tests/golden/recordings/numbers.csv`, with the reason of each change.
 
 mod common;
 
 use std::path::PathBuf;
 
+use std::collections::BTreeMap;
+use std::fmt;
+
 use common::both;
-use messages::{ExcavatorSensors, LoaderSensors, Message};
-use recording::Reader;
+use config::Description;
+use messages::{
+    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message,
+};
+use recording::{Reader, Sensors};
+use statistics::judge::is_wrong;
+use steps::stages::Pipeline;
+use view::estimate::Estimate;
 
 fn old(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/recordings");
@@ -73,4 +83,124 @@ fn an_old_recording_replays_bit_for_bit_or_the_build_explains_why_not() {
             other => panic!("{name}: {other:?} {text}"),
         }
     }
+}
+
+/// Of a quantity: rows, those trusted, those trusted and wrong; means over all rows.
+#[derive(Clone, Copy, Default)]
+struct Numbers {
+    rows: f64,
+    trusted: f64,
+    wrong: f64,
+    value: f64,
+    std: f64,
+}
+
+impl Numbers {
+    fn add(&mut self, trusted: bool, value: f64, std: f64, truth: f64) {
+        self.rows += 1.0;
+        self.trusted += f64::from(u8::from(trusted));
+        self.wrong += f64::from(u8::from(trusted && is_wrong(value, std, truth)));
+        self.value += (value - self.value) / self.rows;
+        self.std += (std - self.std) / self.rows;
+    }
+
+    /// A row of the file.
+    fn read(cells: &[&str]) -> Self {
+        let [rows, trusted, wrong, value, std] =
+            std::array::from_fn(|i| cells[i].parse().expect("a number"));
+        Self {
+            rows,
+            trusted,
+            wrong,
+            value,
+            std,
+        }
+    }
+
+    /// A hundredth of the rows may change their trust; a tenth of what is claimed, and a twentieth of the claim itself, is rounding.
+    fn is_like(&self, kept: &Self) -> bool {
+        let few = |a: f64, b: f64| (a - b).abs() <= 0.01 * kept.rows;
+        let is_near = |a: f64, b: f64, most: f64| (a - b).abs() <= most * kept.std;
+        self.rows == kept.rows
+            && few(self.trusted, kept.trusted)
+            && few(self.wrong, kept.wrong)
+            && is_near(self.value, kept.value, 0.1)
+            && is_near(self.std, kept.std, 0.05)
+    }
+}
+
+impl fmt::Display for Numbers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            rows,
+            trusted,
+            wrong,
+            value,
+            std,
+        } = self;
+        write!(f, "{rows},{trusted},{wrong},{value:.6e},{std:.3e}")
+    }
+}
+
+/// Numbers by recording, method and quantity.
+type All = BTreeMap<String, Numbers>;
+
+/// What every method makes of the samples of a recording.
+fn replayed<S: Sensors, E: Estimate<Truth = S::Truth>>(name: &str, all: &mut All) {
+    let reader = Reader::open(old(name)).expect("a recording");
+    let text = &reader.metadata()["description"];
+    let description = Description::parse(text, name, Some(S::MACHINE)).expect("a machine file");
+    let truths = reader.stream::<S::Truth>(S::TRUTH.name).expect("truth");
+    let truths: BTreeMap<u64, S::Truth> = truths.map(|t| (t.stamp().sequence, t)).collect();
+    let pipeline = Pipeline::of(S::MACHINE);
+    let methods = pipeline.stages.iter().flat_map(|stage| stage.methods());
+    for method in methods.copied() {
+        let rows = pipeline.way_to(pipeline.with_method(method).expect("a stage"));
+        let mut way = Vec::new();
+        for row in rows {
+            let mine = row.methods().iter().find(|name| **name == method);
+            let step = row.start(&description, mine.copied().unwrap_or_default());
+            way.push(step.expect("a step"));
+        }
+        for sample in reader.stream::<S>(S::SENSORS.name).expect("samples") {
+            let truth = truths.get(&sample.stamp().sequence);
+            let first: Envelope = sample.envelope();
+            let last = way.iter_mut().try_fold(first, |m, step| step.answer(&m));
+            let last = last.expect("an answer");
+            let estimate = E::inside(&last).expect("an estimate");
+            for p in E::headlines() {
+                let (value, std) = (p.value(estimate), p.std(estimate));
+                let truth = truth.map_or(f64::NAN, |t| p.truth(t));
+                let numbers = all.entry(format!("{name},{method},{}", p.key)).or_default();
+                if value.is_finite() {
+                    numbers.add(estimate.flags() & p.trusted != 0, value, std, truth);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_old_recording_gives_the_numbers_and_the_trust_that_are_kept_or_the_file_says_why_not() {
+    let mut all = All::new();
+    replayed::<ExcavatorSensors, ExcavatorEstimate>(ALL[0], &mut all);
+    replayed::<LoaderSensors, LoaderEstimate>(ALL[2], &mut all);
+    let kept = std::fs::read_to_string(old("numbers.csv")).expect("the numbers");
+    // Of a key the last row counts; those before it are what it was, each with its reason.
+    let mut last = BTreeMap::new();
+    for line in kept.lines().skip(1) {
+        let cells: Vec<&str> = line.splitn(9, ',').collect();
+        assert!(!cells[8].is_empty(), "without a reason: {line}");
+        last.insert(cells[..3].join(","), Numbers::read(&cells[3..8]));
+    }
+    let new = all
+        .iter()
+        .filter(|(key, numbers)| !last.get(*key).is_some_and(|kept| numbers.is_like(kept)));
+    let new: Vec<String> = new.map(|(key, n)| format!("{key},{n},")).collect();
+    assert!(
+        new.is_empty(),
+        "other numbers or trust; append these to numbers.csv, each with the reason:\n{}",
+        new.join("\n")
+    );
+    assert_eq!(all.len(), last.len(), "a method or quantity is gone");
 }

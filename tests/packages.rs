@@ -63,6 +63,36 @@ fn the_package_of_a_fleet_has_its_programs_units_and_defaults() {
     }
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn a_debug_build_is_not_handed_out() {
+    use std::os::unix::fs::PermissionsExt;
+    if output("dpkg-deb", &["--version"]).is_none() || output("python3", &["--version"]).is_none() {
+        let _ = writeln!(std::io::stderr(), "skipped: no dpkg-deb, no python3");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = folder.path().join("heft-gateway");
+    std::fs::write(
+        &program,
+        "#!/bin/sh\necho heft-gateway 0.3.0 '(debug build)'\n",
+    )
+    .expect("a file");
+    let all = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(&program, all).expect("a program");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let built = Command::new(root.join("services/heft/debian/gateway"))
+        .arg(folder.path().join("out"))
+        .env("GATEWAY", folder.path())
+        .output()
+        .expect("it starts");
+    let said = String::from_utf8_lossy(&built.stderr);
+    assert!(
+        !built.status.success() && said.contains("is a debug build"),
+        "{said}"
+    );
+}
+
 /// RHEL 9 has this one: `GLIBC_2.NEWEST`.
 const NEWEST: u32 = 34;
 

@@ -321,6 +321,24 @@ int32_t heft_NAME_restore(void *memory, size_t size, const void *state, size_t s
     out.push_str(&text.replace("NAME", name).replace("SIZES", sizes));
 }
 
+/// Makes a book for a machine; behind what is the same for every machine.
+fn book(out: &mut String, name: &str) {
+    let text = r#"
+/* What heft_NAME_loads_init calls. */
+int32_t heft_NAME_loads_init_as(void *memory, size_t size, const heft_NAME_settings *settings, double target,
+                                double pause, uint32_t abi);
+
+/* heft_loads_init for the machine of these settings, those that heft_NAME_init was given: the payload of a full bucket, and
+ * what all of its loads are off together, follow from them. `settings` may be NULL for the reference machine.
+ * HEFT_REFUSED: a setting, `target` or `pause` is impossible. */
+static inline int32_t heft_NAME_loads_init(void *memory, size_t size, const heft_NAME_settings *settings, double target,
+                                           double pause) {
+  return heft_NAME_loads_init_as(memory, size, settings, target, pause, HEFT_ABI);
+}
+"#;
+    out.push_str(&text.replace("NAME", name));
+}
+
 /// Loads: what is the same for every machine.
 fn loads(out: &mut String) {
     out.push_str("\n/* ---- loads of either machine ---- */\n\n/* Bits of `flags`. */\n");
@@ -352,6 +370,8 @@ fn loads(out: &mut String) {
         let _ = writeln!(out, "  {kind} {name}; /* {doc}{unit} */");
     }
     out.push_str(LOADS_FUNCTIONS);
+    book(out, Excavator::NAME);
+    book(out, Loader::NAME);
 }
 
 const LOADS_ROW: &str = r#"
@@ -379,7 +399,8 @@ int32_t heft_loads_init_as(void *memory, size_t size, double rated, double targe
 
 /* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
  * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
- * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
+ * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. Nothing is known of what all loads are off
+ * together: their sums look better than they are. heft_excavator_loads_init and heft_loader_loads_init know it. */
 static inline int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause) {
   return heft_loads_init_as(memory, size, rated, target, pause, HEFT_ABI);
 }

@@ -863,7 +863,8 @@ int32_t heft_loads_init_as(void *memory, size_t size, double rated, double targe
 
 /* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
  * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
- * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
+ * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. Nothing is known of what all loads are off
+ * together: their sums look better than they are. heft_excavator_loads_init and heft_loader_loads_init know it. */
 static inline int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause) {
   return heft_loads_init_as(memory, size, rated, target, pause, HEFT_ABI);
 }
@@ -877,6 +878,30 @@ int32_t heft_loads_next_truck(void *memory, heft_loads *loads);
 /* What this truck and the next ones shall hold from now on [kg]; NAN: nobody says. HEFT_REFUSED: no weight, and nothing
  * changes. */
 int32_t heft_loads_set_target(void *memory, double target, heft_loads *loads);
+
+/* What heft_excavator_loads_init calls. */
+int32_t heft_excavator_loads_init_as(void *memory, size_t size, const heft_excavator_settings *settings, double target,
+                                double pause, uint32_t abi);
+
+/* heft_loads_init for the machine of these settings, those that heft_excavator_init was given: the payload of a full bucket, and
+ * what all of its loads are off together, follow from them. `settings` may be NULL for the reference machine.
+ * HEFT_REFUSED: a setting, `target` or `pause` is impossible. */
+static inline int32_t heft_excavator_loads_init(void *memory, size_t size, const heft_excavator_settings *settings, double target,
+                                           double pause) {
+  return heft_excavator_loads_init_as(memory, size, settings, target, pause, HEFT_ABI);
+}
+
+/* What heft_loader_loads_init calls. */
+int32_t heft_loader_loads_init_as(void *memory, size_t size, const heft_loader_settings *settings, double target,
+                                double pause, uint32_t abi);
+
+/* heft_loads_init for the machine of these settings, those that heft_loader_init was given: the payload of a full bucket, and
+ * what all of its loads are off together, follow from them. `settings` may be NULL for the reference machine.
+ * HEFT_REFUSED: a setting, `target` or `pause` is impossible. */
+static inline int32_t heft_loader_loads_init(void *memory, size_t size, const heft_loader_settings *settings, double target,
+                                           double pause) {
+  return heft_loader_loads_init_as(memory, size, settings, target, pause, HEFT_ABI);
+}
 
 #ifdef __cplusplus
 }

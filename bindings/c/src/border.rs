@@ -365,7 +365,7 @@ extern "C" fn heft_abi() -> u32 {
 macro_rules! export {
     (
         $machine:ty, $size:ident, $init:ident, $step:ident, $error:ident, $defaults:ident, $set:ident, $clear:ident,
-        $complete:ident, $state_size:ident, $save:ident, $restore:ident
+        $complete:ident, $state_size:ident, $save:ident, $restore:ident, $loads_init:ident
     ) => {
         #[unsafe(no_mangle)]
         extern "C" fn $size() -> usize {
@@ -450,6 +450,19 @@ macro_rules! export {
             // SAFETY: the promise of the header.
             unsafe { restore::<$machine>(memory, bytes, state, state_bytes) }
         }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $loads_init(
+            memory: *mut c_void,
+            bytes: usize,
+            settings: *const f64,
+            target: f64,
+            pause: f64,
+            abi: u32,
+        ) -> Code {
+            // SAFETY: the promise of the header.
+            unsafe { loads::init_for::<$machine>(memory, bytes, settings, target, pause, abi) }
+        }
     };
 }
 
@@ -465,7 +478,8 @@ export!(
     heft_excavator_complete,
     heft_excavator_state_size,
     heft_excavator_save,
-    heft_excavator_restore
+    heft_excavator_restore,
+    heft_excavator_loads_init_as
 );
 export!(
     Loader,
@@ -479,7 +493,8 @@ export!(
     heft_loader_complete,
     heft_loader_state_size,
     heft_loader_save,
-    heft_loader_restore
+    heft_loader_restore,
+    heft_loader_loads_init_as
 );
 
 #[cfg(test)]

@@ -8,6 +8,8 @@ use estimation::excavator::{
     SwingEstimator,
 };
 
+use estimation::loads;
+
 use crate::table::{Machine, flags, quantities, signals};
 
 /// Any method of the excavator.
@@ -110,6 +112,10 @@ impl Machine for Excavator {
             stage,
             started: false,
         })
+    }
+
+    fn loads(description: &Description) -> loads::Settings {
+        description.loads()
     }
 
     fn step(&mut self, sample: &Sample) -> Timed {

@@ -7,6 +7,8 @@ use estimation::loader::MustBe;
 use estimation::loader::keys::Description;
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Sample, Settings, SettingsError};
 
+use estimation::loads;
+
 use crate::table::{Machine, flags, quantities, signals};
 
 /// Any method of the wheel loader.
@@ -79,6 +81,10 @@ impl Machine for Loader {
         CgEstimator::new(&settings, method, columns)
             .map(Self)
             .map_err(Refusal::Settings)
+    }
+
+    fn loads(description: &Description) -> loads::Settings {
+        description.loads()
     }
 
     fn step(&mut self, sample: &Sample) -> Timed {

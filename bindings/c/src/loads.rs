@@ -32,16 +32,15 @@ pub(crate) struct Loads {
 }
 
 impl Loads {
-    /// Nothing where the payload of a full bucket is no weight.
-    pub(crate) fn new(rated: f64, target: f64, pause: f64) -> Option<Self> {
-        let usual = Settings::with_rated(rated);
+    /// For a machine of which `usual` is known. Nothing where the payload of a full bucket is no weight.
+    pub(crate) fn new(usual: Settings, target: f64, pause: f64) -> Option<Self> {
         let settings = Settings {
             target: present(target),
             pause: present(pause).unwrap_or(usual.pause),
             ..usual
         };
         let [least, most] = Settings::RATED;
-        let fits = (least..=most).contains(&rated);
+        let fits = (least..=most).contains(&usual.rated);
         let fits = fits && can_be_target(settings.target);
         let fits = fits && settings.pause >= 0.0 && settings.pause.is_finite();
         fits.then(|| Self {

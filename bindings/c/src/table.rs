@@ -3,6 +3,8 @@
 
 use core::fmt::Display;
 
+use estimation::loads;
+
 use crate::settings::Settings;
 
 /// A signal of a row; its bit in `columns` is its position, the time not counted.
@@ -57,6 +59,9 @@ pub trait Machine: Sized + Clone + 'static {
     /// # Errors
     /// What is wrong with a setting, the method or the columns, in words.
     fn new(settings: &Self::Settings, method: usize, columns: u32) -> Result<Self, impl Display>;
+
+    /// What counts the loads of such a machine is given.
+    fn loads(settings: &Self::Settings) -> loads::Settings;
 
     /// Takes one row and always answers.
     fn step(&mut self, sample: &Self::Sample) -> Self::Estimate;

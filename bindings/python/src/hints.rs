@@ -5,7 +5,7 @@ use estimation::excavator::{self, Geometry};
 use estimation::loader;
 use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Sensors};
+use recording::{Gaps, Sensors, Together};
 
 /// Looks at the rows on their way.
 pub struct Hints {
@@ -19,8 +19,8 @@ pub struct Hints {
 
 /// Compares data and machine.
 enum Plausible {
-    Excavator(Box<excavator::Plausible>),
-    Loader(loader::Plausible),
+    Excavator(Together<ExcavatorSensors>, Box<excavator::Plausible>),
+    Loader(Together<LoaderSensors>, loader::Plausible),
 }
 
 /// Numbers that are larger than any measurement: they count as missing.
@@ -60,12 +60,13 @@ impl Hints {
     pub fn new(description: &Description) -> Self {
         let plausible = match description {
             Description::Excavator(d) => {
-                Plausible::Excavator(Box::new(excavator::Plausible::new(Geometry::of(d))))
+                let plausible = excavator::Plausible::new(Geometry::of(d));
+                Plausible::Excavator(Together::default(), Box::new(plausible))
             }
-            Description::Loader(d) => Plausible::Loader(loader::Plausible::new(
-                d.machine.mass,
-                d.machine.wheel_radius,
-            )),
+            Description::Loader(d) => {
+                let plausible = loader::Plausible::new(d.machine.mass, d.machine.wheel_radius);
+                Plausible::Loader(Together::default(), plausible)
+            }
         };
         let large = match description {
             Description::Excavator(d) => {
@@ -92,18 +93,18 @@ impl Hints {
             self.times.push(time);
         }
         match &mut self.plausible {
-            Plausible::Excavator(plausible) => {
+            Plausible::Excavator(together, plausible) => {
                 if let Some(sample) = ExcavatorSensors::inside(sample) {
                     self.large.add(sample);
                     self.is_measured |= sample.valid != 0;
-                    plausible.push(&steps::excavator::sample(sample));
+                    plausible.push(&steps::excavator::sample(together.with(sample)));
                 }
             }
-            Plausible::Loader(plausible) => {
+            Plausible::Loader(together, plausible) => {
                 if let Some(sample) = LoaderSensors::inside(sample) {
                     self.large.add(sample);
                     self.is_measured |= sample.valid != 0;
-                    plausible.push(&steps::loader::sample(sample));
+                    plausible.push(&steps::loader::sample(together.with(sample)));
                 }
             }
         }
@@ -112,8 +113,8 @@ impl Hints {
     /// In words, as `heft estimate` says them.
     pub fn words(&self) -> Vec<String> {
         let mismatch = match &self.plausible {
-            Plausible::Excavator(plausible) => plausible.mismatch().map(|m| m.to_string()),
-            Plausible::Loader(plausible) => plausible.mismatch().map(|m| m.to_string()),
+            Plausible::Excavator(_, plausible) => plausible.mismatch().map(|m| m.to_string()),
+            Plausible::Loader(_, plausible) => plausible.mismatch().map(|m| m.to_string()),
         };
         let rate = self.rate;
         let unit = recording::time_unit(&self.times, rate).map(|(step, unit)| {

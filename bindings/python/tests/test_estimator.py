@@ -75,6 +75,30 @@ def test_an_estimate_has_verdict_reason_and_interval():
         first.interval("trusted")
 
 
+def test_why_names_all_that_keeps_an_estimate_from_being_trusted():
+    rows = {}
+    for machine in ("excavator", "loader"):
+        columns = heft._heft.header(machine)
+        kinds = {"float": 0.0, "bool": False, "method": "", "reason": ""}
+        of = heft.ExcavatorEstimate if machine == "excavator" else heft.LoaderEstimate
+        row = of(*(kinds[kind] for _, _, kind in columns))
+        verdicts = ("trusted",) if machine == "excavator" else ("trusted_ratio", "trusted_height")
+        rows[machine] = row._replace(**dict.fromkeys(verdicts, True))
+    needed = {"excavator": ("excited", "consistent", "fresh", "converged", "identifiable")}
+    needed["loader"] = ("excited_ratio", "excited_height", "consistent", "fresh", "converged_ratio", "converged_height")
+    for machine, flags in needed.items():
+        sound = rows[machine]._replace(**{flag: True for flag in flags})
+        assert sound.why == ""
+        for flag in flags:
+            assert sound._replace(**{flag: False}).why == f"not {flag}"
+        assert sound._replace(refused=True).why == "refused"
+        verdict = "trusted" if machine == "excavator" else "trusted_height"
+        assert sound._replace(**{verdict: False}).why == f"not {verdict}"
+    sound = rows["excavator"]._replace(**{flag: True for flag in needed["excavator"]})
+    assert sound._replace(changing=True).why == "changing"
+    assert sound._replace(reason="slope", refused=True).why == "the ground seems inclined, refused"
+
+
 def test_what_cannot_be_fed_is_reported():
     with pytest.raises(heft.HeftError, match="did you mean swing_velocity"):
         heft.Estimator("excavator", signals=["swing_velocty"])

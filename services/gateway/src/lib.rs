@@ -29,6 +29,13 @@ mod track;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Version of the programs; a build that is not for use says so.
+pub const VERSION: &str = if cfg!(debug_assertions) {
+    concat!(env!("CARGO_PKG_VERSION"), " (debug build)")
+} else {
+    env!("CARGO_PKG_VERSION")
+};
+
 /// Machines that a site takes, and a router lets in, at a time.
 pub(crate) const MACHINES: usize = 20_000;
 

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Lacks, Sensors};
+use recording::{Gaps, Lacks, Sensors, Together};
 
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
@@ -14,9 +14,10 @@ use crate::marked::{Count, Ends, Shared};
 use crate::parts;
 
 /// Looks at the rows of an input.
-pub struct Doubts<L> {
-    /// Of the machine that is described.
+pub struct Doubts<L: Look> {
+    /// Of the machine that is described, and what it is shown.
     look: Option<L>,
+    together: Together<L::Sensors>,
     rate: f64,
     times: Vec<f64>,
     gaps: Gaps,
@@ -46,7 +47,7 @@ pub trait AnyDoubts {
 }
 
 /// Doubts of what is seen of a run.
-pub struct Seen<L, E> {
+pub struct Seen<L: Look, E> {
     doubts: Doubts<L>,
     estimates: PhantomData<E>,
 }
@@ -96,6 +97,7 @@ impl<L: Look> Doubts<L> {
         let measured = measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal));
         Self {
             look: described.map(L::of),
+            together: Together::default(),
             rate: description.rate(),
             times: Vec::new(),
             gaps: Gaps::default(),
@@ -146,7 +148,7 @@ impl<L: Look> Doubts<L> {
             }
         }
         if let Some(look) = &mut self.look {
-            look.add(sample);
+            look.add(self.together.with(sample));
         }
     }
 

@@ -27,23 +27,6 @@ use crate::signals::Signals;
 use crate::sources;
 use crate::way::{method, way};
 
-/// A cylinder as the keys of a table of a description.
-fn cylinder_settings(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
-    [
-        ("count", c.count),
-        ("head_area", c.head_area),
-        ("rod_area", c.rod_area),
-        ("base_distance", c.base_distance),
-        ("rod_distance", c.rod_distance),
-        ("angle", c.angle),
-        ("friction", c.friction),
-        // A maker's data: the simulated seals differ by a third.
-        ("friction_std", 0.5 * c.friction),
-    ]
-    .map(|(key, value)| format!("{table}.{key}={value:?}"))
-    .into()
-}
-
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
 
@@ -208,7 +191,7 @@ fn route<M: MachineKind>(
     shards: usize,
     arguments: &[OsString],
 ) -> Result<(), Failure> {
-    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let header = EstimateRows::<M::Estimate>::default().header();
     let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
     serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
 }
@@ -220,7 +203,7 @@ fn play<M: MachineKind>(
     arguments: &[OsString],
     signals: &Signals,
 ) -> Result<Played, Failure> {
-    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let header = EstimateRows::<M::Estimate>::default().header();
     let flags = M::Estimate::headlines().map(|p| p.trusted).collect();
     let rows = Rows::begin(out, Form::Table, &header, flags)?;
     let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));

@@ -4,6 +4,7 @@ mod estimates;
 mod recorded;
 mod samples;
 
-pub use estimates::{Cell, Cells, Kind, NamedColumn, Table, Values, header};
+pub use crate::csv::Cell;
+pub use estimates::{Cells, Kind, NamedColumn, Table, Values, header};
 pub use recorded::{NamedWords, RecordedColumn, channel, verdict};
 pub use samples::{Feed, rows, signals_of};

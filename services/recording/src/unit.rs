@@ -446,6 +446,48 @@ pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
     })
 }
 
+/// A way to write a unit that others use for another one of the same dimension.
+#[derive(Debug)]
+pub(crate) struct Ambiguous {
+    unit: &'static str,
+    /// It stands in the name, in small letters.
+    written: &'static str,
+    /// And this does not.
+    but: Option<&'static str>,
+    /// What is said of it in a map.
+    pub note: &'static str,
+    /// A user must say which one it is.
+    pub is_asked: bool,
+}
+
+const AMBIGUOUS: [Ambiguous; 2] = [
+    // In America the word alone means it.
+    Ambiguous {
+        unit: "t",
+        written: "ton",
+        but: Some("tonne"),
+        note: "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\"",
+        is_asked: false,
+    },
+    Ambiguous {
+        unit: "rad/s",
+        written: "1/s",
+        but: None,
+        note: "; in radians: turns a second are unit = \"turn/s\"",
+        is_asked: true,
+    },
+];
+
+/// What a name, of which `unit` was read, may mean beside it.
+pub(crate) fn ambiguous(name: &str, unit: &Unit) -> Option<&'static Ambiguous> {
+    let name = name.to_lowercase();
+    let is_written = |a: &&Ambiguous| {
+        let is_other = a.but.is_some_and(|word| name.contains(word));
+        a.unit == unit.name && name.contains(a.written) && !is_other
+    };
+    AMBIGUOUS.iter().find(is_written)
+}
+
 /// The unit that a name tells, where that is of something else than `si`. A letter alone may mean anything.
 pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     let is_bracketed = !units_in_brackets(name).is_empty();

@@ -267,11 +267,12 @@ fn estimates_have_the_columns_of_the_contract() {
     assert_eq!(
         lines[0],
         "t,inertia,inertia_std,damping,damping_std,torque,torque_std,payload,payload_std,velocity,\
-         acceleration,excited,consistent,fresh,converged,identifiable,held,changing,reset,trusted,method,reason"
+         acceleration,excited,consistent,fresh,converged,identifiable,held,changing,reset,trusted,friction,friction_std,offset,\
+         offset_std,method,reason"
     );
     assert_eq!(
         lines[1],
-        "0.1,5000.1,1e-7,,,,,,,0.3333333333333333,,1,0,0,0,0,0,0,0,1,posture-torque,"
+        "0.1,5000.1,1e-7,,,,,,,0.3333333333333333,,1,0,0,0,0,0,0,0,1,,,,,posture-torque,"
     );
     assert!(lines[2].starts_with("2.1,,1e-7,"), "{}", lines[2]);
     assert_eq!(lines.len(), 3);
@@ -279,20 +280,33 @@ fn estimates_have_the_columns_of_the_contract() {
 }
 
 #[test]
-fn friction_and_offset_are_added_where_they_are_estimated() {
-    let dir = tempfile::tempdir().expect("a folder");
-    let path = dir.path().join("out.csv");
+fn columns_are_the_same_whatever_the_first_row_estimates() {
     let row = ExcavatorEstimate {
         friction: 20.0,
-        estimated: e::FRICTION,
+        offset: 7.0,
+        estimated: e::FRICTION | e::OFFSET,
         ..estimate(0)
     };
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
     let mut writer = EstimateWriter::<ExcavatorEstimate>::create(&path).expect("a file");
+    writer.write(&estimate(0)).expect("room");
     writer.write(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method,reason\n"));
-    assert!(text.ends_with(",1,20,0,,,posture-torque,\n"), "{text}");
+    assert!(text.contains(",1,,,,,posture-torque,\n"), "{text}");
+    assert!(text.ends_with(",1,20,0,7,0,posture-torque,\n"), "{text}");
+
+    let mut table = recording::frame::Table::<ExcavatorEstimate>::with_capacity(2);
+    table.push(&estimate(0));
+    table.push(&row);
+    let columns = table.finish();
+    let offset = columns.iter().find(|(name, ..)| *name == "offset");
+    let Some((.., recording::frame::Values::Numbers(offset))) = offset else {
+        panic!("no offset");
+    };
+    assert!(offset[0].is_nan() && offset[1] == 7.0, "{offset:?}");
 }
 
 #[test]
@@ -313,8 +327,9 @@ fn the_loaders_estimates_have_the_columns_of_the_contract() {
         "t,speed,front_wheel_speed,rear_wheel_speed,slip_stiffness,slip_stiffness_std,cg_height,\
          cg_height_std,cg_ratio,cg_ratio_std,cg_distance,spade_force_x,spade_force_x_std,slope_bias,\
          front_radius_scale,rear_radius_scale,nis,excited_ratio,excited_height,consistent,fresh,\
-         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,trusted_payload,method,reason\n\
-         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,0,full,\n"
+         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,trusted_payload,payload,\
+         payload_std,method,reason\n\
+         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,0,,,full,\n"
     );
 }
 

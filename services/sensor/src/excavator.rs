@@ -6,14 +6,22 @@ use messages::excavator_bits::{
 };
 use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
-use sim::excavator::{InvalidRun, Row, Run, Scenario, Simulation, Truth, Work};
+use sim::cylinder::Gauges;
+use sim::excavator::{InvalidRun, Row, Run, Scenario, Simulation, Size, Truth, Work, cylinders};
 
-use crate::simulated::{Columns, mark};
+use crate::simulated::{Columns, cylinder, mark};
 
 /// What every simulated excavator has: an encoder in place of the velocity is a matter of recordings.
 const COLUMNS: u32 = SWING_VELOCITY | SWING_TORQUE | BOOM_ANGLE | ARM_ANGLE | BUCKET_ANGLE;
 /// All seven true values are known.
 const ALL_KNOWN: u32 = 0b111_1111;
+
+/// What the drawing of the reference machine says of its cylinders, as `--set` takes it.
+pub fn drawing() -> Vec<String> {
+    // Nothing reads those of the arm yet.
+    let [boom, _] = cylinders(&Size::reference().geometry);
+    cylinder("machine.boom_cylinder", &boom)
+}
 
 /// A simulated excavator.
 #[derive(Debug)]
@@ -48,6 +56,17 @@ impl Simulator {
         let mut run = Run::new(Scenario::Cycle);
         (run.duration, run.seed) = (duration, seed);
         Self::new(&run)
+    }
+
+    /// The same with pressures in its cylinders, and what its owner states of it, as `--set` takes it.
+    ///
+    /// # Errors
+    /// The duration is out of its range.
+    pub fn weighing(duration: f64, seed: u64) -> Result<(Self, Vec<String>), InvalidRun> {
+        let mut run = Run::new(Scenario::Cycle);
+        (run.duration, run.seed) = (duration, seed);
+        run.gauges = Some(Gauges::default());
+        Ok((Self::new(&run)?, drawing()))
     }
 
     /// A machine at work, which does not end by itself.

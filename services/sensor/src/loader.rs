@@ -7,9 +7,10 @@ use messages::loader_bits::{
 };
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
-use sim::loader::{InvalidRun, Row, Run, Scenario, Simulation, Tier, Truth};
+use sim::cylinder::Gauges;
+use sim::loader::{InvalidRun, LiftArm, Row, Run, Scenario, Simulation, Size, Tier, Truth};
 
-use crate::simulated::{Columns, mark};
+use crate::simulated::{Columns, cylinder, mark};
 
 /// What every simulated loader has.
 const COLUMNS: u32 = SPEED
@@ -21,6 +22,32 @@ const COLUMNS: u32 = SPEED
     | ACCELERATION;
 /// All eight true values are known, and the payload behind them.
 const ALL_KNOWN: u32 = 0b100_1111_1111;
+
+/// What the drawing of the reference machine says of its lift arm, as `--set` takes it.
+pub fn drawing() -> Vec<String> {
+    let arm = LiftArm::of(&Size::Reference.machine());
+    let mut settings: Vec<String> = [
+        ("length", arm.length),
+        ("pivot_x", arm.pivot_x),
+        ("pivot_z", arm.pivot_z),
+        ("mass", arm.mass),
+        ("mass_distance", arm.mass_distance),
+        ("bucket_mass", arm.bucket_mass),
+        ("payload_distance", arm.payload_distance),
+        // Its tilt cylinder sits on the arm, and its driver levels the bucket.
+        ("bucket_turn", 1.0),
+        ("reference_angle", arm.reference.lift),
+        ("reference_tilt", arm.reference.bucket - arm.reference.lift),
+    ]
+    .map(|(key, value)| format!("machine.lift_arm.{key}={value:?}"))
+    .into();
+    settings.extend(cylinder("machine.lift_arm.cylinder", &arm.cylinder));
+    settings.push("sensors.angle_offset_std=0.009".into());
+    settings
+}
+
+/// Standard deviations of what axle scales and a ramp say of the empty machine: load fraction, height of the centre of gravity \[m\].
+const WEIGHED: [f64; 2] = [0.01, 0.045];
 
 /// A simulated wheel loader.
 #[derive(Debug)]
@@ -49,6 +76,29 @@ impl Simulator {
         let mut run = Run::new(Scenario::WorkCycle);
         (run.duration, run.seed, run.tier) = (Some(duration), seed, Tier::B);
         Self::new(&run)
+    }
+
+    /// Fills, carries and dumps for so long \[s\], with pressures in its lift cylinders; and what its owner states of it, as `--set` takes it: the
+    /// drawing, and what the empty machine was weighed at, half a standard deviation off.
+    ///
+    /// # Errors
+    /// The duration is out of its range.
+    pub fn weighing(duration: f64, seed: u64) -> Result<(Self, Vec<String>), InvalidRun> {
+        let mut run = Run::new(Scenario::Loading);
+        (run.duration, run.seed, run.tier) = (Some(duration), seed, Tier::B);
+        run.gauges = Some(Gauges::default());
+        let simulator = Self::new(&run)?;
+        let machine = simulator.rows.machine();
+        let mut settings = drawing();
+        let empty = [("ratio", machine.cg_ratio), ("height", machine.cg_height)];
+        for ((key, truth), std) in empty.into_iter().zip(WEIGHED) {
+            settings.push(format!(
+                "machine.lift_arm.empty_{key}={}",
+                truth + 0.5 * std
+            ));
+            settings.push(format!("machine.lift_arm.empty_{key}_std={std}"));
+        }
+        Ok((simulator, settings))
     }
 }
 

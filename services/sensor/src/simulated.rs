@@ -44,3 +44,20 @@ pub(crate) fn mark(
     known.mark_simulated();
     *sequence += 1;
 }
+
+/// What a maker's data say of cylinders, as `--set` takes it.
+pub(crate) fn cylinder(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
+    [
+        ("count", c.count),
+        ("head_area", c.head_area),
+        ("rod_area", c.rod_area),
+        ("base_distance", c.base_distance),
+        ("rod_distance", c.rod_distance),
+        ("angle", c.angle),
+        ("friction", c.friction),
+        // The simulated seals differ by a third.
+        ("friction_std", 0.5 * c.friction),
+    ]
+    .map(|(key, value)| format!("{table}.{key}={value:?}"))
+    .into()
+}

@@ -97,10 +97,10 @@ macro_rules! excavator_quantities {
                     estimated: ACCELERATION, shown: 8, label: "Swing acceleration", column: Column::Always
                 };
                 friction (friction.unwrap_or_default().value) [friction_std (friction.unwrap_or_default().std)] "N m" "Coulomb friction torque." {
-                    estimated: FRICTION, shown: 5, label: "Coulomb friction", range: POSITIVE, column: Column::WhereEstimated
+                    estimated: FRICTION, shown: 5, label: "Coulomb friction", range: POSITIVE, column: Column::Last
                 };
                 offset (offset.unwrap_or_default().value) [offset_std (offset.unwrap_or_default().std)] "N m" "Torque offset." {
-                    estimated: OFFSET, shown: 6, label: "Torque offset", column: Column::WhereEstimated
+                    estimated: OFFSET, shown: 6, label: "Torque offset", column: Column::Last
                 };
                 nis (nis) [] "" "Normalised innovation squared of this sample, 0 where none was accepted." {};
                 forgetting_inertia (forgetting[0]) [] "" "Forgetting factor of the inertia (regressions; else 0)." {};

@@ -155,15 +155,15 @@ impl Quantity {
 /// Range of what is never negative.
 const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
-/// When a quantity has a column in tables.
+/// Where a quantity has its column in tables, empty where it is not estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Column {
     /// In none.
     Never,
-    /// In all.
+    /// In all, before the flags.
     Always,
-    /// Where the first row of the method has it.
-    WhereEstimated,
+    /// In all too, behind the flags: it came later than they.
+    Last,
 }
 
 /// The CAN frame of a quantity, value and standard deviation.

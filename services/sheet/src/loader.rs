@@ -132,7 +132,7 @@ macro_rules! loader_quantities {
             later {
                 payload (payload.unwrap_or_default().value) [payload_std (payload.unwrap_or_default().std)] "kg" "Payload." {
                     estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, shown: 3, label: "Payload", range: POSITIVE, is_load: true,
-                    column: Column::WhereEstimated, frame: frame("payload", 0xff22, 0.01, -1e6)
+                    column: Column::Last, frame: frame("payload", 0xff22, 0.01, -1e6)
                 };
             }
         }

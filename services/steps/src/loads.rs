@@ -5,9 +5,9 @@
 use std::collections::VecDeque;
 
 use config::Description;
-use estimation::loader::{RATED_SHARE, Reason};
+use estimation::Quantity;
+use estimation::loader::Reason;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
-use estimation::{CommonError, Quantity};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
     excavator_bits, loader_bits,
@@ -76,23 +76,18 @@ pub struct LoadCounter {
 impl LoadCounter {
     /// A counter for the machine of a description.
     pub fn new(description: &Description, options: Options) -> Self {
-        let (rated, empty, common) = match description {
-            Description::Excavator(d) => (d.prior.full_load(), 0.0, d.loads_common()),
-            Description::Loader(d) => (
-                RATED_SHARE * d.machine.mass,
-                d.machine.mass,
-                CommonError::default(),
-            ),
+        let (settings, empty) = match description {
+            Description::Excavator(d) => (d.loads(), 0.0),
+            Description::Loader(d) => (d.loads(), d.machine.mass),
         };
         let is_described = match description {
             Description::Excavator(d) => d.boom_cylinder.head_area > 0.0,
             Description::Loader(d) => d.lift_arm.length > 0.0,
         };
         let settings = Settings {
-            common,
             target: options.target,
             pause: options.pause,
-            ..Settings::with_rated(rated)
+            ..settings
         };
         Self {
             machine: description.machine(),

@@ -4,12 +4,12 @@ use core::ffi::c_void;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use estimation::loads::LoadReport;
+use estimation::loads::{LoadReport, Settings};
 
-use super::{Code, SIZE_MAX, guarded};
+use super::{Code, SIZE_MAX, guarded, settings};
 use crate::abi;
 use crate::loads::{Loads, LoadsRow, can_be_target};
-use crate::table::present;
+use crate::table::{Machine, present};
 
 /// Tells initialised memory of loads from any other.
 const LOADS_MARK: u64 = 0x6865_6674_6c6f_6164;
@@ -63,11 +63,14 @@ extern "C" fn heft_loads_size() -> usize {
     size_of::<LoadsBlock>()
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_init_as(
+/// Makes an empty book for what `usual` knows of the machine; nothing: it is not known.
+///
+/// # Safety
+/// `memory` is null or points to `bytes` bytes that nobody else uses.
+unsafe fn init(
     memory: *mut c_void,
     bytes: usize,
-    rated: f64,
+    usual: Option<Settings>,
     target: f64,
     pause: f64,
     abi: u32,
@@ -84,7 +87,7 @@ unsafe extern "C" fn heft_loads_init_as(
     }
     // SAFETY: the block is large enough, aligned, and ours alone; a plain number may be written over anything.
     unsafe { addr_of_mut!((*block).mark).write(0) };
-    let Some(loads) = Loads::new(rated, target, pause) else {
+    let Some(loads) = usual.and_then(|usual| Loads::new(usual, target, pause)) else {
         return Code::Refused;
     };
     // SAFETY: as above; what was there before needs no destructor.
@@ -93,6 +96,42 @@ unsafe extern "C" fn heft_loads_init_as(
         addr_of_mut!((*block).mark).write(LOADS_MARK);
     }
     Code::Ok
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn heft_loads_init_as(
+    memory: *mut c_void,
+    bytes: usize,
+    rated: f64,
+    target: f64,
+    pause: f64,
+    abi: u32,
+) -> Code {
+    let usual = Some(Settings::with_rated(rated));
+    // SAFETY: the promise of the header.
+    unsafe { init(memory, bytes, usual, target, pause, abi) }
+}
+
+/// The same for the machine of a description.
+///
+/// # Safety
+/// As [`init`]; `numbers` is null or points to as many doubles as the machine has keys.
+pub(super) unsafe fn init_for<M: Machine>(
+    memory: *mut c_void,
+    bytes: usize,
+    numbers: *const f64,
+    target: f64,
+    pause: f64,
+    abi: u32,
+) -> Code {
+    if abi != abi::sum() {
+        return Code::OtherHeader;
+    }
+    // SAFETY: the caller's promise.
+    let described = unsafe { settings::<M>(numbers) };
+    let usual = guarded(|| described.ok().map(|d| M::loads(&d)));
+    // SAFETY: the caller's promise.
+    unsafe { init(memory, bytes, usual.flatten(), target, pause, abi) }
 }
 
 #[unsafe(no_mangle)]

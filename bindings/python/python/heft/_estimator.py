@@ -9,8 +9,14 @@ from . import _heft
 
 # Half the width of a 95 % interval of a normal distribution, in standard deviations.
 _HALF_WIDTH_95 = 1.959963984540054
-# The flags that together make an estimate trusted, those of the first quantity where a machine has several.
-_NEEDED = ("excited", "excited_ratio", "consistent", "fresh", "converged", "converged_ratio", "identifiable")
+# The flags that take trust away where they are set, and where they are not.
+_AGAINST = ("refused", "changing", "frozen")
+_NEEDED = (
+    *("excited", "excited_ratio", "excited_height", "consistent", "fresh"),
+    *("converged", "converged_ratio", "converged_height", "identifiable"),
+)
+# What they decide; said where nothing else is: not everything that decides has a column.
+_VERDICTS = ("trusted", "trusted_ratio", "trusted_height")
 
 
 def _row(name: str, machine: str) -> type:
@@ -27,9 +33,14 @@ def _row(name: str, machine: str) -> type:
 
         @property
         def why(self) -> str:
-            """The reason in words, else the flags that a trusted estimate lacks; "" where there is nothing to say."""
-            lacking = [flag for flag in _NEEDED if flag in own and not getattr(self, flag)]
-            return why.get(self.reason, "") or ", ".join(f"not {flag}" for flag in lacking)
+            """What keeps any of its quantities from being trusted: the reason in words, then flags; "" where nothing does."""
+            against = [flag for flag in _AGAINST if flag in own and getattr(self, flag)]
+            lacking, verdicts = (
+                [f"not {flag}" for flag in flags if flag in own and not getattr(self, flag)]
+                for flags in (_NEEDED, _VERDICTS)
+            )
+            said = [word for word in (why.get(self.reason, ""), *against, *lacking) if word]
+            return ", ".join(said or verdicts)
 
         def interval(self, quantity: str = quantities[0]) -> tuple[float, float]:
             """The 95 % interval of a quantity; NaN where the method does not estimate it."""

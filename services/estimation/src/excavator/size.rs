@@ -10,6 +10,7 @@ use super::doubts::Doubts;
 use super::geometry::Geometry;
 use super::keys::{Description, Prior};
 use crate::CommonError;
+use crate::loads;
 use crate::math::{cbrt, norm, sqrt};
 
 /// Lengths per cube root of the operating mass [m/kg^(1/3)]: boom, arm; distances from the bucket pin to the bucket's centre of
@@ -209,6 +210,15 @@ impl Description {
     /// Masses and gain were found together, from weighed loads.
     fn is_calibrated(&self) -> bool {
         self.machine.links_gain_correlation.is_some()
+    }
+
+    /// What counts its loads is given, as far as the machine tells it.
+    #[must_use]
+    pub fn loads(&self) -> loads::Settings {
+        loads::Settings {
+            common: self.loads_common(),
+            ..loads::Settings::with_rated(self.prior.full_load())
+        }
     }
 
     /// What all loads together are off: what lengths, a guessed boom pin and guessed centres do to the inertia of a kilogram, though not

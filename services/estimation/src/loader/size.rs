@@ -2,7 +2,9 @@
 
 use nalgebra::ComplexField;
 
+use super::RATED_SHARE;
 use super::keys::Description;
+use crate::loads;
 
 /// Per cube root of its mass [m/kg^(1/3)]: wheelbase, wheel radius, reach of the bucket, height of the centre of
 /// gravity. Means over loaders of 5 to 15 t, of the radius over rolling tyres of 2.5 to 50 t (10.0/75-15.3 to 35/65R33); they scatter
@@ -30,6 +32,12 @@ const WALK: f64 = 3.3e-5;
 const SAME: f64 = 0.05;
 
 impl Description {
+    /// What counts its loads is given, as far as the machine tells it. Its weights know nothing that all share.
+    #[must_use]
+    pub fn loads(&self) -> loads::Settings {
+        loads::Settings::with_rated(RATED_SHARE * self.machine.mass)
+    }
+
     /// The defaults of a loader of the stated mass; those of the reference machine where none is stated.
     #[must_use]
     pub fn of_its_size(&self) -> Self {

@@ -16,7 +16,7 @@ use gateway::{Failure, link};
 ///
 /// Without a command: collects until it is ended, and shows all machines on a page of this host.
 #[derive(Parser)]
-#[command(name = "heft fleet", version, args_conflicts_with_subcommands = true)]
+#[command(name = "heft fleet", version = gateway::VERSION, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,

@@ -11,7 +11,7 @@ use gateway::machine::{GatewayArgs, run};
 ///
 /// `heft run ... --fleet tcp/HOST:7447 --site S --machine-id M` starts it beside the pipeline.
 #[derive(Parser)]
-#[command(name = "heft-gateway", version)]
+#[command(name = "heft-gateway", version = gateway::VERSION)]
 struct Cli {
     #[command(flatten)]
     args: GatewayArgs,

@@ -13,10 +13,10 @@ use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
 use sensor::excavator::Simulator;
 use sim::cylinder::Gauges;
-use sim::excavator::{Effects, Run, Scenario, Size, Work, cases, cylinders};
+use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
 use sim::named;
 
-use super::{Figure, Later, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, Later, MachineKind, all_scenarios, bad_run, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -38,9 +38,7 @@ impl MachineKind for Excavator {
     }
 
     fn simulated_cylinders() -> Vec<String> {
-        // Nothing reads those of the arm yet.
-        let [boom, _] = cylinders(&Size::reference().geometry);
-        cylinder_settings("machine.boom_cylinder", &boom)
+        sensor::excavator::drawing()
     }
 
     fn simulator(

@@ -13,10 +13,10 @@ use config::Description;
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
 use sim::cylinder::Gauges;
-use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
+use sim::loader::{CASES, Run, Scenario, Tier};
 use sim::named;
 
-use super::{Figure, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, MachineKind, all_scenarios, bad_run, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -45,28 +45,7 @@ impl MachineKind for Loader {
     }
 
     fn simulated_cylinders() -> Vec<String> {
-        let arm = LiftArm::of(&Size::Reference.machine());
-        let mut settings: Vec<String> = [
-            ("length", arm.length),
-            ("pivot_x", arm.pivot_x),
-            ("pivot_z", arm.pivot_z),
-            ("mass", arm.mass),
-            ("mass_distance", arm.mass_distance),
-            ("bucket_mass", arm.bucket_mass),
-            ("payload_distance", arm.payload_distance),
-            // Its tilt cylinder sits on the arm, and its driver levels the bucket.
-            ("bucket_turn", 1.0),
-            ("reference_angle", arm.reference.lift),
-            ("reference_tilt", arm.reference.bucket - arm.reference.lift),
-        ]
-        .map(|(key, value)| format!("machine.lift_arm.{key}={value:?}"))
-        .into();
-        settings.extend(cylinder_settings(
-            "machine.lift_arm.cylinder",
-            &arm.cylinder,
-        ));
-        settings.push("sensors.angle_offset_std=0.009".into());
-        settings
+        sensor::loader::drawing()
     }
 
     fn simulator(

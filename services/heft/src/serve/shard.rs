@@ -47,7 +47,7 @@ pub fn serve<S: Message, E: Estimate>(
         method,
         every,
         form,
-        rows: &EstimateRows::new(u32::MAX),
+        rows: &EstimateRows::default(),
         members: BTreeMap::new(),
     };
     let mut input = BufReader::with_capacity(1 << 16, stdin().lock());

@@ -36,21 +36,16 @@ impl Column {
     }
 }
 
-/// How many columns the quantities of this kind have.
-pub(crate) const fn count(quantities: &[Quantity], when: sheet::Column) -> usize {
+/// How many columns quantities and flags have.
+pub(crate) const fn count(quantities: &[Quantity], flags: &[sheet::Flag]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
-        if quantities[i].column as u8 == when as u8 {
+        if !matches!(quantities[i].column, sheet::Column::Never) {
             count += 1 + quantities[i].std.is_some() as usize;
         }
         i += 1;
     }
-    count
-}
-
-/// How many flags have a column.
-pub(crate) const fn count_flags(flags: &[sheet::Flag]) -> usize {
-    let (mut count, mut i) = (0, 0);
+    i = 0;
     while i < flags.len() {
         count += flags[i].column as usize;
         i += 1;
@@ -58,17 +53,37 @@ pub(crate) const fn count_flags(flags: &[sheet::Flag]) -> usize {
     count
 }
 
-/// The `N` columns of the quantities of this kind, each with its standard deviation behind it, and of these flags.
+/// The `N` columns: quantities, each with its standard deviation behind it, flags, quantities that came later than these.
 pub(crate) const fn columns<const N: usize>(
     quantities: &[Quantity],
-    when: sheet::Column,
     flags: &[sheet::Flag],
 ) -> [Column; N] {
-    let mut columns = [Column::Flag("", 0); N];
-    let (mut at, mut i) = (0, 0);
+    let columns = [Column::Flag("", 0); N];
+    let (mut columns, mut at) = values(columns, 0, quantities, sheet::Column::Always);
+    let mut i = 0;
+    while i < flags.len() {
+        if flags[i].column {
+            columns[at] = Column::Flag(flags[i].entry.name, flags[i].entry.number);
+            at += 1;
+        }
+        i += 1;
+    }
+    let (columns, at) = values(columns, at, quantities, sheet::Column::Last);
+    assert!(at == N, "N is the number of columns");
+    columns
+}
+
+/// Puts the quantities of one place behind the first `at` columns.
+const fn values<const N: usize>(
+    mut columns: [Column; N],
+    mut at: usize,
+    quantities: &[Quantity],
+    place: sheet::Column,
+) -> ([Column; N], usize) {
+    let mut i = 0;
     while i < quantities.len() {
         let q = &quantities[i];
-        if q.column as u8 == when as u8 {
+        if q.column as u8 == place as u8 {
             columns[at] = Column::Value(q.name, q.estimated);
             at += 1;
             if let Some(std) = q.std {
@@ -78,28 +93,7 @@ pub(crate) const fn columns<const N: usize>(
         }
         i += 1;
     }
-    i = 0;
-    while i < flags.len() {
-        if flags[i].column {
-            columns[at] = Column::Flag(flags[i].entry.name, flags[i].entry.number);
-            at += 1;
-        }
-        i += 1;
-    }
-    assert!(at == N, "N is the number of columns");
-    columns
-}
-
-/// Bits of `estimated` of the quantities that have a column only where they are estimated.
-pub(crate) const fn extra(quantities: &[Quantity]) -> u32 {
-    let (mut bits, mut i) = (0, 0);
-    while i < quantities.len() {
-        if matches!(quantities[i].column, sheet::Column::WhereEstimated) {
-            bits |= quantities[i].estimated;
-        }
-        i += 1;
-    }
-    bits
+    (columns, at)
 }
 
 /// An [`Estimate`] of a machine from its sheet.
@@ -109,18 +103,9 @@ macro_rules! estimate_of {
         const METHODS: &'static [&'static str] = messages::$methods;
         const REASONS: &'static [(&'static str, &'static str)] = messages::$reasons;
         const COLUMNS: &'static [$crate::csv::Column] = &{
-            use sheet::Column::Always;
             use sheet::$machine::{FLAGS, QUANTITIES};
-            use $crate::csv::{columns, count, count_flags};
-            columns::<{ count(QUANTITIES, Always) + count_flags(FLAGS) }>(QUANTITIES, Always, FLAGS)
-        };
-        const EXTRA: (&'static [$crate::csv::Column], u32) = {
-            use sheet::Column::WhereEstimated;
-            use sheet::$machine::QUANTITIES;
-            use $crate::csv::{columns, count, extra};
-            const COLUMNS: [$crate::csv::Column; count(QUANTITIES, WhereEstimated)] =
-                columns(QUANTITIES, WhereEstimated, &[]);
-            (&COLUMNS, extra(QUANTITIES))
+            use $crate::csv::{columns, count};
+            columns::<{ count(QUANTITIES, FLAGS) }>(QUANTITIES, FLAGS)
         };
 
         fn codes(&self) -> $crate::csv::Codes {
@@ -150,10 +135,8 @@ pub struct Codes {
 
 /// An estimate that can be written as a row.
 pub trait Estimate: Message {
-    /// Its columns after the time; method and reason come last.
+    /// Its columns after the time, whatever the method estimates; method and reason come last.
     const COLUMNS: &'static [Column];
-    /// Columns that are added before the method where one of these bits of `estimated` is set.
-    const EXTRA: (&'static [Column], u32);
     /// Bit of `flags` that marks a refused row.
     const REFUSED: u32;
     /// Names of the methods.
@@ -177,33 +160,69 @@ pub trait Estimate: Message {
     }
 }
 
-/// Estimates as rows of text.
+/// A cell of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    /// A number; NaN where the method does not estimate the quantity.
+    Number(f64),
+    /// A flag.
+    Flag(bool),
+    /// A word.
+    Word(&'static str),
+}
+
+/// Takes estimates apart into the cells of their columns.
 #[derive(Debug)]
-pub struct EstimateRows<E: Estimate> {
+pub struct Values<E: Estimate> {
     /// Columns with the field of each.
     columns: Vec<(Column, Option<usize>)>,
     estimates: PhantomData<E>,
 }
 
-impl<E: Estimate> EstimateRows<E> {
-    /// With the columns that an estimate of these quantities needs; all bits for every column there is.
-    pub fn new(estimated: u32) -> Self {
-        let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
-            &[]
-        } else {
-            E::EXTRA.0
-        };
-        let columns = E::COLUMNS.iter().chain(extra);
+impl<E: Estimate> Default for Values<E> {
+    fn default() -> Self {
+        let columns = E::COLUMNS.iter();
         Self {
             columns: columns.map(|c| (*c, c.index::<E>())).collect(),
             estimates: PhantomData,
         }
     }
+}
 
+impl<E: Estimate> Values<E> {
+    /// The cells between time and method.
+    pub fn of(&self, estimate: &E) -> impl Iterator<Item = Cell> {
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
+        self.columns
+            .iter()
+            .map(move |(column, index)| match *column {
+                Column::Flag(_, bit) => Cell::Flag(flags & bit != 0),
+                Column::Value(_, bits) if estimated & bits != bits => Cell::Number(f64::NAN),
+                Column::Value(..) => match index.and_then(|i| estimate.get(i)) {
+                    Some(Value::F64(x)) => Cell::Number(x),
+                    _ => Cell::Number(f64::NAN),
+                },
+            })
+    }
+}
+
+/// Estimates as rows of text.
+#[derive(Debug)]
+pub struct EstimateRows<E: Estimate>(Values<E>);
+
+impl<E: Estimate> Default for EstimateRows<E> {
+    fn default() -> Self {
+        Self(Values::default())
+    }
+}
+
+impl<E: Estimate> EstimateRows<E> {
     /// Names of the columns, without the end of the line.
     pub fn header(&self) -> String {
         let mut row = String::from("t");
-        for (column, _) in &self.columns {
+        for column in E::COLUMNS {
             let _ = write!(row, ",{}", column.name());
         }
         row + ",method,reason"
@@ -211,28 +230,18 @@ impl<E: Estimate> EstimateRows<E> {
 
     /// Appends the row of an estimate, without the end of the line; false, and nothing, for a refused one.
     pub fn put(&self, estimate: &E, row: &mut String) -> bool {
-        let Codes {
-            flags, estimated, ..
-        } = estimate.codes();
-        if flags & E::REFUSED != 0 {
+        if estimate.is_refused() {
             return false;
         }
         put_number(row, estimate.stamp().time);
-        for (column, index) in &self.columns {
+        let names = estimate.names().map(Cell::Word);
+        for cell in self.0.of(estimate).chain(names) {
             row.push(',');
-            match column {
-                Column::Flag(_, bit) => row.push(if flags & bit != 0 { '1' } else { '0' }),
-                Column::Value(_, bits) if estimated & bits != *bits => {}
-                Column::Value(..) => {
-                    if let Some(Value::F64(x)) = index.and_then(|i| estimate.get(i)) {
-                        put_number(row, x);
-                    }
-                }
+            match cell {
+                Cell::Number(x) => put_number(row, x),
+                Cell::Flag(x) => row.push(if x { '1' } else { '0' }),
+                Cell::Word(x) => row.push_str(x),
             }
-        }
-        for name in estimate.names() {
-            row.push(',');
-            row.push_str(name);
         }
         true
     }
@@ -242,8 +251,7 @@ impl<E: Estimate> EstimateRows<E> {
 /// it is complete.
 pub struct EstimateWriter<E: Estimate> {
     out: Output,
-    /// None before the first row, which decides whether there are columns of friction and offset.
-    rows: Option<EstimateRows<E>>,
+    rows: EstimateRows<E>,
     row: String,
     written: usize,
 }
@@ -254,19 +262,12 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be created.
     pub fn create(path: &Path) -> Result<Self, Error> {
+        let rows = EstimateRows::default();
         Ok(Self {
             out: Output::create("write the estimates", path, &[], is_estimates)?,
-            rows: None,
-            row: String::new(),
+            row: rows.header() + "\n",
+            rows,
             written: 0,
-        })
-    }
-
-    fn rows(&mut self, estimated: u32) -> &EstimateRows<E> {
-        self.rows.get_or_insert_with(|| {
-            let rows = EstimateRows::new(estimated);
-            self.row = rows.header() + "\n";
-            rows
         })
     }
 
@@ -275,12 +276,8 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
-        if estimate.is_refused() {
+        if !self.rows.put(estimate, &mut self.row) {
             return Ok(());
-        }
-        self.rows(estimate.codes().estimated);
-        if let Some(rows) = &self.rows {
-            rows.put(estimate, &mut self.row);
         }
         self.row.push('\n');
         self.written += 1;
@@ -292,7 +289,6 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written; nothing is then left behind.
     pub fn finish(mut self) -> Result<usize, Error> {
-        self.rows(0);
         self.put_row()?;
         self.out.finish()?;
         Ok(self.written)

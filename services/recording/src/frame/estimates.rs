@@ -1,10 +1,6 @@
 //! Estimates as columns, and as cells.
 
-use std::marker::PhantomData;
-
-use messages::Value;
-
-use crate::csv::{Codes, Column, Estimate};
+use crate::csv::{Cell, Codes, Column, Estimate, EstimateValues};
 
 /// One column of estimates.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,63 +20,49 @@ pub type NamedColumn = (&'static str, &'static str, Values);
 #[derive(Debug)]
 pub struct Table<E: Estimate> {
     times: Vec<f64>,
-    columns: Vec<(Column, Option<usize>, Values)>,
-    /// Whether the method has the quantities that few methods have.
-    has_extra: Option<bool>,
+    cells: EstimateValues<E>,
+    columns: Vec<Values>,
     methods: Vec<u8>,
     reasons: Vec<u8>,
     rows: u32,
     /// Places of the rows that were refused.
     refused: Vec<u32>,
-    estimates: PhantomData<E>,
 }
 
 impl<E: Estimate> Table<E> {
     /// An empty table with room for so many rows.
     pub fn with_capacity(rows: usize) -> Self {
-        let column = |c: &Column| {
-            let values = match c {
-                Column::Flag(..) => Values::Flags(Vec::with_capacity(rows)),
-                Column::Value(..) => Values::Numbers(Vec::with_capacity(rows)),
-            };
-            (*c, c.index::<E>(), values)
+        let column = |c: &Column| match c {
+            Column::Flag(..) => Values::Flags(Vec::with_capacity(rows)),
+            Column::Value(..) => Values::Numbers(Vec::with_capacity(rows)),
         };
         Self {
             times: Vec::with_capacity(rows),
-            has_extra: None,
-            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            cells: EstimateValues::default(),
+            columns: E::COLUMNS.iter().map(column).collect(),
             methods: Vec::with_capacity(rows),
             reasons: Vec::with_capacity(rows),
             rows: 0,
             refused: Vec::new(),
-            estimates: PhantomData,
         }
     }
 
     /// Adds a row; one that was refused is noted as such.
     pub fn push(&mut self, estimate: &E) {
-        let Codes {
-            flags,
-            estimated,
-            method,
-            reason,
-        } = estimate.codes();
         self.rows += 1;
-        if flags & E::REFUSED != 0 {
+        if estimate.is_refused() {
             self.refused.push(self.rows - 1);
             return;
         }
-        self.has_extra.get_or_insert(estimated & E::EXTRA.1 != 0);
         self.times.push(estimate.stamp().time);
-        for (column, index, cells) in &mut self.columns {
-            match (cells, *column) {
-                (Values::Flags(cells), Column::Flag(_, bit)) => cells.push(flags & bit != 0),
-                (Values::Numbers(cells), Column::Value(_, bits)) => {
-                    cells.push(number(estimate, *index, estimated & bits == bits));
-                }
+        for (column, cell) in self.columns.iter_mut().zip(self.cells.of(estimate)) {
+            match (column, cell) {
+                (Values::Flags(column), Cell::Flag(x)) => column.push(x),
+                (Values::Numbers(column), Cell::Number(x)) => column.push(x),
                 _ => {}
             }
         }
+        let Codes { method, reason, .. } = estimate.codes();
         self.methods.push(u8::try_from(method).unwrap_or(u8::MAX));
         self.reasons.push(u8::try_from(reason).unwrap_or(u8::MAX));
     }
@@ -90,15 +72,11 @@ impl<E: Estimate> Table<E> {
         &self.refused
     }
 
-    /// The columns; those of quantities that few methods have, only where this one has them.
+    /// The columns.
     pub fn finish(self) -> Vec<NamedColumn> {
         let mut columns = vec![("t", "s", Values::Numbers(self.times))];
-        for (i, (column, _, values)) in self.columns.into_iter().enumerate() {
-            if i >= E::COLUMNS.len() && self.has_extra != Some(true) {
-                break;
-            }
-            columns.push((column.name(), column.unit::<E>(), values));
-        }
+        let named = E::COLUMNS.iter().zip(self.columns);
+        columns.extend(named.map(|(c, values)| (c.name(), c.unit::<E>(), values)));
         columns.push((
             "method",
             "",
@@ -108,25 +86,6 @@ impl<E: Estimate> Table<E> {
         columns.push(("reason", "", Values::Words(self.reasons, names.collect())));
         columns
     }
-}
-
-/// A field of an estimate; NaN where it is not estimated.
-fn number<E: Estimate>(estimate: &E, index: Option<usize>, is_estimated: bool) -> f64 {
-    match index.and_then(|i| estimate.get(i)) {
-        Some(Value::F64(x)) if is_estimated => x,
-        _ => f64::NAN,
-    }
-}
-
-/// A cell of an estimate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cell {
-    /// A number; NaN where the method does not estimate the quantity.
-    Number(f64),
-    /// A flag.
-    Flag(bool),
-    /// A word.
-    Word(&'static str),
 }
 
 /// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
@@ -140,7 +99,7 @@ pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
         (c.name(), c.unit::<E>(), kind)
     };
     let mut all = vec![("t", "s", Kind::Number)];
-    all.extend(E::COLUMNS.iter().chain(E::EXTRA.0).map(column));
+    all.extend(E::COLUMNS.iter().map(column));
     all.extend([("refused", "", Kind::Flag), ("method", "", Kind::Method)]);
     all.push(("reason", "", Kind::Reason));
     all
@@ -161,37 +120,20 @@ pub enum Kind {
 
 /// Takes estimates apart into the cells of [`header`].
 #[derive(Debug)]
-pub struct Cells<E: Estimate> {
-    columns: Vec<(Column, Option<usize>)>,
-    estimates: PhantomData<E>,
-}
+pub struct Cells<E: Estimate>(EstimateValues<E>);
 
 impl<E: Estimate> Default for Cells<E> {
     fn default() -> Self {
-        let columns = E::COLUMNS.iter().chain(E::EXTRA.0);
-        Self {
-            columns: columns.map(|c| (*c, c.index::<E>())).collect(),
-            estimates: PhantomData,
-        }
+        Self(EstimateValues::default())
     }
 }
 
 impl<E: Estimate> Cells<E> {
     /// Calls `put` with the cells of an estimate in the order of [`header`].
     pub fn of(&self, estimate: &E, put: &mut dyn FnMut(Cell)) {
-        let Codes {
-            flags, estimated, ..
-        } = estimate.codes();
         put(Cell::Number(estimate.stamp().time));
-        for (column, index) in &self.columns {
-            put(match *column {
-                Column::Flag(_, bit) => Cell::Flag(flags & bit != 0),
-                Column::Value(_, bits) => {
-                    Cell::Number(number(estimate, *index, estimated & bits == bits))
-                }
-            });
-        }
-        put(Cell::Flag(flags & E::REFUSED != 0));
+        self.0.of(estimate).for_each(&mut *put);
+        put(Cell::Flag(estimate.is_refused()));
         estimate
             .names()
             .into_iter()

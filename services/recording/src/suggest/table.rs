@@ -163,7 +163,8 @@ impl<'a> Draft<'a> {
         let (guess, other) = unit(&signal, si, &named, &self.look.columns[at]);
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
-        if guess.reason.ends_with(OR_TURNS) {
+        let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
+        if ambiguous.is_some_and(|a| a.is_asked) {
             self.of_second.push(format!("{signal} (column {name})"));
         }
         let column = Column {
@@ -308,9 +309,6 @@ impl Column {
     }
 }
 
-/// What is said of `1/s`.
-const OR_TURNS: &str = "; in radians: turns a second are unit = \"turn/s\"";
-
 /// A unit and why.
 struct Guess {
     unit: Option<&'static Unit>,
@@ -321,14 +319,7 @@ struct Guess {
 /// that is no unit.
 fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<String>) {
     if let Some(unit) = unit::of_name(name, si) {
-        let more = match name.to_lowercase() {
-            // In America the word alone means it.
-            name if unit.name == "t" && name.contains("ton") && !name.contains("tonne") => {
-                "; of 1000 kg: a ton of 2000 lb is unit = \"short ton\""
-            }
-            name if unit.name == "rad/s" && name.contains("1/s") => OR_TURNS,
-            _ => "",
-        };
+        let more = unit::ambiguous(name, unit).map_or("", |a| a.note);
         let guess = Guess {
             unit: Some(unit).filter(|u| u.factor != 1.0),
             reason: format!("unit by the column's name{more}"),
