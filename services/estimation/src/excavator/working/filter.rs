@@ -298,19 +298,28 @@ impl Filter {
         }
         let share = 1.0 / (1.0 + self.x[GAIN]);
         self.set(M, value * share, variance * share * share, &mut None);
-        let per_gain = -self.x[M] * share;
+        if let Some(trail) = trail {
+            trail.set(M);
+        }
+        self.weighs_true_mass(0.0, trail);
+    }
+
+    /// The load has been told as a true mass, and was `before`: what is open of the gain does not concern that mass, so it concerns
+    /// what the motion weighs, where the load is now and not where it was.
+    pub(super) fn weighs_true_mass(&mut self, before: f64, trail: &mut Option<Trail>) {
+        let per_gain = (before - self.x[M]) / (1.0 + self.x[GAIN]);
         if let Some(trail) = trail {
             let mut row = [0.0; N];
-            row[GAIN] = per_gain;
+            (row[M], row[GAIN]) = (1.0, per_gain);
             trail.row(M, &row);
         }
-        for j in 0..N {
-            self.p[M][j] += per_gain * self.p[GAIN][j];
-        }
-        for j in 0..N {
+        let of_gain = self.row(GAIN);
+        let own = self.p[M][M] + per_gain * (2.0 * of_gain[M] + per_gain * of_gain[GAIN]);
+        for (j, covariance) in of_gain.iter().enumerate() {
+            self.p[M][j] += per_gain * covariance;
             self.p[j][M] = self.p[M][j];
         }
-        self.p[M][M] = variance * share * share + per_gain * per_gain * self.p[GAIN][GAIN];
+        self.p[M][M] = own;
     }
 
     /// States and covariance by a gain, an innovation, and the covariances with what is measured.
@@ -547,7 +556,9 @@ mod tests {
         let row = filter.load_row();
         assert!((filter.combination(&row).1 / prior.1 - 1.0).abs() < 1e-9);
         // A scale says 600 kg; then what was expected is taken back.
+        let before = filter.x[M];
         filter.measure(row, 400.0, 100.0, 1e9, &mut None);
+        filter.weighs_true_mass(before, &mut None);
         filter.take_back(prior, true, &mut None);
         assert!((filter.x[GAIN] - 0.1).abs() < 1e-9 && (filter.load() - 600.0).abs() < 2.0);
         assert!((filter.p[GAIN][GAIN] - 0.0025).abs() < 1e-12);

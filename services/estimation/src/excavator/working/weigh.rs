@@ -252,7 +252,9 @@ impl Weigh {
             variance: total,
         };
         if !m.touches && fits(innovation) {
+            let before = filter.x[M];
             filter.measure(row, value, m.variance, GATE, trail);
+            filter.weighs_true_mass(before, trail);
         }
         innovation
     }
