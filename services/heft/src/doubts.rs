@@ -6,8 +6,9 @@ use std::ops::RangeInclusive;
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Lacks, Sensors};
+use recording::{Gaps, Lacks, Map, Sensors};
 
+use crate::already::advised;
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};
@@ -17,6 +18,7 @@ use crate::parts;
 pub struct Doubts<L> {
     /// Of the machine that is described.
     look: Option<L>,
+    map: Option<Map>,
     rate: f64,
     times: Vec<f64>,
     gaps: Gaps,
@@ -96,6 +98,7 @@ impl<L: Look> Doubts<L> {
         let measured = measurable::measured::<L::Sensors>(|signal| L::largest(described?, signal));
         Self {
             look: described.map(L::of),
+            map: None,
             rate: description.rate(),
             times: Vec::new(),
             gaps: Gaps::default(),
@@ -109,6 +112,11 @@ impl<L: Look> Doubts<L> {
             measured,
             beyond: [0; 32],
         }
+    }
+
+    /// Of data that were read with this signal map.
+    pub fn mapped(self, map: Option<Map>) -> Self {
+        Self { map, ..self }
     }
 
     /// Takes a sample, and whether its row was refused.
@@ -237,7 +245,9 @@ impl<L: Look> Doubts<L> {
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
             .or_else(|| self.often_too_large())
-            .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+            .map_or(Ok(()), |fault| {
+                Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
+            })
     }
 }
 
@@ -271,7 +281,7 @@ fn refused_often(refused: usize, rows: usize) -> Option<String> {
     (REFUSED_ONE_IN * refused > rows).then(|| {
         format!(
             "{refused} of {rows} rows were refused, more than one in {REFUSED_ONE_IN}: their time is missing or does not increase\n  \
-             what to do: give the times with more digits, and sort the rows by time"
+             what to do: give the times with more digits, and sort the rows by time; rows at even steps need no time: t = {{ column = \"row\", scale = 0.01 }} in a signal map"
         )
     })
 }
@@ -296,7 +306,7 @@ pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> 
             "{refused} of {rows} rows were refused: their time is missing or does not increase"
         ),
         "the time `t`",
-        "give the times with more digits if several rows have one, sort the rows by time, or map `t` to the column that increases",
+        "give the times with more digits if several rows have one (rows at even steps need none: t = { column = \"row\", scale = 0.01 } in a signal map), sort the rows by time, or map `t` to the column that increases",
     ))
 }
 
