@@ -799,7 +799,7 @@ fn a_wheelbase_that_nobody_states_is_guessed_from_the_scales_and_said() {
     let file = path_in(dir.path(), "scales.csv");
     let scales = "pitch,front_load,rear_load\n0,58000,64000\n0.15,50000,72000\n";
     fs::write(&file, scales).expect("writable");
-    let guessed = both(&run_ok(&["weigh", &file]));
+    let guessed = both(&run(&["weigh", &file]));
     assert!(
         guessed.contains("nobody states the wheelbase: 3.15 m"),
         "{guessed}"
@@ -813,10 +813,10 @@ fn a_wheelbase_that_nobody_states_is_guessed_from_the_scales_and_said() {
         std.trim().trim_end_matches(" m").parse().expect("a number")
     };
     assert!(width(&guessed) > 0.07, "{guessed}");
-    let stated = both(&run_ok(&["weigh", &file, "--set", "machine.wheelbase=2.3"]));
+    let stated = both(&run(&["weigh", &file, "--set", "machine.wheelbase=2.3"]));
     assert!(!stated.contains("nobody states"), "{stated}");
     assert!(width(&stated) < 0.01, "{stated}");
-    let class = both(&run_ok(&["weigh", &file, "--class", "12t"]));
+    let class = both(&run(&["weigh", &file, "--class", "12t"]));
     assert!(width(&class) > 0.07, "{class}");
 }
 

@@ -82,7 +82,7 @@ pub fn reference(file: &Path, described: &config::Loader) -> Result<Reference, F
         Failure::input(
             e,
             file.display(),
-            "weigh both axles on level ground, and again on ground tilted by several degrees",
+            "weigh both axles on level ground, and again on ground tilted by several degrees; a row of units below the names may say deg and kN",
         )
     };
     let mut weighing = Weighing::new(described.machine.wheelbase, SCALE_STD).map_err(refused)?;
@@ -128,8 +128,9 @@ fn text(r: &Reference) -> String {
         }
     };
     out + &format!(
-        "from {} readings; ± is one standard deviation\n",
-        r.readings
+        "from {} reading{}; ± is one standard deviation\n",
+        r.readings,
+        if r.readings == 1 { "" } else { "s" }
     )
 }
 
