@@ -500,3 +500,11 @@ fn rows_at_even_steps_need_no_column_of_time() {
     let rows = through(text, "swing_velocity,row\n1,5\n2,6\n").expect("rows");
     assert_eq!(rows[1].stamp.time, 0.06);
 }
+
+#[test]
+fn a_zone_by_name_is_what_is_not_read() {
+    let table = "t,swing_velocity\n2026-11-21 17:00:00 CET,1\n";
+    let error = through("[columns]\nswing_velocity = \"swing_velocity\"\n", table);
+    let error = error.expect_err("CET is no number");
+    assert!(error.remedy.contains("zone as a number"), "{error}");
+}

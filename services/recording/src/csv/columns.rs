@@ -123,6 +123,9 @@ impl NoNumber {
             () if self.is_time && self.text.chars().all(char::is_alphabetic) => {
                 "delete the line if it is none of the recording (a sum, a second row of names); else write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
+            () if self.is_time && has_zone_name(&self.text) => {
+                "write the zone as a number, +01:00, or leave it out"
+            }
             () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
                 "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
@@ -143,6 +146,15 @@ impl NoNumber {
             remedy,
         )
     }
+}
+
+/// Whether a time ends with the name of its zone, such as CET.
+fn has_zone_name(text: &str) -> bool {
+    let Some((time, zone)) = text.trim_end().rsplit_once(' ') else {
+        return false;
+    };
+    let is_name = zone.len() > 2 && zone.chars().all(|c| c.is_ascii_uppercase());
+    is_name && time.starts_with(|c: char| c.is_ascii_digit()) && time.contains(':')
 }
 
 impl<S: Sensors> Columns<S> {
