@@ -848,7 +848,7 @@ fn a_mass_of_the_data_is_no_pounds_where_only_the_size_is_unstated() {
     let output = estimate_of("loader", &loader.display().to_string(), dir.path(), &[]);
     let said = both(&output);
     assert!(
-        said.contains("say how large yours is (--class 12.5t"),
+        said.contains("say how large yours is (--class 12.1t"),
         "{said}"
     );
     assert!(!said.contains("seems to be in pounds"), "{said}");

@@ -37,7 +37,7 @@ fn guessed_masses(d: &Loader) -> Option<String> {
     let open: Vec<&str> = open.map(|(key, _)| *key).collect();
     (is_used && !is_calibrated && !open.is_empty()).then(|| {
         format!(
-            "All loads may be too heavy or too light alike: {} of machine.lift_arm are guessed from the machine's size. Weigh or measure \
+            "All loads may be too heavy or too light alike: heft guesses {} of machine.lift_arm from the machine's size. Weigh or measure \
              them, and state them in the machine file.",
             open.join(", ")
         )
@@ -180,7 +180,7 @@ mod tests {
         );
         let words = of(&drawn).unwrap_or_default();
         assert!(
-            words.contains("alike: bucket_mass of machine.lift_arm"),
+            words.contains("guesses bucket_mass of machine.lift_arm"),
             "{words}"
         );
         let at_the_pin = format!("{arm}payload_distance = 0.1\n");
