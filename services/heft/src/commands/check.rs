@@ -117,7 +117,7 @@ fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
             let number = description.number(&format!("{table}.{key}"));
             number.is_none_or(|number| number > 0.0)
         };
-        let (stated, open): (Vec<&str>, Vec<&str>) = keys.iter().partition(|key| is_stated(&key));
+        let (stated, open): (Vec<&str>, Vec<&str>) = keys.iter().partition(|key| is_stated(key));
         if !stated.is_empty() && !open.is_empty() {
             found.push(format!("{table} is not used: it lacks {}", open.join(", ")));
         }

@@ -65,12 +65,16 @@ fn guess_wheelbase(found: &mut Reference, wheelbase: f64) {
          --set machine.wheelbase=METRES",
         100.0 * GUESSED
     );
-    let widen = |q: Quantity| Quantity {
+    found.cg_distance = widened(found.cg_distance);
+    found.cg_height = found.cg_height.map(widened);
+}
+
+/// With the doubt of a guessed wheelbase, which it grows with.
+fn widened(q: Quantity) -> Quantity {
+    Quantity {
         std: q.std.hypot(GUESSED * q.value),
         ..q
-    };
-    found.cg_distance = widen(found.cg_distance);
-    found.cg_height = found.cg_height.map(widen);
+    }
 }
 
 /// Axle loads that are such a share of the described mass as kilograms, and so a tenth of it as newtons, are in kilograms.
