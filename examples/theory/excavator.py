@@ -1,10 +1,11 @@
 """The excavator's filter from the page docs/theory/excavator-steps.md, in the standard library of Python alone.
 
     heft check --machine excavator --print > machine.toml
+    heft estimate samples.csv --config machine.toml -o estimates.csv
     python3 excavator.py machine.toml samples.csv estimates.csv
 
 `samples.csv` has rows at 100 Hz: t, swing_velocity, swing_torque, boom_angle, arm_angle, bucket_angle, pitch, roll (SI units).
-`estimates.csv` is what `heft estimate samples.csv` wrote. Printed is how far both are apart, in heft's standard deviations.
+Printed is how far both are apart, in heft's standard deviations.
 Numbers (0) to (10) are those of the page.
 """
 

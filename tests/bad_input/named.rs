@@ -802,3 +802,64 @@ fn a_map_elsewhere_finds_the_dbc_file() {
     ]);
     assert!(said.contains("estimates in out.csv"), "{said}");
 }
+
+#[test]
+fn a_wheelbase_that_nobody_states_is_guessed_from_the_scales_and_said() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "scales.csv");
+    let scales = "pitch,front_load,rear_load\n0,58000,64000\n0.15,50000,72000\n";
+    fs::write(&file, scales).expect("writable");
+    let guessed = both(&run(&["weigh", &file]));
+    assert!(
+        guessed.contains("nobody states the wheelbase: 3.15 m"),
+        "{guessed}"
+    );
+    assert!(guessed.contains("the scales show 12.4 t"), "{guessed}");
+    let width = |said: &str| -> f64 {
+        let line = said.lines().find(|line| line.starts_with("front axle to"));
+        let std = line
+            .and_then(|line| line.split('±').nth(1))
+            .expect("a width");
+        std.trim().trim_end_matches(" m").parse().expect("a number")
+    };
+    assert!(width(&guessed) > 0.07, "{guessed}");
+    let stated = both(&run(&["weigh", &file, "--set", "machine.wheelbase=2.3"]));
+    assert!(!stated.contains("nobody states"), "{stated}");
+    assert!(width(&stated) < 0.01, "{stated}");
+    let class = both(&run(&["weigh", &file, "--class", "12t"]));
+    assert!(width(&class) > 0.07, "{class}");
+}
+
+#[test]
+fn a_sign_that_the_map_has_wrongly_is_to_be_removed() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = treated(dir.path(), "swing_torque", |_, torque| torque.to_string());
+    let map = path_in(dir.path(), "map.toml");
+    let line = "swing_torque = { column = \"swing_torque\", sign = -1 }";
+    fs::write(&map, format!("[columns]\n{line}\n")).expect("writable");
+    let output = estimate_of(
+        "excavator",
+        &file,
+        dir.path(),
+        &["--class", "13t", "--map", &map],
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    let said = both(&output);
+    assert!(
+        said.contains("remove `sign = -1` for swing_torque"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_mass_of_the_data_is_no_pounds_where_only_the_size_is_unstated() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let loader = golden("machines/loader_2_12t_late.csv");
+    let output = estimate_of("loader", &loader.display().to_string(), dir.path(), &[]);
+    let said = both(&output);
+    assert!(
+        said.contains("say how large yours is (--class 12.1t"),
+        "{said}"
+    );
+    assert!(!said.contains("seems to be in pounds"), "{said}");
+}

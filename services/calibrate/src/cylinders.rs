@@ -117,9 +117,14 @@ impl<const N: usize> CylinderFit<N> {
 
     /// In words.
     pub(crate) fn words(&self, cylinders: &str) -> String {
+        let way = if self.span.value < 0.0 {
+            "smaller"
+        } else {
+            "larger"
+        };
         format!(
-            "{cylinders}: the moment is {:+.1} ± {:.1} % of what the drawing says, zero {:.0} ± {:.0} N, friction {:.0} ± {:.0} N",
-            100.0 * self.span.value,
+            "{cylinders}: the moment is {:.1} ± {:.1} % {way} than the drawing says, zero {:.0} ± {:.0} N, friction {:.0} ± {:.0} N",
+            100.0 * self.span.value.abs(),
             100.0 * self.span.std,
             self.zero.value,
             self.zero.std,

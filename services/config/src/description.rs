@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Error, Errors, Keyed, Tables, parse, stated};
+use crate::{Error, Errors, Keyed, Tables, known, parse, stated};
 use messages::Machine;
 
 macro_rules! descriptions {
@@ -27,7 +27,7 @@ macro_rules! descriptions {
                 machine: Option<Machine>,
             ) -> Result<Self, Errors> {
                 let Some(machine) = parse::machine(text, file_name)?.or(machine) else {
-                    return Err(unclear(file_name).into());
+                    return Err(unclear(text, file_name).into());
                 };
                 Ok(match machine {
                     $( Machine::$name => Self::$name(Box::new($name::parse(text, file_name)?)), )*
@@ -100,6 +100,11 @@ impl Description {
         self.set_all(&[assignment])
     }
 
+    /// Whether a machine's text states a key itself: at whatever value, but none of a reference machine that was printed.
+    pub fn states(machine: Machine, text: &str, key: &str) -> bool {
+        known::states(machine, text, key)
+    }
+
     /// The keys that it states otherwise than an earlier description of this machine, of which [`Self::stated`] of any version of
     /// heft is left. A key that is new since, and has its default, is not among them.
     pub fn changed_since(&self, stated: &BTreeMap<String, String>) -> Vec<String> {
@@ -107,7 +112,11 @@ impl Description {
     }
 }
 
-fn unclear(file_name: &str) -> Error {
+fn unclear(text: &str, file_name: &str) -> Error {
+    let mut misspelt = Machine::ALL.into_iter();
+    if let Some(error) = misspelt.find_map(|machine| known::misspelt(machine, text, file_name)) {
+        return error;
+    }
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
     Error {
         what: "the machine file does not say which machine it is for".into(),

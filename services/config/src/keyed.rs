@@ -15,6 +15,10 @@ pub trait Keyed: Default + Clone {
     fn tables(&self) -> Vec<&dyn Table>;
     /// All tables, to write.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
+    /// Keys that are all together at their defaults on the reference machine alone, and its mass \[kg\].
+    const REFERENCE: (&'static [&'static str], f64);
+    /// Notes that a key is stated, and whether at its default.
+    fn note(&mut self, path: &str, is_default: bool);
     /// The defaults of a machine of the size that this description tells.
     fn of_its_size(&self) -> Self {
         Self::default()
@@ -36,6 +40,11 @@ macro_rules! tables {
     ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
         impl $crate::keyed::Keyed for $name {
             const MACHINE: Machine = $machine;
+            const REFERENCE: (&'static [&'static str], f64) =
+                ($name::REFERENCE, $name::REFERENCE_MASS);
+            fn note(&mut self, path: &str, is_default: bool) {
+                $name::note(self, path, is_default);
+            }
             fn inside(description: &$crate::Description) -> Option<&Self> {
                 match description {
                     $crate::Description::$name(described) => Some(described),

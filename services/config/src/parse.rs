@@ -4,7 +4,8 @@ use toml_edit::Item;
 
 use messages::Machine;
 
-use crate::entries::{all_keys, document, entries, find, line_of, table_names};
+use crate::class::mass_key;
+use crate::entries::{Entry, all_keys, document, entries, find, line_of, table_names};
 use crate::renamed::today;
 use crate::{
     Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print, stated,
@@ -13,7 +14,8 @@ use crate::{
 pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
     let mut machine = M::default();
-    let (entries, mut errors) = entries::<M>(&document, text, file);
+    let (mut entries, mut errors) = entries::<M>(&document, text, file);
+    leave_out_what_was_printed::<M>(&mut entries);
     for entry in &entries {
         let outcome = value_of(entry.item)
             .map_err(Defect::Form)
@@ -23,10 +25,14 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
         }
     }
     if errors.is_empty() {
+        // Of the reference machine nothing is stated where all of it is printed.
+        if is_reference::<M>(&entries) {
+            entries.iter().for_each(|e| machine.note(&e.path, false));
+        }
         machine = machine.of_its_size();
         for entry in &entries {
             // Each has been taken once already.
-            let _ = value_of(entry.item).map(|value| assign(&mut machine, &entry.path, &value));
+            let _ = value_of(entry.item).map(|value| set_value(&mut machine, &entry.path, &value));
         }
         errors = machine.contradictions();
         for error in &mut errors {
@@ -43,6 +49,36 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
         errors.sort_by_key(|e| e.line);
         Err(Errors(errors))
     }
+}
+
+/// A machine is another one than the reference machine from so many times its mass on, or down.
+const ANOTHER: f64 = 1.5;
+
+/// A file that has all of the reference machine's size, and the mass of another one, was printed for that machine, and changed where
+/// something was known: what still has its default is not stated.
+fn leave_out_what_was_printed<M: Keyed>(entries: &mut Vec<Entry<'_>>) {
+    let (_, reference) = M::REFERENCE;
+    let mass = entries.iter().find(|e| e.path == mass_key(M::MACHINE));
+    let is_another = match mass.map(|entry| value_of(entry.item)) {
+        Some(Ok(Value::Number(mass))) => (mass / reference).max(reference / mass) > ANOTHER,
+        _ => false,
+    };
+    if is_another && is_reference::<M>(entries) {
+        entries.retain(|entry| !is_default::<M>(entry));
+    }
+}
+
+/// Whether a file states a key at its default.
+fn is_default<M: Keyed>(entry: &Entry<'_>) -> bool {
+    let value = value_of(entry.item).ok();
+    value.is_some_and(|value| default_of::<M>(&entry.path) == Some(value))
+}
+
+/// The default of a key.
+fn default_of<M: Keyed>(path: &str) -> Option<Value<'static>> {
+    let machine = M::default();
+    let (table, index) = machine.place(path)?;
+    machine.tables()[table].get(index)
 }
 
 /// Applies `--set` options in their order; only the outcome may not contradict itself.
@@ -164,6 +200,39 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
     })
 }
 
+/// Whether a text states a key: at whatever value, but none of a reference machine that was printed.
+pub(crate) fn states<M: Keyed>(text: &str, key: &str) -> bool {
+    let Ok(document) = document(text, "") else {
+        return false;
+    };
+    let (entries, _) = entries::<M>(&document, text, "");
+    let is_none = |entry: &Entry| value_of(entry.item) == Ok(Value::None);
+    let entry = entries.iter().find(|e| e.path == key && !is_none(e));
+    entry.is_some_and(|entry| !(is_default::<M>(entry) && is_reference::<M>(&entries)))
+}
+
+/// Whether a file has all of the reference machine's size.
+fn is_reference<M: Keyed>(entries: &[Entry<'_>]) -> bool {
+    let of = |key: &str| entries.iter().find(|entry| entry.path == key);
+    let mut keys = M::REFERENCE.0.iter();
+    keys.all(|key| of(key).is_some_and(is_default::<M>))
+}
+
+/// A key or table of a text that is nearly one of this machine's.
+pub(crate) fn misspelt<M: Keyed>(text: &str, file: &str) -> Option<Error> {
+    let document = document(text, file).ok()?;
+    let (entries, errors) = entries::<M>(&document, text, file);
+    let is_near = |remedy: &str| remedy.starts_with("did you mean");
+    let table = errors.into_iter().find(|error| is_near(&error.remedy));
+    table.or_else(|| {
+        let mut all = entries.iter().filter(|e| find::<M>(&e.path).is_none());
+        all.find_map(|e| {
+            let error = explain::<M>(Defect::Unknown, &e.path, file, e.line);
+            is_near(&error.remedy).then_some(error)
+        })
+    })
+}
+
 /// A machine file for something that heft does not know.
 fn no_machine(kind: &Item, text: &str, file: &str) -> Error {
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
@@ -212,6 +281,12 @@ enum Defect {
 }
 
 fn assign<M: Keyed>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
+    set_value(machine, path, value)?;
+    machine.note(path, default_of::<M>(path) == Some(*value));
+    Ok(())
+}
+
+fn set_value<M: Keyed>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
     if path == "machine.kind" {
         let same = *value == Value::Word(M::MACHINE.name());
         return if same {

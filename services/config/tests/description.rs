@@ -482,3 +482,80 @@ fn a_number_that_is_nearer_to_zero_than_anything_of_a_machine_is_refused() {
         .set("machine.geometry.bucket_mass=0")
         .expect("zero is none");
 }
+
+#[test]
+fn a_length_that_is_that_of_the_reference_machine_is_stated_all_the_same() {
+    let of = |length: f64| {
+        let text = format!(
+            "[machine]\noperating_mass = 6500\n[machine.geometry]\nboom_length = {length:?}\n"
+        );
+        Excavator::parse(&text, "x").expect("a machine file")
+    };
+    let [same, beside] = [of(3.0), of(3.000001)];
+    assert_eq!(
+        same.machine.geometry_tolerance,
+        beside.machine.geometry_tolerance
+    );
+    assert!((same.geometry.boom_centre - beside.geometry.boom_centre).abs() < 1e-5);
+    assert!((same.geometry.boom_centre - 1.44).abs() < 1e-3);
+    // Also where it is printed with all the rest, and read again.
+    assert_eq!(Excavator::parse(&same.to_toml(), "x"), Ok(same));
+    let mut set = Excavator::default();
+    set.set_all(&[
+        "machine.geometry.boom_length=3",
+        "machine.operating_mass=6500",
+    ])
+    .expect("keys");
+    assert!((set.geometry.boom_centre - 1.44).abs() < 1e-3);
+    let loader = "[machine]\nmass = 6000\nwheel_radius = 0.55\n";
+    let loader = Loader::parse(loader, "x").expect("a machine file");
+    assert_eq!(loader.machine.wheel_radius, 0.55);
+    assert_eq!(Loader::parse(&loader.to_toml(), "x"), Ok(loader));
+}
+
+#[test]
+fn a_printed_file_with_another_mass_has_the_rest_of_its_size() {
+    let printed = Excavator::default().to_toml();
+    let changed = printed
+        .replace("operating_mass = \"none\"", "operating_mass = 22000.0")
+        .replace("boom_length = 3.0", "boom_length = 5.7");
+    let of_print = Excavator::parse(&changed, "x").expect("a machine file");
+    let short = "[machine]\noperating_mass = 22000\n[machine.geometry]\nboom_length = 5.7\n";
+    assert_eq!(
+        of_print,
+        Excavator::parse(short, "x").expect("a machine file")
+    );
+    let printed = Loader::default().to_toml();
+    let changed = printed.replacen("mass = 4700.0", "mass = 12000.0", 1);
+    let of_print = Loader::parse(&changed, "x").expect("a machine file");
+    let short = Loader::parse("[machine]\nmass = 12000\n", "x");
+    assert_eq!(Ok(of_print), short);
+}
+
+#[test]
+fn a_misspelt_key_is_named_though_nothing_says_which_machine() {
+    for (text, meant) in [
+        ("[machine]\noperating_mas = 21500\n", "operating_mass"),
+        ("[machne]\nboom_length = 5\n", "[machine]"),
+        ("[machine.geometry]\nboom_lenght = 5\n", "boom_length"),
+    ] {
+        let errors = Description::parse(text, "a.toml", None).expect_err("it is misspelt");
+        assert!(errors.to_string().contains(meant), "{errors}");
+    }
+    let errors = Description::parse("", "a.toml", None).expect_err("nothing is said");
+    assert!(errors.to_string().contains("which machine"), "{errors}");
+}
+
+#[test]
+fn a_text_states_what_stands_in_it() {
+    let text = "[machine]\nmass = 4700\n[machine.lift_arm]\nlength = 2.0\n";
+    let states = |key| Description::states(Machine::Loader, text, key);
+    assert!(states("machine.mass") && states("machine.lift_arm.length"));
+    assert!(!states("machine.wheelbase") && !states("prior.cg_ratio"));
+    let printed = Loader::default().to_toml();
+    assert!(!Description::states(
+        Machine::Loader,
+        &printed,
+        "machine.mass"
+    ));
+}

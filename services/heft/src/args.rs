@@ -53,7 +53,7 @@ impl DescriptionArgs {
 }
 
 /// A mass such as 21t, 21.5 t or 21500kg \[kg\].
-fn tonnes(text: &str) -> Result<f64, String> {
+pub fn tonnes(text: &str) -> Result<f64, String> {
     let text = text.trim().to_lowercase();
     let (number, factor) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {
         (Some(number), _) => (number, 1.0),
@@ -131,9 +131,9 @@ pub fn description(
     };
     // A mass that the file states stays.
     let key = config::mass_key(description.machine());
-    let class = args
-        .class
-        .filter(|_| !description.stated().contains_key(key));
+    let is_stated =
+        description.stated().contains_key(key) || states(description.machine(), args, key)?;
+    let class = args.class.filter(|_| !is_stated);
     let class = class.map(|mass| format!("{key}={mass:?}"));
     let sets: Vec<&String> = class.iter().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
@@ -141,6 +141,17 @@ pub fn description(
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
+}
+
+/// Whether `--config` or `--set` states a key, at whatever value.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn states(machine: Machine, args: &DescriptionArgs, key: &str) -> Result<bool, Failure> {
+    let mut sets = args.set.iter().filter_map(|set| set.split_once('='));
+    let text = args.config.as_deref().map(small_file::text).transpose()?;
+    let of_file = text.is_some_and(|text| Description::states(machine, &text, key));
+    Ok(of_file || sets.any(|(set, _)| set.trim() == key))
 }
 
 /// Refuses a machine file of another machine.
@@ -285,5 +296,7 @@ mod tests {
         assert_eq!((mass, radius), (12_500.0, 0.666));
         assert!(length > 3.0, "{length}");
         assert_eq!(wheelbase("[machine]\nmass = 12000\n")[0], 12_000.0);
+        // Also that of the reference machine.
+        assert_eq!(wheelbase("[machine]\nmass = 4700\n")[0], 4700.0);
     }
 }

@@ -6,8 +6,9 @@ use std::ops::RangeInclusive;
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Lacks, Sensors, Together};
+use recording::{Gaps, Lacks, Map, Sensors, Together};
 
+use crate::already::advised;
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};
@@ -18,6 +19,7 @@ pub struct Doubts<L: Look> {
     /// Of the machine that is described, and what it is shown.
     look: Option<L>,
     together: Together<L::Sensors>,
+    map: Option<Map>,
     rate: f64,
     times: Vec<f64>,
     gaps: Gaps,
@@ -98,6 +100,7 @@ impl<L: Look> Doubts<L> {
         Self {
             look: described.map(L::of),
             together: Together::default(),
+            map: None,
             rate: description.rate(),
             times: Vec::new(),
             gaps: Gaps::default(),
@@ -111,6 +114,11 @@ impl<L: Look> Doubts<L> {
             measured,
             beyond: [0; 32],
         }
+    }
+
+    /// Of data that were read with this signal map.
+    pub fn mapped(self, map: Option<Map>) -> Self {
+        Self { map, ..self }
     }
 
     /// Takes a sample, and whether its row was refused.
@@ -239,7 +247,9 @@ impl<L: Look> Doubts<L> {
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
             .or_else(|| self.often_too_large())
-            .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+            .map_or(Ok(()), |fault| {
+                Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
+            })
     }
 }
 
@@ -273,7 +283,7 @@ fn refused_often(refused: usize, rows: usize) -> Option<String> {
     (REFUSED_ONE_IN * refused > rows).then(|| {
         format!(
             "{refused} of {rows} rows were refused, more than one in {REFUSED_ONE_IN}: their time is missing or does not increase\n  \
-             what to do: give the times with more digits, and sort the rows by time"
+             what to do: give the times with more digits, and sort the rows by time; rows at even steps need no time: t = {{ column = \"row\", scale = 0.01 }} in a signal map"
         )
     })
 }
@@ -298,7 +308,7 @@ pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> 
             "{refused} of {rows} rows were refused: their time is missing or does not increase"
         ),
         "the time `t`",
-        "give the times with more digits if several rows have one, sort the rows by time, or map `t` to the column that increases",
+        "give the times with more digits if several rows have one (rows at even steps need none: t = { column = \"row\", scale = 0.01 } in a signal map), sort the rows by time, or map `t` to the column that increases",
     ))
 }
 

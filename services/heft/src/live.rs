@@ -28,7 +28,7 @@ pub fn start(
         )
     })?;
     eprintln!(
-        "live page: http://{0}, loads: http://{0}/loads",
+        "live page: http://{0}\nloads: http://{0}/loads",
         server.address()
     );
     Ok((feed, server))

@@ -218,7 +218,8 @@ fn estimate<M: MachineKind>(
 ) -> Result<(), Failure> {
     let (samples, method) = opened::<M>(&args.with, file, description)?;
     samples.check()?;
-    let doubts = Doubts::<M::Look>::of(description);
+    let map = sources::map(args.with.map.as_deref())?;
+    let doubts = Doubts::<M::Look>::of(description).mapped(map);
     if !args.smooth {
         let put = |_, _: &mut M::Estimate| {};
         return one::run(args, output, description, samples, doubts, put);
@@ -235,7 +236,8 @@ fn follow<M: MachineKind>(
 ) -> Result<(), Failure> {
     let (samples, method) = opened::<M>(with, file, description)?;
     let mut stages = way(description, method)?;
-    let mut doubts = Doubts::<M::Look>::of(description);
+    let map = sources::map(with.map.as_deref())?;
+    let mut doubts = Doubts::<M::Look>::of(description).mapped(map);
     for (sample, truth) in samples.rows()? {
         see(&truth.envelope());
         let mut message = Some(sample.envelope());
@@ -293,15 +295,16 @@ pub fn scenario_lines(all: &[(String, String)]) -> String {
 
 /// The scenarios that have courses of their own, then the machines at work.
 fn all_scenarios<'a>(
+    work: &str,
     courses: &[(&str, &str)],
     cases: impl Iterator<Item = (&'a str, &'a str)>,
 ) -> Vec<(String, String)> {
     let courses = courses
         .iter()
         .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
-    let work = cases.map(|(effect, severity)| {
+    let cases = cases.map(|(effect, severity)| {
         let text = if effect == "none" {
-            "dig, lift, swing, dump, return; the machine is as its machine file says".to_owned()
+            format!("{work}; the machine is as its machine file says")
         } else {
             format!("the same with {effect} {severity}")
                 .trim_end()
@@ -309,7 +312,7 @@ fn all_scenarios<'a>(
         };
         (sim::named::scenario(effect, severity), text)
     });
-    courses.chain(work).collect()
+    courses.chain(cases).collect()
 }
 
 fn no_scenario(name: &str, all: &[(String, String)]) -> Failure {

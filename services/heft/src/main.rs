@@ -3,6 +3,7 @@
 #[macro_use]
 mod out;
 
+mod already;
 mod args;
 mod attached;
 mod bounds;

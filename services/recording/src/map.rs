@@ -270,6 +270,21 @@ impl Map {
         parse::map(text, path.as_ref())
     }
 
+    /// What the map says of sign and unit of a signal that has one part, as lines of a map.
+    #[must_use]
+    pub fn said(&self, signal: &str) -> Vec<String> {
+        let can = self.can.iter().flat_map(|can| &can.signals);
+        let topics = self.topics.iter().flat_map(|topics| &topics.signals);
+        let mut all = self.columns.iter().chain(can).chain(topics);
+        let Some([term]) = all.find(|e| e.signal == signal).map(|e| &e.terms[..]) else {
+            return Vec::new();
+        };
+        let Conversion { unit, sign, .. } = term.conversion;
+        let unit = unit.map(|unit| format!("unit = \"{}\"", unit.name));
+        let sign = (sign < 0.0).then(|| "sign = -1".to_owned());
+        unit.into_iter().chain(sign).collect()
+    }
+
     /// Whether the map names CAN signals.
     #[must_use]
     pub fn has_can(&self) -> bool {

@@ -489,3 +489,22 @@ fn a_sensor_that_a_loader_does_not_have_is_none_and_not_an_error() {
     let both = "t,x\n0,1\n";
     assert!(through("[columns]\nswing_velocity = \"none\"\n", both).is_err());
 }
+
+#[test]
+fn rows_at_even_steps_need_no_column_of_time() {
+    let text = "[columns]\nt = { column = \"row\", scale = 0.01 }\n";
+    let rows = through(text, "swing_velocity,row_\n1,0\n2,0\n3,0\n").expect("rows");
+    let times: Vec<f64> = rows.iter().map(|row| row.stamp.time).collect();
+    assert_eq!(times, [0.0, 0.01, 0.02]);
+    // A column of that name is the table's.
+    let rows = through(text, "swing_velocity,row\n1,5\n2,6\n").expect("rows");
+    assert_eq!(rows[1].stamp.time, 0.06);
+}
+
+#[test]
+fn a_zone_by_name_is_what_is_not_read() {
+    let table = "t,swing_velocity\n2026-11-21 17:00:00 CET,1\n";
+    let error = through("[columns]\nswing_velocity = \"swing_velocity\"\n", table);
+    let error = error.expect_err("CET is no number");
+    assert!(error.remedy.contains("zone as a number"), "{error}");
+}

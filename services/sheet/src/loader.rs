@@ -168,6 +168,7 @@ macro_rules! loader_reasons {
             21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
             22 Radius "wheel radius" "speed and wheel speeds do not fit the rolling radius that is described";
             23 LiftCylinder "lift cylinder" "the lift cylinder shows less than nothing in the bucket, or more than the machine can carry";
+            24 Accelerometer "accelerometer" "no accelerometer tells the slope from the acceleration";
         }
     };
 }

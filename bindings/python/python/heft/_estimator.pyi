@@ -9,7 +9,7 @@ ExcavatorReason = Literal["", "slope", "losses", "friction", "gain", "delay", "o
 ExcavatorSignal = Literal["swing_velocity", "swing_angle", "swing_torque", "boom_angle", "arm_angle", "bucket_angle", "pitch", "roll", "boom_head_pressure", "boom_rod_pressure", "arm_head_pressure", "arm_rod_pressure", "truck"]
 
 LoaderMethod = Literal["full-ekf", "ekf", "full", "isr-ukf", "isr-ukf-printed"]
-LoaderReason = Literal["", "missing", "stuck speed", "stuck front wheel", "stuck rear wheel", "stuck front torque", "stuck rear torque", "stuck slope", "stuck acceleration", "unexplained", "latency", "stiffness", "brakes", "steering", "slope", "torque", "load", "disagreement", "limit", "restarted", "locked drive", "one way", "wheel radius", "lift cylinder"]
+LoaderReason = Literal["", "missing", "stuck speed", "stuck front wheel", "stuck rear wheel", "stuck front torque", "stuck rear torque", "stuck slope", "stuck acceleration", "unexplained", "latency", "stiffness", "brakes", "steering", "slope", "torque", "load", "disagreement", "limit", "restarted", "locked drive", "one way", "wheel radius", "lift cylinder", "accelerometer"]
 LoaderSignal = Literal["speed", "front_wheel_speed", "rear_wheel_speed", "front_torque", "rear_torque", "slope", "acceleration", "mass", "spade_force_x", "spade_force_z", "articulation", "yaw_rate", "lift_angle", "tilt_angle", "lift_head_pressure", "lift_rod_pressure", "truck", "boom_moving", "brake"]
 
 class ExcavatorEstimate(NamedTuple):

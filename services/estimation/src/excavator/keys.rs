@@ -400,9 +400,29 @@ pub struct Description {
     pub estimator: Estimator,
     /// `[estimator.paper]`
     pub paper: Paper,
+    /// Whether the lengths of boom and arm are stated although they are those of the reference machine; no key.
+    pub stated: [bool; 2],
 }
 
 impl Description {
+    /// Keys that are all together at their defaults on the reference machine alone.
+    pub const REFERENCE: &[&str] = &[
+        "machine.geometry.boom_mass",
+        "machine.geometry.arm_mass",
+        "machine.upper_inertia",
+    ];
+
+    /// Notes that a key is stated, and whether at its default.
+    pub fn note(&mut self, path: &str, is_default: bool) {
+        let keys = [
+            "machine.geometry.boom_length",
+            "machine.geometry.arm_length",
+        ];
+        if let Some(at) = keys.iter().position(|key| *key == path) {
+            self.stated[at] = is_default;
+        }
+    }
+
     /// The configuration that reproduces Table 1 of the paper on its own cycle: regression from
     /// 5.5 to 9.3 s, changes of torque known at 5.5 and 7.5 s, initial inertia as given (the
     /// figures are reached only by starting at the true one).

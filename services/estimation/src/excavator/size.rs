@@ -95,6 +95,9 @@ const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
 const STRETCHED: [f64; 3] = [0.4, -0.5, -0.3];
 
 impl Description {
+    /// Operating mass of the reference machine \[kg\].
+    pub const REFERENCE_MASS: f64 = 5500.0;
+
     /// The defaults of the machine whose size this description tells; those of the reference machine where it tells none.
     #[must_use]
     pub fn of_its_size(&self) -> Self {
@@ -103,9 +106,14 @@ impl Description {
         };
         let mut d = Self::default();
         let length = cbrt(mass);
-        let stated = |value: f64, default: f64, guess: f64| {
-            if value == default { guess } else { value }
+        let stated = |i: usize, value: f64, default: f64, guess: f64| {
+            if value == default && !self.stated[i] {
+                guess
+            } else {
+                value
+            }
         };
+        d.stated = self.stated;
         let (g, known) = (&mut d.geometry, &self.geometry);
         let rated = self.machine.rated_payload.unwrap_or(RATED * mass);
         let torque = self.machine.swing_torque.unwrap_or(TORQUE * mass * length);
@@ -114,9 +122,12 @@ impl Description {
             (known.arm_length, g.arm_length, ARM * length),
         ];
         // As stated as the guess itself is a guess.
-        let guessed = lengths.map(|(known, default, guess)| known == default || known == guess);
-        g.boom_length = stated(known.boom_length, g.boom_length, BOOM * length);
-        g.arm_length = stated(known.arm_length, g.arm_length, ARM * length);
+        let guessed = [0, 1].map(|i| {
+            let (known, default, guess) = lengths[i];
+            known == guess || known == default && !self.stated[i]
+        });
+        g.boom_length = stated(0, known.boom_length, g.boom_length, BOOM * length);
+        g.arm_length = stated(1, known.arm_length, g.arm_length, ARM * length);
         g.boom_pin = boom_pin(mass)[0] * g.boom_length;
         g.boom_centre = BOOM_CENTRE * g.boom_length;
         g.arm_centre = ARM_CENTRE * g.arm_length;

@@ -73,7 +73,7 @@ table! {
 
 table! {
     /// The lift arm, which a cylinder pressure weighs. Lengths from its pivot; a standard deviation of 0 is that of a drawing: 1 % of a
-    /// length, 5 % of the arm's mass, 20 % of the bucket's, 10 % of the load's distance.
+    /// length, 5 % of the arm's mass, 20 % of the bucket's, 10 % of the load's distance. A mass or distance of 0 is a guess of the machine's size.
     pub struct LiftArm, "machine.lift_arm" {
         /// Pivot of the arm to the bucket's pin; 0 where no arm is described, and pressures are not used.
         length: f64 = 0.0, "m", 0.0 to 30.0;
@@ -87,19 +87,19 @@ table! {
         pivot_z: f64 = 0.0, "m", 0.0 to 20.0;
         /// Its standard deviation.
         pivot_z_std: f64 = 0.0, "m", 0.0 to 5.0;
-        /// Mass of the arm.
+        /// Mass of the arm; 0 for 6 % of the machine's, known to a quarter.
         mass: f64 = 0.0, "kg", 0.0 to 1e6;
         /// Its standard deviation.
         mass_std: f64 = 0.0, "kg", 0.0 to 1e6;
-        /// Pivot to the arm's centre of mass.
+        /// Pivot to the arm's centre of mass; 0 for .54 of the length, known to 10 %.
         mass_distance: f64 = 0.0, "m", 0.0 to 30.0;
         /// Its standard deviation.
         mass_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
-        /// Mass of the empty bucket.
+        /// Mass of the empty bucket; 0 for 6.5 % of the machine's, known to 40 %.
         bucket_mass: f64 = 0.0, "kg", 0.0 to 1e6;
         /// Its standard deviation.
         bucket_mass_std: f64 = 0.0, "kg", 0.0 to 1e6;
-        /// Bucket's pin to the centre of the load, and of the bucket.
+        /// Bucket's pin to the centre of the load, and of the bucket; 0 for .23 of the arm's length, known to a fifth.
         payload_distance: f64 = 0.0, "m", 0.0 to 10.0;
         /// Its standard deviation.
         payload_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
@@ -367,4 +367,26 @@ pub struct Description {
     pub prior: Prior,
     /// `[estimator]`
     pub estimator: Estimator,
+    /// Whether wheel radius and height of the centre of gravity are stated although they are those of the reference machine; no key.
+    pub stated: [bool; 2],
+}
+
+impl Description {
+    /// Keys that are all together at their defaults on the reference machine alone.
+    pub const REFERENCE: &[&str] = &[
+        "machine.wheelbase",
+        "machine.wheel_radius",
+        "machine.bucket_reach",
+        "machine.axle_inertia",
+    ];
+    /// Mass of the reference machine \[kg\].
+    pub const REFERENCE_MASS: f64 = Machine::DEFAULT.mass;
+
+    /// Notes that a key is stated, and whether at its default.
+    pub fn note(&mut self, path: &str, is_default: bool) {
+        let keys = ["machine.wheel_radius", "prior.cg_height"];
+        if let Some(at) = keys.iter().position(|key| *key == path) {
+            self.stated[at] = is_default;
+        }
+    }
 }

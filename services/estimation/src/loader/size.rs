@@ -41,18 +41,30 @@ impl Description {
     /// The defaults of a loader of the stated mass; those of the reference machine where none is stated.
     #[must_use]
     pub fn of_its_size(&self) -> Self {
-        let mut d = Self::default();
+        let mut d = Self {
+            stated: self.stated,
+            ..Self::default()
+        };
         let mass = self.machine.mass;
         if ComplexField::abs(mass / d.machine.mass - 1.0) <= SAME {
             return d;
         }
-        let stated = |value: f64, default: f64, guess: f64| {
-            if value == default { guess } else { value }
+        let stated = |i: usize, value: f64, default: f64, guess: f64| {
+            if value == default && !self.stated[i] {
+                guess
+            } else {
+                value
+            }
         };
         let length = ComplexField::cbrt(mass);
         let (m, p, e) = (&mut d.machine, &mut d.prior, &mut d.estimator);
-        let radius = stated(self.machine.wheel_radius, m.wheel_radius, RADIUS * length);
-        let height = stated(self.prior.cg_height, p.cg_height, HEIGHT * length);
+        let radius = stated(
+            0,
+            self.machine.wheel_radius,
+            m.wheel_radius,
+            RADIUS * length,
+        );
+        let height = stated(1, self.prior.cg_height, p.cg_height, HEIGHT * length);
         m.mass = mass;
         m.wheelbase = WHEELBASE * length;
         m.wheel_radius = radius;

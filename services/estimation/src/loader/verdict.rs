@@ -104,6 +104,8 @@ pub(super) struct Evidence {
     acceleration: Variation,
     /// Ages of the last accepted speed and wheel speeds, and of the last torques, slope and specific force [s].
     age: [f64; WATCHED],
+    /// Ages of the last speed and wheel speeds that came, accepted or not [s].
+    came: [f64; 3],
     /// The specific force is a required input.
     accelerometer: bool,
     /// A signal is stuck.
@@ -148,6 +150,7 @@ impl Evidence {
             torque: Variation::default(),
             acceleration: Variation::default(),
             age: [f64::INFINITY; WATCHED],
+            came: [f64::INFINITY; 3],
             accelerometer,
             stuck: None,
             locked_out: 0.0,
@@ -164,7 +167,7 @@ impl Evidence {
         if let Some(acceleration) = acceleration {
             self.acceleration.update(acceleration, weight);
         }
-        for age in &mut self.age {
+        for age in self.age.iter_mut().chain(&mut self.came) {
             *age += dt;
         }
         self.since_reset += dt;
@@ -183,6 +186,16 @@ impl Evidence {
                 *age = 0.0;
             }
         }
+        let motion = [
+            sample.speed,
+            sample.front_wheel_speed,
+            sample.rear_wheel_speed,
+        ];
+        for (age, input) in self.came.iter_mut().zip(motion) {
+            if input.is_some() {
+                *age = 0.0;
+            }
+        }
     }
 
     /// A torque has been missing for longer than an input stays fresh: the wheels tell nothing.
@@ -190,14 +203,20 @@ impl Evidence {
         self.age[3].max(self.age[4]) > limit
     }
 
+    /// How many of the watched inputs are required.
+    fn required(&self) -> usize {
+        WATCHED - usize::from(!self.accelerometer)
+    }
+
     /// Whether every required input is recent.
     fn fresh(&self, limit: f64) -> bool {
-        let required = if self.accelerometer {
-            WATCHED
-        } else {
-            WATCHED - 1
-        };
-        self.stuck.is_none() && self.age[..required].iter().all(|age| *age <= limit)
+        self.stuck.is_none() && self.age[..self.required()].iter().all(|age| *age <= limit)
+    }
+
+    /// Whether a required input did not come; one that came may have been rejected.
+    fn missing(&self, limit: f64) -> bool {
+        let inputs = &self.age[3..self.required()];
+        self.came.iter().chain(inputs).any(|age| *age > limit)
     }
 
     /// The row's measurements came and were accepted, or not.
@@ -249,6 +268,11 @@ impl Evidence {
             ratio: known.ratio <= OBSERVABLE.ratio * prior.cg_ratio_std.max(checked),
             height: known.height <= OBSERVABLE.height * prior.cg_height_std,
         };
+        let converged = Each {
+            ratio: intervals.reported.ratio <= limits.converged_ratio * intervals.ratio.abs(),
+            height: intervals.reported.height <= limits.converged_height,
+        };
+        let lacks_accelerometer = settings.at_work() && !self.accelerometer && !converged.ratio;
         Verdict {
             excited: Each {
                 ratio: !frozen && self.torque.std() >= limits.excited_torque,
@@ -260,24 +284,102 @@ impl Evidence {
                 ratio: observable.ratio && !doubt.at_limit.ratio,
                 height: observable.height && !doubt.at_limit.height && !doubt.unknown_height,
             },
-            converged: Each {
-                ratio: intervals.reported.ratio <= limits.converged_ratio * intervals.ratio.abs(),
-                height: intervals.reported.height <= limits.converged_height,
-            },
+            converged,
             reset,
-            reason: self.reason(fresh, consistent, doubt),
+            reason: match self.reason(limits.fresh, fresh && consistent, doubt) {
+                reason if lacks_accelerometer => without_accelerometer(reason),
+                reason => reason,
+            },
         }
     }
 
     /// Why the estimate is not fresh or not consistent, or what keeps it from being known.
-    fn reason(&self, fresh: bool, consistent: bool, doubt: &Doubt) -> Reason {
+    fn reason(&self, limit: f64, sound: bool, doubt: &Doubt) -> Reason {
         match self.stuck {
             Some(signal) => Reason::stuck(signal),
-            None if !fresh => Reason::Missing,
+            None if self.missing(limit) => Reason::Missing,
             None if doubt.reason != Reason::None => doubt.reason,
-            None if !consistent && doubt.acts == Reason::None => Reason::Unexplained,
+            None if !sound && doubt.acts == Reason::None => Reason::Unexplained,
             None if doubt.acts == Reason::None && doubt.one_way => Reason::OneWay,
             None => doubt.acts,
         }
+    }
+}
+
+/// What an accelerometer would tell apart from slope and slip: without it these reasons may be false.
+fn without_accelerometer(reason: Reason) -> Reason {
+    match reason {
+        Reason::Stiffness
+        | Reason::Radius
+        | Reason::AtLimit
+        | Reason::Disagreement
+        | Reason::Unexplained
+        | Reason::OneWay
+        | Reason::None => Reason::Accelerometer,
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: f64 = Settings::DEFAULT.estimator.fresh;
+
+    /// Evidence of rows with all inputs but those that `change` takes away, whose wheel speeds are all rejected.
+    fn rejected(change: impl Fn(&mut Sample)) -> Evidence {
+        let mut sample = Sample {
+            speed: Some(1.0),
+            front_wheel_speed: Some(2.0),
+            rear_wheel_speed: Some(2.0),
+            front_torque: Some(0.0),
+            rear_torque: Some(0.0),
+            slope: Some(0.0),
+            ..Sample::default()
+        };
+        change(&mut sample);
+        let mut evidence = Evidence::new(false);
+        for _ in 0..100 {
+            evidence.advance(0.01, 0.0, None);
+            evidence.receive(&sample);
+            evidence.admit(true, &[true, false, false], 0.01);
+        }
+        evidence
+    }
+
+    #[test]
+    fn what_came_and_was_rejected_is_not_called_missing() {
+        let evidence = rejected(|_| {});
+        assert!(!evidence.fresh(LIMIT) && !evidence.missing(LIMIT));
+        assert_eq!(
+            evidence.reason(LIMIT, false, &Doubt::NONE),
+            Reason::Unexplained
+        );
+        let lost = rejected(|sample| sample.rear_wheel_speed = None);
+        assert_eq!(lost.reason(LIMIT, false, &Doubt::NONE), Reason::Missing);
+    }
+
+    #[test]
+    fn a_ratio_that_stays_unknown_without_an_accelerometer_says_so() {
+        let said = |ratio: f64, accelerometer: bool| {
+            let mut evidence = rejected(|_| {});
+            evidence.accelerometer = accelerometer;
+            evidence.age = [0.0; WATCHED];
+            let wide = Each { ratio, height: 1.0 };
+            let intervals = Intervals {
+                filter: wide,
+                reported: wide,
+                ratio: 0.5,
+            };
+            let doubt = Doubt {
+                reason: Reason::Stiffness,
+                ..Doubt::NONE
+            };
+            let verdict = evidence.verdict(&Settings::DEFAULT, &intervals, &doubt, false);
+            verdict.reason
+        };
+        assert_eq!(said(0.1, false), Reason::Accelerometer);
+        assert_eq!(said(0.1, true), Reason::Stiffness);
+        assert_eq!(said(0.01, false), Reason::Stiffness);
     }
 }

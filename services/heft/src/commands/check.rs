@@ -6,7 +6,7 @@ use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::args::{is_for, machine, tell_old_names};
+use crate::args::{is_for, machine, tell_old_names, tonnes};
 use crate::failure::Failure;
 use crate::small_file;
 
@@ -19,6 +19,9 @@ pub struct CheckArgs {
     /// The machine that it is for; needed where the file does not say
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
+    /// Size of the machine, such as 21t, where the file does not state its mass
+    #[arg(long, value_name = "MASS", value_parser = tonnes)]
+    pub class: Option<f64>,
     /// Print the complete machine file, every key with its unit, range and meaning
     #[arg(long)]
     pub print: bool,
@@ -31,9 +34,14 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     tell_old_names(&config::old_names(&text));
     let name = args.file.as_ref().map(|file| file.display().to_string());
     let name = name.unwrap_or_else(|| "--print".to_owned());
-    let description = Description::parse(&text, &name, args.machine)?;
+    let mut description = Description::parse(&text, &name, args.machine)?;
     if let Some(machine) = args.machine {
         is_for(machine, &description, &name)?;
+    }
+    let key = config::mass_key(description.machine());
+    let is_stated = Description::states(description.machine(), &text, key);
+    if let Some(mass) = args.class.filter(|_| !is_stated) {
+        description.set(&format!("{key}={mass:?}"))?;
     }
     if args.print {
         print!("{}", description.to_toml());
@@ -42,6 +50,133 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
             "{name}: a valid machine file of the {}",
             description.machine()
         );
+        for words in remarks(&description)? {
+            eprintln!("note: {words}");
+        }
     }
     Ok(())
+}
+
+/// A number that is so many times that of machines of its size, or less than that part of it, is in another unit, or of another machine.
+const ODD: f64 = 2.5;
+
+/// What machines of one mass have alike: the key that is stated, and one that follows from it.
+const ALIKE: &[(&str, &str)] = &[
+    (
+        "machine.geometry.boom_length",
+        "machine.geometry.boom_length",
+    ),
+    ("machine.geometry.arm_length", "machine.geometry.arm_length"),
+    ("machine.geometry.boom_mass", "machine.geometry.boom_mass"),
+    ("machine.geometry.arm_mass", "machine.geometry.arm_mass"),
+    ("machine.upper_inertia", "machine.upper_inertia"),
+    ("machine.rated_payload", "prior.payload"),
+    ("machine.swing_torque", "machine.nominal_damping"),
+    ("machine.wheelbase", "machine.wheelbase"),
+    ("machine.wheel_radius", "machine.wheel_radius"),
+];
+
+/// The cylinders that weigh: table, and the keys without which they are not used.
+const CYLINDERS: &[(&str, &[&str])] = &[
+    (
+        "machine.boom_cylinder",
+        &["head_area", "base_distance", "rod_distance"],
+    ),
+    (
+        "machine.lift_arm.cylinder",
+        &["head_area", "base_distance", "rod_distance"],
+    ),
+];
+
+/// What is valid, and hardly meant.
+fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
+    let mut found = Vec::new();
+    let mass_key = config::mass_key(description.machine());
+    if let Some(mass) = description.number(mass_key) {
+        let mut class = Description::default_of(description.machine());
+        class.set(&format!("{mass_key}={mass:?}"))?;
+        for (key, follows) in ALIKE {
+            let ratio = description.number(follows).zip(class.number(follows));
+            let Some(ratio) = ratio.map(|(own, usual)| own / usual) else {
+                continue;
+            };
+            let stated = description
+                .number(key)
+                .filter(|_| ratio.max(1.0 / ratio) > ODD);
+            if let Some(stated) = stated {
+                let usual = view::number::significant(stated / ratio, 2);
+                found.push(format!(
+                    "{key} is {stated}, and machines of {:.1} t have about {usual}: check it, and {mass_key}",
+                    mass / 1000.0
+                ));
+            }
+        }
+    }
+    for (table, keys) in CYLINDERS {
+        let is_stated = |key: &&&str| {
+            let number = description.number(&format!("{table}.{key}"));
+            number.is_none_or(|number| number > 0.0)
+        };
+        let (stated, open): (Vec<&str>, Vec<&str>) = keys.iter().partition(|key| is_stated(key));
+        if !stated.is_empty() && !open.is_empty() {
+            found.push(format!("{table} is not used: it lacks {}", open.join(", ")));
+        }
+        let rod = description.number(&format!("{table}.rod_area"));
+        if open.is_empty() && rod == Some(0.0) {
+            found.push(format!(
+                "{table}.rod_area is 0: the rod pressure is not used"
+            ));
+        }
+    }
+    found.extend(steps::loads::guessed(description));
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(text: &str, machine: Machine) -> String {
+        let description = Description::parse(text, "x", Some(machine)).expect("a valid file");
+        remarks(&description).expect("remarks").join("\n")
+    }
+
+    #[test]
+    fn what_does_not_fit_a_machine_of_its_mass_is_named() {
+        let of = |rest: &str| {
+            let text = format!("[machine]\noperating_mass = 21500\n{rest}");
+            said(&text, Machine::Excavator)
+        };
+        let sound =
+            "rated_payload = 1900\nswing_torque = 68000\n[machine.geometry]\nboom_length = 5.7\n";
+        assert!(!of(sound).contains("check it"), "{}", of(sound));
+        for (rest, key) in [
+            (
+                "[machine.geometry]\nboom_length = 0.57\n",
+                "boom_length is 0.57",
+            ),
+            ("rated_payload = 19000\n", "rated_payload is 19000"),
+            ("swing_torque = 100\n", "swing_torque is 100"),
+            ("upper_inertia = 1698\n", "upper_inertia is 1698"),
+        ] {
+            assert!(of(rest).contains(key), "{}", of(rest));
+        }
+        assert_eq!(said("", Machine::Excavator), "");
+        assert_eq!(said("", Machine::Loader), "");
+    }
+
+    #[test]
+    fn a_cylinder_that_is_half_described_is_named() {
+        let cylinder = "[machine.boom_cylinder]\nbase_distance = 0.6\nrod_distance = 1.3\n";
+        let words = said(cylinder, Machine::Excavator);
+        assert_eq!(
+            words,
+            "machine.boom_cylinder is not used: it lacks head_area"
+        );
+        let words = said(&format!("{cylinder}head_area = 0.01\n"), Machine::Excavator);
+        assert!(
+            words.starts_with("machine.boom_cylinder.rod_area is 0"),
+            "{words}"
+        );
+    }
 }

@@ -4,13 +4,13 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use config::Description;
+use config::{Description, Tables};
 use estimation::GRAVITY;
 use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
 use messages::Machine;
 
-use crate::args::{DescriptionArgs, description};
+use crate::args::{DescriptionArgs, description, states};
 use crate::build::IDENTITY;
 use crate::failure::Failure;
 use crate::results;
@@ -33,15 +33,48 @@ pub struct WeighArgs {
 
 /// `heft weigh`
 pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
-    let Description::Loader(loader) = description(Some(Machine::Loader), &args.description)? else {
+    let Description::Loader(mut loader) = description(Some(Machine::Loader), &args.description)?
+    else {
         return Err(Failure::internal("the loader's description is none"));
     };
-    let reference = reference(&args.file, &loader)?;
+    let is_stated = |key| states(Machine::Loader, &args.description, key);
+    let is_sized = args.description.class.is_some() || is_stated("machine.mass")?;
+    let mut reference = reference(&args.file, &loader)?;
+    if !is_stated("machine.wheelbase")? {
+        if !is_sized {
+            loader.set(&format!("machine.mass={:?}", reference.load / GRAVITY))?;
+            reference = self::reference(&args.file, &loader)?;
+        }
+        guess_wheelbase(&mut reference, loader.machine.wheelbase);
+    }
     print!("{}", text(&reference));
     if let Some(path) = &args.json {
         results::json(path, &[&args.file], "weigh", IDENTITY, &to_json(&reference))?;
     }
     Ok(())
+}
+
+/// Relative standard deviation of a wheelbase by the mass alone.
+const GUESSED: f64 = 0.05;
+
+/// Widens what hangs on a wheelbase that nobody states, and says so.
+fn guess_wheelbase(found: &mut Reference, wheelbase: f64) {
+    let mass = found.load / GRAVITY / 1000.0;
+    eprintln!(
+        "note: nobody states the wheelbase: {wheelbase:.2} m ± {:.0} % is usual at this mass (the scales show {mass:.1} t); state yours: \
+         --set machine.wheelbase=METRES",
+        100.0 * GUESSED
+    );
+    found.cg_distance = widened(found.cg_distance);
+    found.cg_height = found.cg_height.map(widened);
+}
+
+/// With the doubt of a guessed wheelbase, which it grows with.
+fn widened(q: Quantity) -> Quantity {
+    Quantity {
+        std: q.std.hypot(GUESSED * q.value),
+        ..q
+    }
 }
 
 /// Axle loads that are such a share of the described mass as kilograms, and so a tenth of it as newtons, are in kilograms.
@@ -53,7 +86,7 @@ pub fn reference(file: &Path, described: &config::Loader) -> Result<Reference, F
         Failure::input(
             e,
             file.display(),
-            "weigh both axles on level ground, and again on ground tilted by several degrees",
+            "weigh both axles on level ground, and again on ground tilted by several degrees; a row of units below the names may say deg and kN",
         )
     };
     let mut weighing = Weighing::new(described.machine.wheelbase, SCALE_STD).map_err(refused)?;
@@ -99,8 +132,9 @@ fn text(r: &Reference) -> String {
         }
     };
     out + &format!(
-        "from {} readings; ± is one standard deviation\n",
-        r.readings
+        "from {} reading{}; ± is one standard deviation\n",
+        r.readings,
+        if r.readings == 1 { "" } else { "s" }
     )
 }
 

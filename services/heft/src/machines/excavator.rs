@@ -34,7 +34,8 @@ impl MachineKind for Excavator {
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();
-        all_scenarios(Scenario::ALL, cases.iter().map(|c| (c.0, c.1)))
+        let work = "dig, lift, swing, dump, return";
+        all_scenarios(work, Scenario::ALL, cases.iter().map(|c| (c.0, c.1)))
     }
 
     fn simulated_cylinders() -> Vec<String> {

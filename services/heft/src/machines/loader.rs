@@ -7,6 +7,7 @@ mod fits;
 mod grade;
 mod pair;
 mod regression;
+mod speed;
 mod turning;
 
 use config::Description;
@@ -41,7 +42,8 @@ impl MachineKind for Loader {
         ("machine.mass", sim::loader::Machine::NOMINAL.mass);
 
     fn scenarios() -> Vec<(String, String)> {
-        all_scenarios(Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
+        let work = "drive, load, reverse, dump, return";
+        all_scenarios(work, Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
     }
 
     fn simulated_cylinders() -> Vec<String> {

@@ -24,6 +24,7 @@ pub(crate) struct Columns<S: Sensors> {
     lines: Vec<Line>,
     builder: Builder<S>,
     values: Vec<f64>,
+    rows: u64,
     /// Of the columns, where commas do not separate.
     marks: Vec<Marks>,
     dates: Dates,
@@ -33,6 +34,9 @@ pub(crate) struct Columns<S: Sensors> {
     machine: Option<usize>,
     named: Vec<u8>,
 }
+
+/// Column of a map that no table need have: the number of the row, from 0.
+const ROW: &str = "row";
 
 /// Column of the names in a table of many machines.
 const MACHINE: &str = "machine";
@@ -54,7 +58,12 @@ struct Line {
 #[derive(Debug)]
 enum Part {
     Constant(f64),
-    Cell { at: usize, conversion: Conversion },
+    /// The number of the row, from 0.
+    Row(Conversion),
+    Cell {
+        at: usize,
+        conversion: Conversion,
+    },
 }
 
 /// What to do where a file holds zeros: a loss of power leaves blocks of them.
@@ -114,6 +123,9 @@ impl NoNumber {
             () if self.is_time && self.text.chars().all(char::is_alphabetic) => {
                 "delete the line if it is none of the recording (a sum, a second row of names); else write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
+            () if self.is_time && has_zone_name(&self.text) => {
+                "write the zone as a number, +01:00, or leave it out"
+            }
             () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
                 "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
@@ -134,6 +146,15 @@ impl NoNumber {
             remedy,
         )
     }
+}
+
+/// Whether a time ends with the name of its zone, such as CET.
+fn has_zone_name(text: &str) -> bool {
+    let Some((time, zone)) = text.trim_end().rsplit_once(' ') else {
+        return false;
+    };
+    let is_name = zone.len() > 2 && zone.chars().all(|c| c.is_ascii_uppercase());
+    is_name && time.starts_with(|c: char| c.is_ascii_digit()) && time.contains(':')
 }
 
 impl<S: Sensors> Columns<S> {
@@ -202,6 +223,7 @@ impl<S: Sensors> Columns<S> {
             dialect,
             builder: Builder::new(used),
             values: vec![0.0; lines.len()],
+            rows: 0,
             lines,
             dates: Dates::default(),
             counter: Counter::default(),
@@ -250,7 +272,7 @@ impl<S: Sensors> Columns<S> {
     fn no_value(&self, line: &Line) -> String {
         let cells = line.parts.iter().filter_map(|part| match part {
             Part::Cell { at, .. } => self.header.get(*at),
-            Part::Constant(_) => None,
+            Part::Constant(_) | Part::Row(_) => None,
         });
         let columns: Vec<&str> = cells.map(String::as_str).collect();
         let signal = &line.signal;
@@ -341,6 +363,7 @@ impl<S: Sensors> Columns<S> {
                 let x =
                     match part {
                         Part::Constant(value) => *value,
+                        Part::Row(conversion) => conversion.apply(self.rows as f64),
                         Part::Cell { at, conversion } => {
                             let cell = record.get(*at).unwrap_or_default();
                             match self.dialect.number(cell) {
@@ -378,6 +401,7 @@ impl<S: Sensors> Columns<S> {
             *value = line.entry.as_ref().map_or(sum, |e| e.conversion.apply(sum));
             line.is_silent &= !value.is_finite();
         }
+        self.rows += 1;
         match &mut self.sampler {
             None => self.builder.push(&self.values, 0),
             Some(sampler) => {
@@ -478,6 +502,9 @@ impl Sampler {
 fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {
     let part = |term: &crate::map::Term| match &term.origin {
         Origin::Constant(value) => Ok(Part::Constant(term.conversion.apply(*value))),
+        Origin::Column(name) if name == ROW && !header.contains(name) => {
+            Ok(Part::Row(term.conversion))
+        }
         Origin::Column(name) => {
             let at = header.iter().position(|h| h == name).ok_or_else(|| {
                 Error::new(
@@ -625,7 +652,7 @@ pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
         None => format!(
             "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
             if names == ["t"] {
-                ", and t = { column = \"row\", scale = 0.01 } makes seconds of numbers of rows"
+                ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz"
             } else {
                 ""
             },

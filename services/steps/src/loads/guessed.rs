@@ -15,8 +15,33 @@ const EMPTIED: usize = 2;
 pub fn guessed(description: &Description) -> Option<String> {
     match description {
         Description::Excavator(d) => guessed_lengths(d),
-        Description::Loader(d) => tilt_cylinder(d),
+        Description::Loader(d) => match (guessed_masses(d), tilt_cylinder(d)) {
+            (Some(masses), Some(tilt)) => Some(format!("{masses} {tilt}")),
+            (masses, tilt) => masses.or(tilt),
+        },
     }
+}
+
+/// Which masses and distances of a loader's lift arm are a guess by the size of the machine.
+fn guessed_masses(d: &Loader) -> Option<String> {
+    let (arm, cylinder) = (&d.lift_arm, &d.lift_cylinder);
+    let is_used = arm.length > 0.0 && cylinder.head_area > 0.0;
+    let is_calibrated = cylinder.span_std > 0.0 || cylinder.force_offset_std > 0.0;
+    let numbers = [
+        ("bucket_mass", arm.bucket_mass),
+        ("mass", arm.mass),
+        ("mass_distance", arm.mass_distance),
+        ("payload_distance", arm.payload_distance),
+    ];
+    let open = numbers.iter().filter(|(_, value)| *value == 0.0);
+    let open: Vec<&str> = open.map(|(key, _)| *key).collect();
+    (is_used && !is_calibrated && !open.is_empty()).then(|| {
+        format!(
+            "All loads may be too heavy or too light alike: heft guesses {} of machine.lift_arm from the machine's size. Weigh or measure \
+             them, and state them in the machine file.",
+            open.join(", ")
+        )
+    })
 }
 
 /// Where nobody says where a loader's tilt cylinder sits, and it matters.
@@ -150,6 +175,14 @@ mod tests {
         assert_eq!(of(&format!("{arm}bucket_turn = 0.2\n")), None);
         let words = of(&format!("{arm}payload_distance = 0.6\n"));
         assert!(words.is_some_and(|words| words.contains("alike, by 9 %: nothing")));
+        let drawn = format!(
+            "{arm}bucket_turn = 0.2\npayload_distance = 0.6\nmass = 700\nmass_distance = 1.4\n[machine.lift_arm.cylinder]\nhead_area = 0.004\n"
+        );
+        let words = of(&drawn).unwrap_or_default();
+        assert!(
+            words.contains("guesses bucket_mass of machine.lift_arm"),
+            "{words}"
+        );
         let at_the_pin = format!("{arm}payload_distance = 0.1\n");
         assert_eq!(of(&at_the_pin), None, "it is all the same");
     }

@@ -157,7 +157,12 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
         reasons.push(part.idle.into());
     }
     if !has(bits::FRESH) {
-        reasons.push("measurements are missing, rejected or too old".into());
+        match LOADER_REASONS.get(e.reason as usize).map(|reason| reason.0) {
+            // Their words say it.
+            Some(name) if name == "missing" || name.starts_with("stuck") => {}
+            None | Some("") => reasons.push("measurements are missing, rejected or too old".into()),
+            Some(_) => reasons.push("measurements are rejected".into()),
+        }
     }
     if !has(bits::CONSISTENT) {
         reasons.push("the measurements disagree with the model by more than their noise".into());
@@ -237,6 +242,10 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
         "check unit and gear ratio of the wheel speeds, the speed, and machine.wheel_radius",
     ),
     ("lift cylinder", "check its pressures, machine.lift_arm"),
+    (
+        "accelerometer",
+        "map the acceleration along the machine; or weigh by lift pressures",
+    ),
 ];
 
 const MISSING: &str = "check the sensors and the map: an input is missing, rejected or too old";

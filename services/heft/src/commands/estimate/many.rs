@@ -160,6 +160,11 @@ impl Row {
             .and_then(|f| f.get("quantities")?.as_array());
         all.map_or(&[], Vec::as_slice)
     }
+
+    fn labels(&self) -> Vec<&str> {
+        let all = self.quantities().iter();
+        all.map(|quantity| text(quantity, "label")).collect()
+    }
 }
 
 fn text<'a>(quantity: &'a Value, key: &str) -> &'a str {
@@ -179,17 +184,32 @@ fn last_value(quantity: &Value) -> (Option<[f64; 2]>, bool) {
     )
 }
 
-/// What the quantities are called: those of the input that has most.
-fn names<'a>(rows: &'a [Row], key: &str) -> Vec<&'a str> {
-    let most = rows.iter().map(Row::quantities).max_by_key(|q| q.len());
-    let most = most.unwrap_or_default().iter();
-    most.map(|q| text(q, key)).collect()
+/// A table for each machine; inputs without a result stand in the first.
+fn terminal(rows: &[Row]) -> String {
+    let mut kinds: Vec<Vec<&str>> = Vec::new();
+    for row in rows {
+        let labels = row.labels();
+        if !labels.is_empty() && !kinds.contains(&labels) {
+            kinds.push(labels);
+        }
+    }
+    if kinds.is_empty() {
+        kinds.push(Vec::new());
+    }
+    let of = |at: usize, row: &Row| match row.labels() {
+        labels if labels.is_empty() => at == 0,
+        labels => labels == kinds[at],
+    };
+    let tables = (0..kinds.len()).map(|at| {
+        let rows: Vec<&Row> = rows.iter().filter(|row| of(at, row)).collect();
+        terminal_of(&kinds[at], &rows)
+    });
+    tables.collect::<Vec<_>>().join("\n")
 }
 
-fn terminal(rows: &[Row]) -> String {
-    let labels = names(rows, "label");
+fn terminal_of(labels: &[&str], rows: &[&Row]) -> String {
     let mut header = vec!["input", "rows"];
-    for label in &labels {
+    for label in labels {
         header.extend([*label, "trusted, of the motion"]);
     }
     header.push("result");
@@ -223,7 +243,13 @@ fn terminal(rows: &[Row]) -> String {
 /// One line an input; a quantity has its value, its standard deviation, whether it ever was trusted, and for how large a share of the
 /// motion.
 fn csv(rows: &[Row]) -> String {
-    let keys = names(rows, "key");
+    let mut keys: Vec<&str> = Vec::new();
+    for quantity in rows.iter().flat_map(Row::quantities) {
+        let key = text(quantity, "key");
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
     let columns = keys
         .iter()
         .map(|k| format!(",{k},{k}_std,{k}_trusted,{k}_trusted_share_in_motion"));
@@ -241,14 +267,15 @@ fn csv(rows: &[Row]) -> String {
             row.count("refused"),
             shown(seconds),
         ];
-        for n in 0..keys.len() {
-            let quantity = row.quantities().get(n);
+        for key in &keys {
+            let its = |q: &&Value| text(q, "key") == *key;
+            let quantity = row.quantities().iter().find(its);
             let (value, trusted) = quantity.map_or((None, false), last_value);
             let share = quantity.and_then(|q| q.get("trusted_share_in_motion")?.as_f64());
             cells.extend([
                 shown(value.map(|v| v[0])),
                 shown(value.map(|v| v[1])),
-                u8::from(trusted).to_string(),
+                quantity.map_or(String::new(), |_| u8::from(trusted).to_string()),
                 shown(share),
             ]);
         }
@@ -260,4 +287,52 @@ fn csv(rows: &[Row]) -> String {
 
 fn shown(number: Option<f64>) -> String {
     number.map_or(String::new(), |n| n.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, quantities: &[(&str, f64)]) -> Row {
+        let quantities = quantities.iter().map(|(key, value)| {
+            serde_json::json!({ "key": key, "label": key, "unit": "", "value": value, "std": 0.1 })
+        });
+        Row {
+            input: name.into(),
+            end: "done".into(),
+            found: Some(serde_json::json!({ "quantities": quantities.collect::<Vec<_>>() })),
+        }
+    }
+
+    #[test]
+    fn quantities_of_two_machines_stand_under_their_own_names() {
+        let rows = [
+            row("e.csv", &[("inertia", 8000.0)]),
+            row("l.csv", &[("cg_ratio", 0.5), ("cg_height", 0.9)]),
+        ];
+        let table = csv(&rows);
+        let lines: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
+        let at = |name| {
+            lines[0]
+                .iter()
+                .position(|head| *head == name)
+                .expect("a column")
+        };
+        assert_eq!(lines[1][at("inertia")], "8000");
+        assert_eq!(
+            [lines[1][at("cg_ratio")], lines[2][at("inertia")]],
+            ["", ""]
+        );
+        assert_eq!(lines[2][at("cg_height")], "0.9");
+        let text = terminal(&rows);
+        let (first, second) = text.split_once("\n\n").expect("two tables");
+        assert!(
+            first.contains("inertia") && !first.contains("cg_ratio"),
+            "{text}"
+        );
+        assert!(
+            second.contains("cg_ratio") && !second.contains("e.csv"),
+            "{text}"
+        );
+    }
 }

@@ -7,7 +7,7 @@ use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
 use recording::output::Beside;
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer};
-use steps::loads::guessed;
+use steps::loads::{LoadCounter, Options, guessed};
 use steps::stages::{Pipeline, Role};
 use view::estimate::{Estimate, Parameter};
 
@@ -41,10 +41,12 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     let mut found = InputSummary::<E>::new();
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
+    let mut pressures = LoadCounter::new(description, Options::default());
     let (mut rows, mut last, mut latest) = (0, None::<E>, Latest { trusted: None });
     for (sample, truth) in samples.rows()? {
         rows += 1;
         let message = sample.envelope();
+        pressures.see(&message);
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
@@ -71,6 +73,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     let guessed = guessed(description).filter(|_| is_weighed);
     let mut words = in_words(&last, latest.trusted);
     words.extend(guessed.clone());
+    words.extend(pressures.unused().map(|why| format!("Note: {why}.")));
     tell(args, output, written, rows, &words);
     doubts.tell();
     let is_trusted = match args.require_trust {

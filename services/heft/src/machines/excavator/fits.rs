@@ -119,11 +119,18 @@ fn tonnes(mass: f64, ratio: f64) -> Option<f64> {
     (0.75..300.0).contains(&tonnes).then_some(tonnes)
 }
 
+/// What fits is told so far, as shares: machines of one mass differ, and a load counts with the machine. It was 1.2 to 1.35 times too
+/// large on loaded machines of 13 to 36 t.
+const SIZES: [f64; 2] = [0.65, 1.15];
+
 fn size(mass: f64, ratio: f64) -> String {
     match tonnes(mass, ratio) {
-        Some(tonnes) => format!(
-            "describe your machine: an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the machine file"
-        ),
+        Some(tonnes) => {
+            let [least, most] = SIZES.map(|share| share * tonnes);
+            format!(
+                "describe your machine: an excavator of {least:.0} to {most:.0} t would fit; give the operating mass of its data sheet (--class, or machine.operating_mass in the machine file)"
+            )
+        }
         None => "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into(),
     }
 }
@@ -135,7 +142,7 @@ mod tests {
     #[test]
     fn a_machine_of_fourteen_times_the_inertia_is_about_five_times_as_heavy() {
         let words = size(REFERENCE, 14.0);
-        assert!(words.contains("--class 27t"), "{words}");
+        assert!(words.contains("of 17 to 31 t would fit"), "{words}");
         assert!(size(REFERENCE, 1e-6).contains("bearing"));
     }
 

@@ -19,6 +19,7 @@ use estimation::loader::Sample;
 use super::grade::Grade;
 use super::pair::{Pair, about};
 use super::regression::Regression;
+use super::speed::Speed;
 use crate::machines::units::TURNING;
 
 /// Length of a block, and the longest time between two rows in it \[s\].
@@ -90,6 +91,7 @@ pub(super) struct Axles {
     pulls: [Pair; 2],
     acceleration: Pair,
     grade: Grade,
+    speed: Speed,
     /// T by sgn v, v and the acceleration that is measured.
     moved: Regression,
     /// The difference of the wheel speeds by sgn v, T and T D.
@@ -144,6 +146,8 @@ impl Axles {
             return;
         }
         self.blocks += 1.0;
+        self.speed
+            .see(v, [front, rear], [front_torque, rear_torque]);
         self.hard += f64::from(u8::from(gain.abs() > HARD));
         let force = gain + GRAVITY * slope;
         self.wheels.see(front, rear);
@@ -182,6 +186,11 @@ impl Axles {
     /// What accelerometer and torques say of the slope.
     pub(super) fn slope(&self) -> Option<String> {
         self.grade.fault()
+    }
+
+    /// What the wheels say of the speed.
+    pub(super) fn speed(&self) -> Option<&'static str> {
+        self.speed.fault()
     }
 
     fn wheel_unit(&self) -> Option<String> {

@@ -36,6 +36,8 @@ pub(in crate::machines) struct Fits {
     massive: u32,
     tonnes: u32,
     pounds: u32,
+    /// Sum of the masses \[kg\].
+    mass_sum: f64,
     /// Mass times wheel radius [kg m].
     moment: f64,
     rows: u64,
@@ -62,6 +64,27 @@ impl Fits {
     fn is_exchanged(&self) -> bool {
         let [lift, tilt] = self.beyond;
         10 * lift > self.driving && 100 * tilt < self.driving
+    }
+
+    /// A mass of the data that is more than the described machine has with any load: of pounds, or of a larger machine.
+    fn too_massive(&self) -> String {
+        let mean = self.mass_sum / f64::from(self.massive);
+        let [shown, described] = [mean, self.mass].map(|kg| kg / 1000.0);
+        let (size, unit) = (
+            format!("say how large yours is (--class {shown:.1}t, or machine.mass)"),
+            "write `unit = \"lb\"` for mass in a signal map",
+        );
+        // Nobody says how large the reference machine is.
+        if self.mass == config::Loader::REFERENCE_MASS {
+            return format!(
+                "mass is {shown:.1} t, more than the reference machine of {described:.1} t has with any load\n  \
+                 what to do: {size}; or, if it is in pounds, {unit}"
+            );
+        }
+        format!(
+            "mass seems to be in pounds: it is {shown:.1} t, more than the {described:.1} t of the machine file with any load\n  \
+             what to do: {unit}; or {size}"
+        )
     }
 
     /// What is wrong with the unit of the slope, and what to do.
@@ -99,6 +122,7 @@ impl Look for Fits {
             massive: 0,
             tonnes: 0,
             pounds: 0,
+            mass_sum: 0.0,
             moment: machine.mass * machine.wheel_radius,
             rows: 0,
             steep: [0; 2],
@@ -123,6 +147,7 @@ impl Look for Fits {
         self.angles
             .see([sample.lift_angle, sample.tilt_angle, sample.articulation]);
         self.massive += u32::from(sample.mass.is_some());
+        self.mass_sum += sample.mass.unwrap_or(0.0);
         let tonnes = |mass: f64| (self.mass / 2.0..2.0 * self.mass).contains(&(1e3 * mass));
         self.tonnes += u32::from(sample.mass.is_some_and(tonnes));
         let pounds = |mass: f64| (LADEN..LADEN * POUNDS).contains(&(mass / self.mass));
@@ -159,16 +184,17 @@ impl Look for Fits {
             "mass seems to be in t: the machine has about a thousand times as many kg\n  \
              what to do: write `unit = \"t\"` for mass in a signal map"
         } else if 2 * self.pounds > self.massive {
-            "mass seems to be in pounds: it is more than that of the machine file with any load\n  \
-             what to do: write `unit = \"lb\"` for mass in a signal map; or describe your machine (machine.mass, or --class)"
+            return Some(self.too_massive());
         } else if let Some(said) = self.turning.fault() {
+            said
+        } else if let Some(said) = self.axles.speed() {
             said
         } else if self.is_exchanged() {
             "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
              what to do: exchange the two in the signal map"
         } else if self.carriage.is_odd() {
             "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
-             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/signs-loader.svg"
+             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg"
         } else {
             // One axle that contradicts the other makes the sum of both another machine's.
             let axles = self.axles.fault(self.moment);
