@@ -205,7 +205,8 @@ impl Content {
     /// Notes a content that is not weighed, while the machine moves: what a load that leaves has been at best.
     pub fn notice(&mut self, row: &Row, value: Quantity) {
         let common = common(row, value);
-        let opened = |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
+        let opened =
+            |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
         match &mut self.rough {
             Some(best) if opened(*best) => best.is_over = true,
             Some(best) if !best.is_over && row.moves() => best.join(row, value, common),
@@ -222,9 +223,7 @@ impl Content {
         } else {
             self.rough.or(self.level)
         };
-        content.filter(|level| {
-            self.opening >= CHANGING && self.is_likely(level.weight.quantity())
-        })
+        content.filter(|level| self.opening >= CHANGING && self.is_likely(level.weight.quantity()))
     }
 
     /// It was in the bucket, and leaves.

@@ -259,9 +259,8 @@ impl Ledger {
         let open = self.content.open;
         let returned = open.is_some_and(|open| open.has_travelled(next.to, next.witness));
         let left = self.leaving().unwrap_or(next.left);
-        let emptied = open.is_some()
-            && self.content.is_likely(before)
-            && self.content.exchanged(after) > 0.0;
+        let emptied =
+            open.is_some() && self.content.is_likely(before) && self.content.exchanged(after) > 0.0;
         if emptied && self.held.is_none() {
             // Too uncertain to be called a load, until it was gone.
             self.held = Some(Held::since(old.left));
