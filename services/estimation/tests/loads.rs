@@ -178,6 +178,21 @@ fn a_load_that_nothing_weighs_counts_when_it_is_dumped_and_makes_the_sum_wide() 
 }
 
 #[test]
+fn of_a_load_of_which_nothing_is_known_the_sum_has_what_loads_are() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    swing_vaguely(&mut site, (-200.0, 5.0 * RATED));
+    site.open();
+    site.stand(0.5, PRIOR);
+    let loads = site.loads();
+    assert_eq!(loads.len(), 1, "{loads:?}");
+    assert!(
+        (loads[0].weight.kg, loads[0].weight.std) == (600.0, 400.0),
+        "{loads:?}"
+    );
+}
+
+#[test]
 fn a_load_that_is_changing_all_the_way_to_the_truck_is_dumped_there() {
     let mut site = Site::new(None);
     site.stand(3.0, PRIOR);

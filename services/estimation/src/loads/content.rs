@@ -23,6 +23,10 @@ const LOAD: Quantity = Quantity {
 };
 /// Logarithm of the odds at which one of two explanations is taken: 3 to 1.
 const DECIDED: f64 = 1.1;
+/// Logarithm of the odds that a standing machine opens its bucket to dump a load, before anything is known of it: 2 to 1.
+const OPENED_FOR_A_LOAD: f64 = 0.7;
+/// What a load may be where nothing weighed it: standard deviation in rated payloads, that of a payload in a machine file.
+const UNKNOWN: f64 = 0.4;
 /// A payload whose variance grows by this from the best was opened: what comes is another content.
 const OPENED: f64 = 1.5;
 /// Share of the variance of a payload that all loads of a machine share, where the estimator does not tell.
@@ -158,7 +162,12 @@ impl Content {
 
     /// Whether a content is rather a load than what stays in an empty bucket.
     pub fn is_likely(&self, content: Quantity) -> bool {
-        log_likelihood(content, self.any_load()) > log_likelihood(content, self.empty)
+        self.odds(content) > 0.0
+    }
+
+    /// Logarithm of the odds of that.
+    fn odds(&self, content: Quantity) -> f64 {
+        log_likelihood(content, self.any_load()) - log_likelihood(content, self.empty)
     }
 
     fn any_load(&self) -> Quantity {
@@ -223,11 +232,18 @@ impl Content {
         } else {
             self.rough.or(self.level)
         };
-        content.filter(|level| self.opening >= CHANGING && self.is_likely(level.weight.quantity()))
+        let may_leave = |level: &Level| self.odds(level.weight.quantity()) > -OPENED_FOR_A_LOAD;
+        content.filter(|level| self.opening >= CHANGING && may_leave(level))
     }
 
     /// It was in the bucket, and leaves.
-    pub fn take(&mut self, level: Level, row: &Row) {
+    pub fn take(&mut self, mut level: Level, row: &Row, is_weighed: bool) {
+        if !is_weighed {
+            level.guess(Quantity {
+                value: LOAD.value * self.rated,
+                std: UNKNOWN * self.rated,
+            });
+        }
         (self.level, self.rough, self.next) = (Some(level), None, None);
         self.open = Some(Open::from(row, 0.0));
     }

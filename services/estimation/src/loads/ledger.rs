@@ -198,7 +198,7 @@ impl Ledger {
     fn notice(&mut self, row: &Row, value: Quantity, events: &mut Events) {
         self.content.notice(row, value);
         let is_staying = self.held.is_some_and(|held| held.leaving.is_none());
-        let Some(mut level) = self.content.leaves(row, self.held.is_some()) else {
+        let Some(level) = self.content.leaves(row, self.held.is_some()) else {
             return;
         };
         if is_staying {
@@ -207,10 +207,8 @@ impl Ledger {
         if let Some(left) = self.leaving() {
             self.dump(left, None, events);
         }
-        if !self.is_weighed(level.weight.quantity()) {
-            level.guess();
-        }
-        self.content.take(level, row);
+        let is_weighed = self.is_weighed(level.weight.quantity());
+        self.content.take(level, row, is_weighed);
         self.held = Some(Held {
             leaving: Some(row.time),
             ..Held::since(level.left)

@@ -70,8 +70,11 @@ impl Level {
         }
     }
 
-    /// Nothing weighed it: it is what a load may be. That is the same of all loads.
-    pub(super) fn guess(&mut self) {
+    /// Nothing weighed it: it is what a load may be, unless more is known. What is not known is the same of all loads.
+    pub(super) fn guess(&mut self, any: Quantity) {
+        if self.weight.std > any.std {
+            (self.weight.kg, self.weight.std) = (any.value, any.std);
+        }
         self.witness = Witness::Nothing;
         self.trusted = false;
         self.weight.common_std = self.weight.std;
