@@ -456,6 +456,19 @@ mod tests {
     }
 
     #[test]
+    fn a_load_that_nothing_weighed_is_counted_in_the_sum_and_says_so() {
+        let mut load = account().loads[0];
+        load.witness = Witness::Nothing;
+        let total = account().all.with(Some(&load));
+        let said = total_words(&total);
+        let counted = "in 2 loads, 1 of them not weighed, 2 of them not trusted";
+        assert!(said.ends_with(counted), "{said}");
+        assert_eq!(total_json(&total)["unweighed"], 1);
+        assert!(line(Machine::Excavator, &load).contains("by nothing"));
+        assert!(why_words(Machine::Excavator, &load).contains("not weighed"));
+    }
+
+    #[test]
     fn json_has_both_kinds_of_errors() {
         let value = json(&account());
         let total = &value["total"];
