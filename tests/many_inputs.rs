@@ -264,7 +264,7 @@ fn of_one_file_the_share_trusted_in_motion_and_the_main_reason_are_said_and_the_
         "a reason of the motion: {reason}"
     );
     let share = format!(
-        "trusted in {:.0} % of the motion; mostly not, because",
+        "trusted in {:.0} % of the motion; the rest mostly not, because",
         100.0 * share
     );
     assert!(plain.contains(&share), "{share}: {plain}");

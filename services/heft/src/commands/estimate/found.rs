@@ -107,7 +107,7 @@ impl<E: Estimate> InputSummary<E> {
             );
             match tally.main_doubt(i).filter(|_| share < FEW) {
                 Some(doubt) => format!(
-                    "{trusted}; mostly not, because {}. {}",
+                    "{trusted}; the rest mostly not, because {}. {}",
                     doubt.reasons.join(" and "),
                     doubt.what_to_do()
                 ),
