@@ -149,6 +149,61 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
     assert!(number(&truck["total"], "std") > own.sqrt(), "{truck}");
 }
 
+/// What was dumped of a recording of others: the most that was in the bucket, less what stayed, of each load \[kg\].
+fn dumped(file: &Path) -> Vec<f64> {
+    let recording = Table::read(file);
+    let payloads: Vec<f64> = recording.rows().map(|r| r.number("true_payload")).collect();
+    let full = payloads.iter().copied().fold(0.0, f64::max);
+    let (mut dumped, mut most, mut is_full) = (Vec::new(), 0.0_f64, false);
+    for payload in payloads {
+        is_full |= payload > 0.4 * full;
+        most = most.max(payload);
+        if is_full && payload < 0.05 * full {
+            dumped.push(most - payload);
+            (most, is_full) = (0.0, false);
+        }
+    }
+    dumped
+}
+
+#[test]
+fn each_load_of_other_machines_is_counted_by_their_mass_alone_and_the_sum_holds_what_was_dumped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut held, mut all) = (0, 0);
+    for file in std::fs::read_dir(common::golden("machines")).expect("recordings") {
+        let file = file.expect("a file").path();
+        let name = file
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let Some(class) = name
+            .split('_')
+            .nth(2)
+            .filter(|_| name.starts_with("excavator_"))
+        else {
+            continue;
+        };
+        let of = file.to_str().expect("a path");
+        let counted = counted(
+            folder.path(),
+            of,
+            &["--machine", "excavator", "--class", class],
+        );
+        let truth = dumped(&file);
+        let total = &counted["recordings"][0]["total"];
+        assert_eq!(
+            number(total, "loads") as usize,
+            truth.len(),
+            "{name}: {total}"
+        );
+        let kg: f64 = truth.iter().sum();
+        all += 1;
+        held += usize::from(number(total, "low") <= kg && kg <= number(total, "high"));
+    }
+    assert!(all == 8 && held >= 7, "{held} of {all}");
+}
+
 #[test]
 fn without_pressure_a_simulated_loader_has_none_and_the_recording_says_so() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -225,3 +225,48 @@ fn a_result_of_another_map_is_not_up_to_date_however_old_the_map_is() {
         assert!(said.contains(end), "{scale}: {said}");
     }
 }
+
+#[test]
+fn of_one_file_the_share_trusted_in_motion_and_the_main_reason_are_said_and_the_last_row_is_called_so()
+ {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [out, json] = ["e.csv", "e.json"].map(|name| common::path_in(folder.path(), name));
+    let file = common::golden("machines/excavator_5_22t_gain.csv");
+    let file = file.to_str().expect("a path");
+    let said = common::run_ok(&[
+        "estimate",
+        file,
+        "--machine",
+        "excavator",
+        "--class",
+        "22t",
+        "-o",
+        &out,
+        "--json",
+        &json,
+    ]);
+    let plain = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        plain.contains("In the last row: The swing inertia is"),
+        "{plain}"
+    );
+    let text = std::fs::read_to_string(json).expect("a summary");
+    let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let quantity = &found["quantities"][0];
+    let share = quantity["trusted_share_in_motion"]
+        .as_f64()
+        .expect("a share");
+    assert!(share < 0.9, "{quantity}");
+    let reason = quantity["main_reason"].as_str().expect("a reason");
+    let to_do = quantity["what_to_do"].as_str().expect("what to do");
+    assert!(
+        !reason.contains("stands still"),
+        "a reason of the motion: {reason}"
+    );
+    let share = format!(
+        "trusted in {:.0} % of the motion; the rest mostly not, because",
+        100.0 * share
+    );
+    assert!(plain.contains(&share), "{share}: {plain}");
+    assert!(plain.contains(to_do), "{to_do}: {plain}");
+}

@@ -815,6 +815,7 @@ int32_t heft_loader_restore(void *memory, size_t size, const void *state, size_t
 #define HEFT_LOADS_WITNESS_PRESSURE 1 /* Cylinder pressures. */
 #define HEFT_LOADS_WITNESS_MOTION_AND_PRESSURE 2 /* Both, in one state. */
 #define HEFT_LOADS_WITNESS_SCALE 3 /* A scale on the machine: its mass is measured. */
+#define HEFT_LOADS_WITNESS_NOTHING 4 /* Nothing: the bucket was seen to open, and the mass is what a load may be. */
 
 /* A row: an estimate of either machine, each of them once. */
 typedef struct {

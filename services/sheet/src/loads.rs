@@ -89,6 +89,11 @@ pub const WITNESSES: &[Entry] = &[
     entry(1, "pressure", "Cylinder pressures."),
     entry(2, "motion and pressure", "Both, in one state."),
     entry(3, "scale", "A scale on the machine: its mass is measured."),
+    entry(
+        4,
+        "nothing",
+        "Nothing: the bucket was seen to open, and the mass is what a load may be.",
+    ),
 ];
 
 /// The quantities of loads: name, where the ledger has it, unit, meaning; then whole numbers, codes and bits.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
 use estimation::HALF_WIDTH_95;
-use estimation::loads::{Load, Now, Stage, Total, Truck, Weight};
+use estimation::loads::{Load, Now, Stage, Total, Truck, Weight, Witness};
 use messages::Machine;
 use serde_json::{Value, json};
 use steps::loads::{LoadCounter, reason_and_flags, why_words};
@@ -168,6 +168,9 @@ fn what_to_do(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";
     }
+    if load.witness == Witness::Nothing {
+        return "state more of the machine, or weigh one load (heft calibrate)";
+    }
     let (reason, flags) = reason_and_flags(load);
     match machine {
         Machine::Excavator => excavator::load_advice(reason, flags),
@@ -249,7 +252,7 @@ pub fn load_json(machine: Machine, load: &Load) -> Value {
 pub fn total_json(total: &Total) -> Value {
     let half = HALF_WIDTH_95 * total.std();
     json!({
-        "loads": total.loads, "untrusted": total.untrusted, "kg": total.kg, "std": total.std(),
+        "loads": total.loads, "untrusted": total.untrusted, "unweighed": total.unweighed, "kg": total.kg, "std": total.std(),
         "own_std": total.own_variance.sqrt(), "common_std": total.common_std,
         "low": total.kg - half, "high": total.kg + half,
     })
@@ -353,10 +356,11 @@ pub fn truck_line(truck: &Truck) -> String {
 pub fn total_words(total: &Total) -> String {
     let (kg, _) = value_and_std(total.kg, total.std().max(1.0));
     let plural = if total.loads == 1 { "" } else { "s" };
-    let doubt = match total.untrusted {
+    let of_them = |n: u32, what: &str| match n {
         0 => String::new(),
-        n => format!(", {n} of them not trusted"),
+        n => format!(", {n} of them not {what}"),
     };
+    let doubt = of_them(total.unweighed, "weighed") + &of_them(total.untrusted, "trusted");
     format!(
         "{kg} kg, 95 %: {}, in {} load{plural}{doubt}",
         interval_95(total.kg, total.std().max(1.0)),
@@ -449,6 +453,19 @@ mod tests {
             line.contains("the bucket's content may have changed"),
             "{line}"
         );
+    }
+
+    #[test]
+    fn a_load_that_nothing_weighed_is_counted_in_the_sum_and_says_so() {
+        let mut load = account().loads[0];
+        load.witness = Witness::Nothing;
+        let total = account().all.with(Some(&load));
+        let said = total_words(&total);
+        let counted = "in 2 loads, 1 of them not weighed, 2 of them not trusted";
+        assert!(said.ends_with(counted), "{said}");
+        assert_eq!(total_json(&total)["unweighed"], 1);
+        assert!(line(Machine::Excavator, &load).contains("by nothing"));
+        assert!(why_words(Machine::Excavator, &load).contains("not weighed"));
     }
 
     #[test]

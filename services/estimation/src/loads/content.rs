@@ -1,10 +1,10 @@
 //! What the bucket holds from row to row: the level that is known, whether it may be another by now, and the empty bucket.
 
 use super::level::Level;
-use super::open::Open;
+use super::open::{CHANGING, Open};
 use super::row::Row;
 use crate::Quantity;
-use crate::math::{norm, sqrt};
+use crate::math::{ln, norm, sqrt};
 
 /// Contents differ if they are further apart than this, in standard deviations of their difference.
 const CLEAR: f64 = 2.5;
@@ -16,8 +16,19 @@ const SAME: f64 = 0.04;
 const EMPTY_STD: f64 = 0.05;
 /// A content counts when it has been seen for this long [s].
 pub(super) const SETTLED: f64 = 0.3;
-/// Speed of a machine that moves [rad/s, m/s].
-const MOVING: f64 = 0.05;
+/// A load: mean and standard deviation in rated payloads. Buckets are filled from a tenth to a little above it.
+const LOAD: Quantity = Quantity {
+    value: 0.6,
+    std: 0.25,
+};
+/// Logarithm of the odds at which one of two explanations is taken: 3 to 1.
+const DECIDED: f64 = 1.1;
+/// Logarithm of the odds that a standing machine opens its bucket to dump a load, before anything is known of it: 2 to 1.
+const OPENED_FOR_A_LOAD: f64 = 0.7;
+/// What a load may be where nothing weighed it: standard deviation in rated payloads, that of a payload in a machine file.
+const UNKNOWN: f64 = 0.4;
+/// A payload whose variance grows by this from the best was opened: what comes is another content.
+const OPENED: f64 = 1.5;
 /// Share of the variance of a payload that all loads of a machine share, where the estimator does not tell.
 const COMMON: f64 = 0.7;
 
@@ -30,10 +41,14 @@ pub(super) struct Content {
     /// What seems to be another level.
     next: Option<Level>,
     pub open: Option<Open>,
+    /// The best that was seen of a content which is not weighed, while the machine moved.
+    rough: Option<Level>,
     pub empty: Quantity,
     /// The level is the first one, or lower than the one before.
     may_be_empty: bool,
     moving_since: Option<f64>,
+    /// For how long the content has been seen to change now, while the machine stands [s].
+    opening: f64,
 }
 
 /// What a row shows of the content.
@@ -62,24 +77,31 @@ impl Content {
             level: None,
             next: None,
             open: None,
+            rough: None,
             empty: Quantity {
                 value: 0.0,
                 std: EMPTY_STD * rated,
             },
             may_be_empty: true,
             moving_since: None,
+            opening: 0.0,
         }
     }
 
     /// What was seen is of another time; of the empty bucket it is not.
     pub fn forget(&mut self) {
         (self.level, self.next, self.open, self.moving_since) = (None, None, None, None);
+        self.rough = None;
     }
 
-    /// Notes whether the machine moves.
-    pub fn follow(&mut self, row: &Row) {
-        let moves = row.speed.abs() > MOVING;
-        self.moving_since = moves.then(|| self.moving_since.unwrap_or(row.time));
+    /// Notes whether the machine moves, and whether it stands and opens its bucket.
+    pub fn follow(&mut self, row: &Row, dt: f64) {
+        self.opening = if row.changing && !row.moves() {
+            self.opening + dt
+        } else {
+            0.0
+        };
+        self.moving_since = row.moves().then(|| self.moving_since.unwrap_or(row.time));
     }
 
     /// The content may be another than before; for how long it has been seen `changing` in this `dt`.
@@ -92,8 +114,7 @@ impl Content {
 
     /// The content is weighed.
     pub fn weigh(&mut self, row: &Row, value: Quantity, carries: Carries) -> Shown {
-        let common = row.common_std.filter(|c| c.is_finite());
-        let common = common.unwrap_or(sqrt(COMMON) * value.std);
+        let common = common(row, value);
         let floor = SAME * self.rated;
         let Some(level) = self.level else {
             let mut first = Level::new(row, value, common, row.time);
@@ -102,14 +123,16 @@ impl Content {
             return Shown::Nothing;
         };
         let left = carries.leaving && self.may_have_returned(row);
-        if level.holds(value, floor) && !left {
-            if self.open.is_some() && !self.is_telling(value, carries.a_load) {
+        let odds = self.open.map_or(-DECIDED, |_| self.exchanged(value));
+        if level.holds(value, floor) && !left && odds < DECIDED {
+            let is_telling = odds <= -DECIDED && self.is_telling(value, carries.a_load);
+            if self.open.is_some() && !is_telling {
                 return Shown::Nothing;
             }
             if let Some(level) = &mut self.level {
                 level.join(row, value, common);
             }
-            (self.next, self.open) = (None, None);
+            (self.next, self.open, self.rough) = (None, None, None);
             return Shown::Same;
         }
         match &mut self.next {
@@ -137,6 +160,40 @@ impl Content {
         value.std <= close || is_loaded && self.is_clear(value, self.empty)
     }
 
+    /// Whether a content is rather a load than what stays in an empty bucket.
+    pub fn is_likely(&self, content: Quantity) -> bool {
+        self.odds(content) > 0.0
+    }
+
+    /// Logarithm of the odds of that.
+    fn odds(&self, content: Quantity) -> f64 {
+        log_likelihood(content, self.any_load()) - log_likelihood(content, self.empty)
+    }
+
+    fn any_load(&self) -> Quantity {
+        Quantity {
+            value: LOAD.value * self.rated,
+            std: LOAD.std * self.rated,
+        }
+    }
+
+    /// Logarithm of the odds that a load was dumped, or an empty bucket filled, against those that the level is still there; of
+    /// what is weighed after it may have changed.
+    pub fn exchanged(&self, value: Quantity) -> f64 {
+        let Some(level) = self.level.map(|level| level.weight.quantity()) else {
+            return 0.0;
+        };
+        let other = if self.is_likely(level) {
+            self.empty
+        } else {
+            self.any_load()
+        };
+        // Rows of one filter share their errors: the larger deviation bounds their difference.
+        let std = value.std.max(level.std);
+        let same = log_likelihood(Quantity { std, ..value }, Quantity { std: 0.0, ..level });
+        log_likelihood(value, other) - same
+    }
+
     /// Whether one content is more than another beyond doubt.
     pub fn is_clear(&self, more: Quantity, less: Quantity) -> bool {
         let std = norm(&[more.std, less.std]);
@@ -151,7 +208,44 @@ impl Content {
             left: self.filled(&next),
             ..next
         });
-        (self.next, self.open) = (None, None);
+        (self.next, self.open, self.rough) = (None, None, None);
+    }
+
+    /// Notes a content that is not weighed, while the machine moves: what a load that leaves has been at best.
+    pub fn notice(&mut self, row: &Row, value: Quantity) {
+        let common = common(row, value);
+        let opened =
+            |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
+        match &mut self.rough {
+            Some(best) if opened(*best) => best.is_over = true,
+            Some(best) if !best.is_over && row.moves() => best.join(row, value, common),
+            _ if row.moves() => self.rough = Some(Level::new(row, value, common, row.time)),
+            _ => {}
+        }
+    }
+
+    /// The content that leaves where a standing machine opens its bucket, if that is a load more likely than not. With a load
+    /// that `left` before, it is one that has come since then.
+    pub fn leaves(&self, row: &Row, left: bool) -> Option<Level> {
+        let content = if left {
+            self.rough.filter(|_| self.may_have_returned(row))
+        } else {
+            self.rough.or(self.level)
+        };
+        let may_leave = |level: &Level| self.odds(level.weight.quantity()) > -OPENED_FOR_A_LOAD;
+        content.filter(|level| self.opening >= CHANGING && may_leave(level))
+    }
+
+    /// It was in the bucket, and leaves.
+    pub fn take(&mut self, mut level: Level, row: &Row, is_weighed: bool) {
+        if !is_weighed {
+            level.guess(Quantity {
+                value: LOAD.value * self.rated,
+                std: UNKNOWN * self.rated,
+            });
+        }
+        (self.level, self.rough, self.next) = (Some(level), None, None);
+        self.open = Some(Open::from(row, 0.0));
     }
 
     /// The level, where it is sure that it is still there.
@@ -179,4 +273,17 @@ impl Content {
             _ => next.from,
         }
     }
+}
+
+/// Logarithm of the likelihood of a value if the truth is spread like `truth`, but for a constant.
+fn log_likelihood(value: Quantity, truth: Quantity) -> f64 {
+    let std = norm(&[value.std, truth.std]);
+    let off = (value.value - truth.value) / std;
+    -0.5 * off * off - ln(std)
+}
+
+/// Standard deviation of what all loads share of a payload \[kg\].
+fn common(row: &Row, value: Quantity) -> f64 {
+    let told = row.common_std.filter(|common| common.is_finite());
+    told.unwrap_or(sqrt(COMMON) * value.std)
 }

@@ -101,10 +101,10 @@ impl Ledger {
         if let Some(signal) = row.truck.filter(|s| s.is_finite()) {
             self.accounts.call_truck(signal, &mut events);
         }
-        self.content.follow(row);
+        self.content.follow(row, dt);
         let weighed = row
             .own(&self.common)
-            .filter(|p| !row.changing && HALF_WIDTH_95 * p.std < WEIGHED * self.rated);
+            .filter(|p| !row.changing && self.is_weighed(*p));
         self.holding.step(row, dt, weighed.is_some());
         if dt > GAP {
             self.doubt(row, 0.0, dt, &mut events);
@@ -181,6 +181,9 @@ impl Ledger {
     /// The content may be another than before.
     fn doubt(&mut self, row: &Row, changing: f64, dt: f64, events: &mut Events) {
         let open = self.content.doubt(row, changing, dt);
+        if let Some(value) = row.own(&self.common) {
+            self.notice(row, value, events);
+        }
         let staying = self.held.as_mut().filter(|held| held.leaving.is_none());
         if let Some(held) = staying.filter(|_| open.has_changed()) {
             held.leaving = Some(open.since);
@@ -189,6 +192,32 @@ impl Ledger {
         if self.held.is_none() && row.time - open.since >= SETTLED {
             self.accounts.settle(events);
         }
+    }
+
+    /// The content is not weighed: what it may be, and whether it leaves.
+    fn notice(&mut self, row: &Row, value: Quantity, events: &mut Events) {
+        self.content.notice(row, value);
+        let is_staying = self.held.is_some_and(|held| held.leaving.is_none());
+        let Some(level) = self.content.leaves(row, self.held.is_some()) else {
+            return;
+        };
+        if is_staying {
+            return;
+        }
+        if let Some(left) = self.leaving() {
+            self.dump(left, None, events);
+        }
+        let is_weighed = self.is_weighed(level.weight.quantity());
+        self.content.take(level, row, is_weighed);
+        self.held = Some(Held {
+            leaving: Some(row.time),
+            ..Held::since(level.left)
+        });
+    }
+
+    /// Whether an interval is narrow enough to call the content weighed.
+    fn is_weighed(&self, value: Quantity) -> bool {
+        HALF_WIDTH_95 * value.std < WEIGHED * self.rated
     }
 
     /// The content is weighed.
@@ -228,7 +257,13 @@ impl Ledger {
         let open = self.content.open;
         let returned = open.is_some_and(|open| open.has_travelled(next.to, next.witness));
         let left = self.leaving().unwrap_or(next.left);
-        if self.held.is_some() && self.content.is_clear(before, after) {
+        let emptied =
+            open.is_some() && self.content.is_likely(before) && self.content.exchanged(after) > 0.0;
+        if emptied && self.held.is_none() {
+            // Too uncertain to be called a load, until it was gone.
+            self.held = Some(Held::since(old.left));
+        }
+        if self.held.is_some() && (emptied || self.content.is_clear(before, after)) {
             self.dump(left, Some(next.weight), events);
             let is_load = self.content.is_clear(after, self.content.empty);
             if after.value > PARTIAL * before.value && is_load {
@@ -270,6 +305,9 @@ impl Ledger {
         if self.held.is_none() {
             let content = level.weight.quantity();
             if !self.content.is_clear(content, self.content.empty) {
+                if self.content.is_likely(content) {
+                    return;
+                }
                 // What is clear of the empty bucket is the next load, not what stayed of the last.
                 self.accounts.weigh_rest(level.weight);
                 self.content.learn_empty(content);

@@ -31,6 +31,8 @@ pub(super) struct Level {
     pub(super) to: f64,
     /// When the content before it was left [s].
     pub(super) left: f64,
+    /// Another content has come.
+    pub(super) is_over: bool,
 }
 
 impl Level {
@@ -46,6 +48,7 @@ impl Level {
             from: row.time,
             to: row.time,
             left,
+            is_over: false,
         }
     }
 
@@ -65,6 +68,16 @@ impl Level {
             let share = dt / self.mean_of.min(MEAN).max(2.0 * dt);
             self.weight.kg += share * (value.value - self.weight.kg);
         }
+    }
+
+    /// Nothing weighed it: it is what a load may be, unless more is known. What is not known is the same of all loads.
+    pub(super) fn guess(&mut self, any: Quantity) {
+        if self.weight.std > any.std {
+            (self.weight.kg, self.weight.std) = (any.value, any.std);
+        }
+        self.witness = Witness::Nothing;
+        self.trusted = false;
+        self.weight.common_std = self.weight.std;
     }
 
     /// Whether a value may be one of this content; differences up to `floor` are none.

@@ -3,7 +3,7 @@
 use super::row::{Row, Witness};
 
 /// The content changes when the estimator has said so for this long [s].
-const CHANGING: f64 = 0.15;
+pub(super) const CHANGING: f64 = 0.15;
 /// Dumping, the way back and filling again take so long at least [s].
 const ROUND_TRIP: f64 = 4.0;
 /// A longer step between rows is a gap [s].

@@ -16,11 +16,19 @@ pub enum Witness {
     Both,
     /// A scale on the machine: its mass is measured.
     Scale,
+    /// Nothing: it was seen to leave, and is what a load may be.
+    Nothing,
 }
 
 impl Witness {
     /// All of them, in the order of their codes.
-    pub const ALL: [Self; 4] = [Self::Motion, Self::Pressure, Self::Both, Self::Scale];
+    pub const ALL: [Self; 5] = [
+        Self::Motion,
+        Self::Pressure,
+        Self::Both,
+        Self::Scale,
+        Self::Nothing,
+    ];
 
     /// Name in tables.
     pub const fn name(self) -> &'static str {
@@ -29,6 +37,7 @@ impl Witness {
             Self::Pressure => "pressure",
             Self::Both => "motion and pressure",
             Self::Scale => "scale",
+            Self::Nothing => "nothing",
         }
     }
 
@@ -41,7 +50,7 @@ impl Witness {
     /// its bucket in for less \[rad, m\].
     pub(super) const fn trip(self) -> f64 {
         match self {
-            Self::Motion | Self::Both => 0.35,
+            Self::Motion | Self::Both | Self::Nothing => 0.35,
             Self::Pressure | Self::Scale => 3.0,
         }
     }
@@ -76,7 +85,15 @@ const LIMIT: f64 = 1e7;
 /// At least this share of a payload's variance is its own: pressures weigh without the scale of the swings.
 const LEAST_OWN: f64 = 0.25;
 
+/// Speed of a machine that moves [rad/s, m/s].
+const MOVING: f64 = 0.05;
+
 impl Row {
+    /// The machine swings or drives.
+    pub(super) fn moves(&self) -> bool {
+        self.speed.abs() > MOVING
+    }
+
     /// The payload, where it is a number with a standard deviation.
     pub(super) fn weighed(&self) -> Option<Quantity> {
         self.payload

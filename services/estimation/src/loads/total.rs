@@ -6,6 +6,7 @@
 //! ```
 
 use super::load::Load;
+use super::row::Witness;
 use crate::math::sqrt;
 
 /// A sum with its two kinds of errors.
@@ -16,6 +17,8 @@ pub struct Total {
     pub loads: u32,
     /// Of them those that may not be believed.
     pub untrusted: u32,
+    /// Of them those that nothing weighed before they left.
+    pub unweighed: u32,
     /// What they delivered \[kg\].
     pub kg: f64,
     /// Sum of the variances that each load has of its own [kg^2].
@@ -30,6 +33,8 @@ impl Total {
         let delivered = load.delivered();
         self.loads = self.loads.saturating_add(1);
         self.untrusted = self.untrusted.saturating_add(u32::from(!load.trusted));
+        let unweighed = load.witness == Witness::Nothing;
+        self.unweighed = self.unweighed.saturating_add(u32::from(unweighed));
         self.kg += delivered.kg;
         self.own_variance += delivered.own_variance();
         self.common_std += delivered.common_std;

@@ -1,6 +1,6 @@
 //! Why a load is not trusted: reason and flags of its estimate in one number, and in words.
 
-use estimation::loads::Load;
+use estimation::loads::{Load, Witness};
 use messages::{EXCAVATOR_REASONS, LOADER_REASONS, Machine, excavator_bits, loader_bits};
 
 const _: () = {
@@ -30,6 +30,9 @@ pub fn reason_and_flags(load: &Load) -> (u32, u32) {
 pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";
+    }
+    if load.witness == Witness::Nothing {
+        return "it was seen to leave and not weighed before";
     }
     let (reason, flags) = reason_and_flags(load);
     let reasons = match machine {

@@ -1,20 +1,39 @@
 //! What the estimates of one input say in sum, as JSON: what a table of many inputs is made of.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
+use view::Judgement;
 use view::estimate::Estimate;
 
 use crate::failure::Failure;
 use crate::results;
 
+/// Below this share of trusted rows it is said why.
+const FEW: f64 = 0.9;
+
 /// What is reported of one quantity.
-#[derive(Clone, Copy, Default)]
-struct HeadlineTally {
+#[derive(Clone)]
+struct HeadlineTally<E> {
     /// Rows that were trusted; of those in motion.
     trusted: [usize; 2],
     /// Time \[s\], value and standard deviation of the last that was trusted.
     last: Option<[f64; 3]>,
+    /// Rows in motion that were not, by reason and flags, each with the latest of them.
+    doubts: BTreeMap<[u32; 2], (usize, E)>,
+}
+
+impl<E: Estimate> HeadlineTally<E> {
+    /// What is said of the most rows in motion that are not trusted; `i`: place of the quantity among the headlines.
+    fn main_doubt(&self, i: usize) -> Option<Judgement> {
+        let most = self.doubts.values().max_by_key(|(rows, _)| *rows);
+        most.map(|(_, latest)| latest.judgements().swap_remove(i))
+    }
+}
+
+fn share(part: usize, of: usize) -> Option<f64> {
+    (of > 0).then(|| part as f64 / of as f64)
 }
 
 /// Counts while estimates are made.
@@ -24,7 +43,7 @@ pub struct InputSummary<E: Estimate> {
     /// Time that has passed; none does where a clock is set back \[s\].
     seconds: f64,
     last: E,
-    tally: Vec<HeadlineTally>,
+    tally: Vec<HeadlineTally<E>>,
 }
 
 impl<E: Estimate> InputSummary<E> {
@@ -34,7 +53,13 @@ impl<E: Estimate> InputSummary<E> {
             moving: 0,
             seconds: 0.0,
             last: E::default(),
-            tally: E::headlines().map(|_| HeadlineTally::default()).collect(),
+            tally: E::headlines()
+                .map(|_| HeadlineTally {
+                    trusted: [0; 2],
+                    last: None,
+                    doubts: BTreeMap::new(),
+                })
+                .collect(),
         }
     }
 
@@ -52,8 +77,44 @@ impl<E: Estimate> InputSummary<E> {
                 tally.trusted[0] += 1;
                 tally.trusted[1] += usize::from(moves);
                 tally.last = Some([time, p.value(estimate), p.std(estimate)]);
+            } else if moves {
+                let codes = estimate.codes();
+                // A reason says all; without one it is the conditions that do not hold.
+                let all = E::CONDITIONS.iter().fold(0, |all, (_, bit)| all | bit);
+                let flags = if codes.reason == 0 {
+                    codes.flags & all
+                } else {
+                    0
+                };
+                let doubt = tally.doubts.entry([codes.reason, flags]);
+                let (rows, latest) = doubt.or_insert((0, *estimate));
+                (*rows, *latest) = (*rows + 1, *estimate);
             }
         }
+    }
+
+    /// Of each quantity the share of the motion that was trusted; where that is small, why not the rest, and what to do.
+    pub fn in_words(&self) -> Vec<String> {
+        let words = self.tally.iter().zip(E::headlines()).enumerate();
+        let words = words.map(|(i, (tally, p))| {
+            let Some(share) = share(tally.trusted[1], self.moving) else {
+                return format!("{}: no row was in motion.", p.label);
+            };
+            let trusted = format!(
+                "{}: trusted in {:.0} % of the motion",
+                p.label,
+                100.0 * share
+            );
+            match tally.main_doubt(i).filter(|_| share < FEW) {
+                Some(doubt) => format!(
+                    "{trusted}; the rest mostly not, because {}. {}",
+                    doubt.reasons.join(" and "),
+                    doubt.what_to_do()
+                ),
+                None => format!("{trusted}."),
+            }
+        });
+        words.map(|words| words.trim_end().to_owned()).collect()
     }
 
     /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same,
@@ -72,8 +133,9 @@ impl<E: Estimate> InputSummary<E> {
     }
 
     fn json(&self, refused: usize, guessed: Option<&str>, doubt: Option<&str>) -> Value {
-        let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
-        let quantities = self.tally.iter().zip(E::headlines()).map(|(tally, p)| {
+        let quantities = self.tally.iter().zip(E::headlines()).enumerate();
+        let quantities = quantities.map(|(i, (tally, p))| {
+            let doubt = tally.main_doubt(i);
             let [time, value, std] = tally.last.unwrap_or([f64::NAN; 3]);
             json!({
                 "key": p.key, "label": p.label, "unit": p.unit,
@@ -82,6 +144,8 @@ impl<E: Estimate> InputSummary<E> {
                 "last_trusted": tally.last.map(|_| json!({"time": time, "value": value, "std": std})),
                 "trusted_share": share(tally.trusted[0], self.rows),
                 "trusted_share_in_motion": share(tally.trusted[1], self.moving),
+                "main_reason": doubt.as_ref().map(|doubt| doubt.reasons.join("; ")),
+                "what_to_do": doubt.map(|doubt| doubt.advice),
             })
         });
         json!({

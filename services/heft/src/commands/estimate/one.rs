@@ -72,6 +72,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     let is_weighed = E::PARAMETERS.iter().any(weighs);
     let guessed = guessed(description).filter(|_| is_weighed);
     let mut words = in_words(&last, latest.trusted);
+    words.extend(found.in_words());
     words.extend(guessed.clone());
     words.extend(pressures.unused().map(|why| format!("Note: {why}.")));
     tell(args, output, written, rows, &words);
@@ -134,19 +135,30 @@ fn last_answer<E: Estimate>(
     Ok(message)
 }
 
-/// The last trusted estimate with its age, where it is not the last of all; then what is said at the end. Without any, the
-/// last.
+/// The last trusted estimate with its age, where it is not the last of all; then what is said of the last row, which need not
+/// be what is said of the others.
 fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
     match trusted.filter(|(_, age)| *age > 0.0) {
-        None => vec![view::words::verdict(last)],
+        None if last.trusted() => vec![view::words::verdict(last)],
+        None => vec![of_the_last_row(last)],
         Some((trusted, age)) => vec![
             format!(
                 "Last trusted, {age:.1} s before the end: {}",
                 view::words::verdict(&trusted)
             ),
-            format!("At the end: {}", view::words::verdict(last)),
+            of_the_last_row(last),
         ],
     }
+}
+
+/// Value and verdict; what to do is said of the motion.
+fn of_the_last_row<E: Estimate>(last: &E) -> String {
+    let said = last.judgements();
+    let said: Vec<_> = said
+        .iter()
+        .map(|j| format!("{}. {}", j.value, j.verdict()))
+        .collect();
+    format!("In the last row: {}", said.join(" "))
 }
 
 /// Whether a truth says anything.
