@@ -371,10 +371,27 @@ impl Filter {
         (1.0 + self.x[GAIN]) * self.x[M]
     }
 
-    /// Payload with what sticks in the bucket \[kg\], and what the states leave open of it [kg^2].
-    pub(super) fn payload(&self, sticks: &Sticking) -> (f64, f64) {
-        let (_, variance) = self.combination(&self.payload_row(sticks));
-        (self.load() + sticks.of(self.x[BUCKET]), variance)
+    /// Payload with what sticks in the bucket [kg].
+    pub(super) fn payload(&self, sticks: &Sticking) -> f64 {
+        self.load() + sticks.of(self.x[BUCKET])
+    }
+
+    /// What the states leave open of the payload [kg^2], and of the inertia at a posture [(kg m^2)^2].
+    pub(super) fn variances(&self, now: &Inertia, sticks: &Sticking) -> [f64; 2] {
+        let (p, share) = (&self.p, sticks.share);
+        let (per_load, per_bucket, links) = (now.per_payload, now.per_bucket, now.links);
+        let [(_, of_load), (_, of_gain)] = self.load_row();
+        let with_load = |i: usize| of_load * p[M][i] + of_gain * p[GAIN][i];
+        let of_bucket = with_load(BUCKET);
+        let load = of_load * with_load(M) + of_gain * with_load(GAIN);
+        let beside = with_load(UPPER) + per_bucket * of_bucket + links * with_load(LINKS);
+        let upper =
+            p[UPPER][UPPER] + 2.0 * (per_bucket * p[UPPER][BUCKET] + links * p[UPPER][LINKS]);
+        let bucket = per_bucket * (per_bucket * p[BUCKET][BUCKET] + 2.0 * links * p[BUCKET][LINKS]);
+        let payload = load + share * (2.0 * of_bucket + share * p[BUCKET][BUCKET]);
+        let inertia = per_load * (per_load * load + 2.0 * beside)
+            + (upper + bucket + links * links * p[LINKS][LINKS]);
+        [payload.max(0.0), inertia.max(0.0)]
     }
 
     /// How the payload depends on the states.
@@ -541,6 +558,29 @@ mod tests {
             filter.x[W]
         };
         assert!((moved(1.2) / moved(1.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn variances_are_those_of_the_rows() {
+        let std: Vector = core::array::from_fn(|i| 1.0 + 0.1 * i as f64);
+        let mut filter = Filter::new(std, &std);
+        let all: [(usize, f64); N] = core::array::from_fn(|i| (i, 1.0 - 0.1 * i as f64));
+        filter.measure(all, 1.0, 2.0, 1e9, &mut None);
+        let now = Inertia {
+            per_payload: 3.0,
+            per_bucket: 2.0,
+            links: 0.7,
+            ..Inertia::default()
+        };
+        let sticks = Sticking {
+            share: 0.3,
+            ..Sticking::default()
+        };
+        let [payload, inertia] = filter.variances(&now, &sticks);
+        let (_, by_row) = filter.combination(&filter.payload_row(&sticks));
+        assert!((payload / by_row - 1.0).abs() < 1e-12);
+        let (_, by_row) = filter.combination(&filter.inertia_row(&now));
+        assert!((inertia / by_row - 1.0).abs() < 1e-12);
     }
 
     #[test]

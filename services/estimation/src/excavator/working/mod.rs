@@ -535,10 +535,14 @@ impl Working {
 
     /// Whether something pushes the upper body: what has changed is no payload, or none that a bucket may hold.
     fn watch_pushes(&mut self, s: &Settings, no_payload: bool, trail: &mut Option<Trail>) {
-        let payload = self.filter.payload(&self.sticks);
-        let range = s.payload_range();
-        let other = self.attachment.is_possible();
-        if !other && self.contradiction.weighs(payload, range, self.changed) || no_payload {
+        let (weight, range) = (self.filter.payload(&self.sticks), s.payload_range());
+        let beyond = weight != weight.clamp(range[0], range[1]) && !self.attachment.is_possible();
+        let pushes = beyond && {
+            let row = self.filter.payload_row(&self.sticks);
+            let payload = (weight, self.filter.combination(&row).1);
+            self.contradiction.weighs(payload, range, self.changed)
+        };
+        if pushes || no_payload {
             self.contradiction.pushes();
             self.pushed = true;
             self.hold(s, Content::Unknown, trail);

@@ -168,8 +168,8 @@ impl ParallelFilter {
         if !self.driven {
             return [0.0; 2];
         }
-        let (_, own) = self.filter.combination(&self.filter.inertia_row(now));
-        let (weight, variance) = self.filter.payload(sticks);
+        let [variance, own] = self.filter.variances(now, sticks);
+        let weight = self.filter.payload(sticks);
         let heavier = self.filter.inertia(now, self.filter.load()) - inertia;
         let probability = self.probability();
         [(weight - payload, variance), (heavier, own)].map(|(away, variance)| {

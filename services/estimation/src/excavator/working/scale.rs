@@ -99,14 +99,14 @@ impl Scale {
         [least, most]: [f64; 2],
     ) -> [(f64, f64); 2] {
         let filter = &self.filter;
-        let (weight, left) = filter.payload(sticks);
+        let weight = filter.payload(sticks);
+        let [left, variance] = filter.variances(now, sticks);
         let payload = weight.clamp(least, most);
         let (beyond, middle, width) = (weight - payload, 0.5 * (least + most), most - least);
         let right = (1.0 - ERRS) * exp(-0.5 * beyond * beyond / left.max(1.0));
         // Uniform in its range, about the estimate.
         let anything = width * width / 12.0 + (payload - middle) * (payload - middle);
         let wrong = ERRS / (ERRS + right) * anything;
-        let (_, variance) = filter.combination(&filter.inertia_row(now));
         let g = now.per_payload;
         [
             (payload, left + wrong),

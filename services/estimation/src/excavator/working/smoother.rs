@@ -23,12 +23,11 @@ use crate::{HALF_WIDTH_95, Quantity};
 impl Trail {
     /// The state after the tick.
     pub(super) fn finish(&mut self, filter: &Filter, sticks: &Sticking, now: &Inertia) {
-        (self.payload, self.own) = filter.payload(sticks);
-        self.covariance = filter.along(filter.payload_row(sticks).into_iter());
-        let row = filter.inertia_row(now);
+        self.payload = filter.payload(sticks);
         self.inertia = filter.inertia(now, filter.load());
-        self.along = filter.along(row.into_iter());
-        self.variance = filter.combination(&row).1;
+        [self.own, self.variance] = filter.variances(now, sticks);
+        self.covariance = filter.along(filter.payload_row(sticks).into_iter());
+        self.along = filter.along(filter.inertia_row(now).into_iter());
     }
 
     /// What the estimate of the tick doubts beside what the filter, its disagreements and the drawing leave open.

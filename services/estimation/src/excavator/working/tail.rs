@@ -79,10 +79,8 @@ impl Tail {
         let volumes = ln(stated / OFF) + 0.5 * ln(other / v);
         let odds = exp((LOG_ODDS + said + volumes.min(0.0)).min(MOST));
         let probability = odds / (1.0 + odds);
-        let own = [
-            filter.combination(&filter.inertia_row(now)).1,
-            filter.payload(sticks).1,
-        ];
+        let [payload, inertia] = filter.variances(now, sticks);
+        let own = [inertia, payload];
         // What hardly depends on the gain now may do so before it is asked again.
         let reach = 2.0 * (moves.abs() * more + sqrt(more)) / v;
         let both = covariances(filter, now, sticks);
@@ -97,6 +95,9 @@ impl Tail {
 
     /// Variances that the mixture adds to those of the filter: of payload [kg^2] and inertia [(kg m^2)^2].
     pub(super) fn variances(&self, filter: &Filter, now: &Inertia, sticks: &Sticking) -> [f64; 2] {
+        if self.per_square == [0.0; 2] {
+            return [0.0; 2];
+        }
         let [inertia, payload] = covariances(filter, now, sticks);
         let [per_inertia, per_payload] = self.per_square;
         [

@@ -52,14 +52,12 @@ impl Working {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let std = |i: usize| sqrt(p[i][i].max(0.0));
         let [least, most] = settings.payload_range();
-        let (weight, variance) = self.filter.payload(&self.sticks);
+        let weight = self.filter.payload(&self.sticks);
+        let [variance, inertia_variance] = self.filter.variances(&drive.now, &self.sticks);
         let payload = weight.clamp(least, most);
         let at_limit = payload != weight;
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
-        let (_, inertia_variance) = self
-            .filter
-            .combination(&self.filter.inertia_row(&drive.now));
         let contradicted = self.is_contradicted();
         let anything = if contradicted {
             // Uniform in its range, about the estimate.
