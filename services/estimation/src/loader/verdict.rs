@@ -167,7 +167,10 @@ impl Evidence {
         if let Some(acceleration) = acceleration {
             self.acceleration.update(acceleration, weight);
         }
-        for age in self.age.iter_mut().chain(&mut self.came) {
+        for age in &mut self.age {
+            *age += dt;
+        }
+        for age in &mut self.came {
             *age += dt;
         }
         self.since_reset += dt;
@@ -272,7 +275,7 @@ impl Evidence {
             ratio: intervals.reported.ratio <= limits.converged_ratio * intervals.ratio.abs(),
             height: intervals.reported.height <= limits.converged_height,
         };
-        let lacks_accelerometer = settings.at_work() && !self.accelerometer && !converged.ratio;
+        let lacks_accelerometer = !self.accelerometer && !converged.ratio && settings.at_work();
         Verdict {
             excited: Each {
                 ratio: !frozen && self.torque.std() >= limits.excited_torque,
@@ -286,7 +289,7 @@ impl Evidence {
             },
             converged,
             reset,
-            reason: match self.reason(limits.fresh, fresh && consistent, doubt) {
+            reason: match self.reason(limits.fresh, [fresh, consistent], doubt) {
                 reason if lacks_accelerometer => without_accelerometer(reason),
                 reason => reason,
             },
@@ -294,12 +297,12 @@ impl Evidence {
     }
 
     /// Why the estimate is not fresh or not consistent, or what keeps it from being known.
-    fn reason(&self, limit: f64, sound: bool, doubt: &Doubt) -> Reason {
+    fn reason(&self, limit: f64, [fresh, consistent]: [bool; 2], doubt: &Doubt) -> Reason {
         match self.stuck {
             Some(signal) => Reason::stuck(signal),
-            None if self.missing(limit) => Reason::Missing,
+            None if !fresh && self.missing(limit) => Reason::Missing,
             None if doubt.reason != Reason::None => doubt.reason,
-            None if !sound && doubt.acts == Reason::None => Reason::Unexplained,
+            None if !(fresh && consistent) && doubt.acts == Reason::None => Reason::Unexplained,
             None if doubt.acts == Reason::None && doubt.one_way => Reason::OneWay,
             None => doubt.acts,
         }

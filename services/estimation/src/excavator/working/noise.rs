@@ -67,11 +67,17 @@ impl Noise {
         let slow = all * all / BLOCKS as f64;
         let fast = (squares - slow) / (BLOCKS - 1) as f64;
         for (i, excess) in [slow, fast].into_iter().enumerate() {
-            let [least, most] = RANGES[i].map(ln);
+            let [least, most] = RANGES[i];
             let excess = excess.min(LARGEST) - 1.0;
             let step = RATES[i][usize::from(excess < 0.0)] * excess;
-            self.logarithms[i] = (self.logarithms[i] + step).clamp(least, most);
-            self.scales[i] = exp(self.logarithms[i]);
+            let logarithm = self.logarithms[i] + step;
+            let scale = exp(logarithm);
+            self.scales[i] = scale.clamp(least, most);
+            self.logarithms[i] = if self.scales[i] == scale {
+                logarithm
+            } else {
+                ln(self.scales[i])
+            };
         }
     }
 
