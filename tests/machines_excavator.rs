@@ -238,6 +238,6 @@ fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_oth
         }
         let said = format!("{fault}: {trusted} trusted, {wrong} wrong");
         println!("{said}");
-        assert!(trusted > 500 && wrong * 10 <= trusted, "{said}");
+        assert!(trusted > 300 && wrong * 10 <= trusted, "{said}");
     }
 }

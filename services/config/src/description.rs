@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Error, Errors, Keyed, Tables, known, parse, stated};
+use crate::{Error, Errors, Keyed, Tables, asked, parse, stated};
 use messages::Machine;
 
 macro_rules! descriptions {
@@ -102,7 +102,7 @@ impl Description {
 
     /// Whether a machine's text states a key itself: at whatever value, but none of a reference machine that was printed.
     pub fn states(machine: Machine, text: &str, key: &str) -> bool {
-        known::states(machine, text, key)
+        asked::states(machine, text, key)
     }
 
     /// The keys that it states otherwise than an earlier description of this machine, of which [`Self::stated`] of any version of
@@ -114,7 +114,7 @@ impl Description {
 
 fn unclear(text: &str, file_name: &str) -> Error {
     let mut misspelt = Machine::ALL.into_iter();
-    if let Some(error) = misspelt.find_map(|machine| known::misspelt(machine, text, file_name)) {
+    if let Some(error) = misspelt.find_map(|machine| asked::misspelt(machine, text, file_name)) {
         return error;
     }
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");

@@ -19,20 +19,6 @@ macro_rules! keys_of_machines {
             }
         }
 
-        /// Whether a text states a key of a machine.
-        pub(crate) fn states(machine: Machine, text: &str, key: &str) -> bool {
-            match machine {
-                $( Machine::$name => crate::parse::states::<crate::$name>(text, key), )*
-            }
-        }
-
-        /// A key or table of a text that is nearly one of a machine's.
-        pub(crate) fn misspelt(machine: Machine, text: &str, file: &str) -> Option<crate::Error> {
-            match machine {
-                $( Machine::$name => crate::parse::misspelt::<crate::$name>(text, file), )*
-            }
-        }
-
         /// All keys of a machine, with their tables.
         pub(crate) fn all_keys(machine: Machine) -> Vec<&'static str> {
             match machine {

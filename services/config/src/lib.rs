@@ -7,6 +7,7 @@
 //! complete: what a file does not say has the default of the specification, and
 //! [`Tables::to_toml`] prints all of it, so that a recording can carry the settings of its run.
 
+mod asked;
 mod class;
 mod description;
 mod entries;

@@ -78,7 +78,14 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
                     );
                     rows += 1;
                 }
-                assert!(rows > 0, "seed {seed}, gain {gain}, velocity {velocity}");
+                // An emptied bucket that weighs less may be another one: it is named, and nothing is trusted.
+                let mut later = estimates.iter().filter(|(row, _)| row.time > FROM);
+                let another = later.clone().any(|(_, e)| e.reason == Reason::Attachment)
+                    && later.all(|(_, e)| !e.flags.trusted());
+                assert!(
+                    rows > 0 || another,
+                    "seed {seed}, gain {gain}, velocity {velocity}"
+                );
             }
         }
     }
@@ -141,7 +148,7 @@ fn a_boom_angle_that_is_half_a_second_late_is_hardly_ever_trusted_and_wrong() {
     const LATE: usize = 50;
     let settings = Settings::of(&Excavator::default());
     let (mut trusted, mut wrong) = (0, 0);
-    for seed in 1..5 {
+    for seed in 1..25 {
         let mut run = Run::new(Scenario::Cycle);
         (run.duration, run.seed) = (60.0, seed);
         let rows: Vec<Row> = Simulation::new(&run).expect("a run").collect();

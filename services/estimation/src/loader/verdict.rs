@@ -355,11 +355,14 @@ mod tests {
         let evidence = rejected(|_| {});
         assert!(!evidence.fresh(LIMIT) && !evidence.missing(LIMIT));
         assert_eq!(
-            evidence.reason(LIMIT, false, &Doubt::NONE),
+            evidence.reason(LIMIT, [false; 2], &Doubt::NONE),
             Reason::Unexplained
         );
         let lost = rejected(|sample| sample.rear_wheel_speed = None);
-        assert_eq!(lost.reason(LIMIT, false, &Doubt::NONE), Reason::Missing);
+        assert_eq!(
+            lost.reason(LIMIT, [false; 2], &Doubt::NONE),
+            Reason::Missing
+        );
     }
 
     #[test]

@@ -71,8 +71,9 @@ fn guess_wheelbase(found: &mut Reference, wheelbase: f64) {
 
 /// With the doubt of a guessed wheelbase, which it grows with.
 fn widened(q: Quantity) -> Quantity {
+    let guessed = GUESSED * q.value;
     Quantity {
-        std: q.std.hypot(GUESSED * q.value),
+        std: (q.std * q.std + guessed * guessed).sqrt(),
         ..q
     }
 }
