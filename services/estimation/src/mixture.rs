@@ -7,6 +7,9 @@
 const OUTSIDE: f64 = 0.05;
 const HALF_WIDTH: f64 = 1.959_964;
 
+/// Logarithm of the odds of a hypothesis that a 95 % interval may leave out: up to here it adds nothing.
+pub const POSSIBLE: f64 = -2.944_438_979_166_440_3;
+
 /// What a hypothesis adds to the 95 % interval about the other's value, as a standard deviation (to be added as squares). It has this
 /// `probability`; by it the value lies `away`, on either side, with standard deviation `std`.
 pub fn spread(probability: f64, away: f64, std: f64) -> f64 {
@@ -66,6 +69,12 @@ mod tests {
         } else {
             -quantile
         }
+    }
+
+    #[test]
+    fn odds_that_are_possible_are_those_that_add_something() {
+        let adds = |odds: f64| spread(1.0 / (1.0 + crate::math::exp(-odds)), 1.0, 1.0) > 0.0;
+        assert!(!adds(POSSIBLE - 1e-9) && adds(POSSIBLE + 1e-9));
     }
 
     #[test]

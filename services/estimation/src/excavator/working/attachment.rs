@@ -17,15 +17,14 @@ use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::size::Sticking;
 use crate::math::{exp, ln, norm, sqrt};
-use crate::mixture::spread;
+use crate::mixture::{POSSIBLE, spread};
 
 /// Standard deviation of the masses of the buckets of one machine, as a share of the described one: from .5 (narrow) to 1.6 (for rock).
 const OTHERS: f64 = 0.4;
 /// So often is it changed [1/s], once in an hour of work, and the time within which the last exchange may be overlooked [s].
 const CHANGES: f64 = 1.0 / 3600.0;
 const LONGEST: f64 = 1800.0;
-/// Logarithm of the odds below which another attachment adds nothing to an interval (1 in 20), and beyond which it is all the same.
-const POSSIBLE: f64 = -2.95;
+/// Logarithm of the odds beyond which it is all the same.
 const MOST: f64 = 20.0;
 /// An emptied bucket that weighs less than so many standard deviations is no question: what speaks for another one is then less than
 /// what speaks against it beforehand.

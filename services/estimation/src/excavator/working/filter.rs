@@ -64,6 +64,23 @@ pub(super) struct Input {
     pub(super) payload_variance: f64,
 }
 
+/// What the states say of a measurement: how it depends on them, its covariances with them, and its variance without noise.
+pub(super) struct Measured<const K: usize> {
+    row: [(usize, f64); K],
+    column: Vector,
+    pub(super) variance: f64,
+}
+
+impl<const K: usize> Measured<K> {
+    fn whole(&self) -> Vector {
+        let mut whole = [0.0; N];
+        for (i, entry) in self.row {
+            whole[i] = entry;
+        }
+        whole
+    }
+}
+
 /// State and covariance.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -215,26 +232,45 @@ impl Filter {
         gate: f64,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        let column = self.along(row.into_iter());
-        let total = row
-            .iter()
-            .fold(0.0, |sum, (i, entry)| sum + column[*i] * entry)
-            + variance;
-        let gated = total.max(value * value / (gate * gate));
-        let share = 1.0 / gated;
-        let gain = column.map(|c| c * share);
-        if let Some(trail) = trail {
-            let mut whole = [0.0; N];
-            for (i, entry) in row {
-                whole[i] = entry;
-            }
-            trail.measured(&whole, &gain, value, gated);
-        }
-        self.take(&gain, value, &column);
-        Innovation {
+        let measured = self.measured(row);
+        let innovation = Innovation {
             value,
-            variance: total,
+            variance: measured.variance + variance,
+        };
+        self.absorb(&measured, innovation, gate, trail);
+        innovation
+    }
+
+    /// What the states say of a measurement of `row x`.
+    #[inline(always)]
+    pub(super) fn measured<const K: usize>(&self, row: [(usize, f64); K]) -> Measured<K> {
+        let column = self.along(row.into_iter());
+        Measured {
+            row,
+            variance: row
+                .iter()
+                .fold(0.0, |sum, (i, entry)| sum + column[*i] * entry),
+            column,
         }
+    }
+
+    /// Takes in what was measured, with this innovation.
+    #[inline(always)]
+    pub(super) fn absorb<const K: usize>(
+        &mut self,
+        measured: &Measured<K>,
+        innovation: Innovation,
+        gate: f64,
+        trail: &mut Option<Trail>,
+    ) {
+        let Innovation { value, variance } = innovation;
+        let gated = variance.max(value * value / (gate * gate));
+        let share = 1.0 / gated;
+        let gain = measured.column.map(|c| c * share);
+        if let Some(trail) = trail {
+            trail.measured(&measured.whole(), &gain, value, gated);
+        }
+        self.take(&gain, value, &measured.column);
     }
 
     /// Takes back what was known of the load beforehand, value and variance: it tells nothing of the other states any more. What has
@@ -271,18 +307,13 @@ impl Filter {
         (value, variance): (f64, f64),
         trail: &mut Option<Trail>,
     ) {
-        let column = self.along(row.into_iter());
-        let own: f64 = row.iter().map(|&(i, entry)| entry * column[i]).sum();
-        let left = own - variance;
-        let gain = column.map(|c| c / left);
+        let measured = self.measured(row);
+        let left = measured.variance - variance;
+        let gain = measured.column.map(|c| c / left);
         if let Some(trail) = trail {
-            let mut whole = [0.0; N];
-            for (i, entry) in row {
-                whole[i] = entry;
-            }
-            trail.measured(&whole, &gain, value, left);
+            trail.measured(&measured.whole(), &gain, value, left);
         }
-        self.take(&gain, value, &column);
+        self.take(&gain, value, &measured.column);
     }
 
     /// The bucket holds something else: value and variance of it, as a true mass, or as the motion weighs it.
@@ -297,11 +328,19 @@ impl Filter {
             return;
         }
         let share = 1.0 / (1.0 + self.x[GAIN]);
-        self.set(M, value * share, variance * share * share, &mut None);
+        self.x[M] = value * share;
+        let per_gain = -self.x[M] * share;
         if let Some(trail) = trail {
-            trail.set(M);
+            let mut row = [0.0; N];
+            row[GAIN] = per_gain;
+            trail.row(M, &row);
         }
-        self.weighs_true_mass(0.0, trail);
+        let of_gain = self.p[GAIN];
+        for (j, covariance) in of_gain.iter().enumerate() {
+            self.p[M][j] = per_gain * covariance;
+            self.p[j][M] = self.p[M][j];
+        }
+        self.p[M][M] = share * share * variance + per_gain * per_gain * of_gain[GAIN];
     }
 
     /// The load has been told as a true mass, and was `before`: what is open of the gain does not concern that mass, so it concerns
@@ -313,7 +352,7 @@ impl Filter {
             (row[M], row[GAIN]) = (1.0, per_gain);
             trail.row(M, &row);
         }
-        let of_gain = self.row(GAIN);
+        let of_gain = self.p[GAIN];
         let own = self.p[M][M] + per_gain * (2.0 * of_gain[M] + per_gain * of_gain[GAIN]);
         for (j, covariance) in of_gain.iter().enumerate() {
             self.p[M][j] += per_gain * covariance;

@@ -13,7 +13,7 @@ use super::super::size::Sticking;
 use super::filter::{Filter, GAIN, Input};
 use crate::kalman::Innovation;
 use crate::math::{exp, ln, sqrt};
-use crate::mixture::spread;
+use crate::mixture::{POSSIBLE, spread};
 
 /// Standard deviation of the factor by which a sensor may be wrong.
 const GAIN_STD: f64 = 0.3;
@@ -165,7 +165,7 @@ impl ParallelFilter {
         inertia: f64,
         now: &Inertia,
     ) -> [f64; 2] {
-        if !self.driven {
+        if !self.driven || self.odds <= POSSIBLE {
             return [0.0; 2];
         }
         let [variance, own] = self.filter.variances(now, sticks);

@@ -10,7 +10,7 @@
 //! E is the ratio of the evidences (Dickey 1971). Whatever else has the covariance c with the gain moves by c (m' - m)/v, and its variance
 //! grows by (c/v)² (v' - v). The interval is that of the mixture ([`crate::mixture`]).
 
-use super::filter::{Filter, GAIN};
+use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
 use super::parallel::is_calibrated;
 use crate::excavator::doubts::Doubts;
 use crate::excavator::geometry::Inertia;
@@ -109,16 +109,18 @@ impl Tail {
 
 /// Covariances of inertia and payload with the gain.
 fn covariances(filter: &Filter, now: &Inertia, sticks: &Sticking) -> [f64; 2] {
-    let along = |row: &[(usize, f64)]| row.iter().map(|(i, a)| a * filter.p[GAIN][*i]).sum();
+    let p = &filter.p[GAIN];
+    let load: f64 = filter.load_row().iter().map(|(i, a)| a * p[*i]).sum();
+    let beside = p[UPPER] + now.per_bucket * p[BUCKET] + now.links * p[LINKS];
     [
-        along(&filter.inertia_row(now)),
-        along(&filter.payload_row(sticks)),
+        now.per_payload * load + beside,
+        load + sticks.share * p[BUCKET],
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::filter::{M, N, UPPER};
+    use super::super::filter::{M, N};
     use super::*;
 
     const STATED: f64 = 0.03;

@@ -246,14 +246,14 @@ impl Weigh {
             (SLOPE + 1, -span * tilt * cos),
         ];
         let value = m.measured - expected;
-        let total = filter.combination(&row).1 + m.variance;
+        let measured = filter.measured(row);
         let innovation = Innovation {
             value,
-            variance: total,
+            variance: measured.variance + m.variance,
         };
         if !m.touches && fits(innovation) {
             let before = filter.x[M];
-            filter.measure(row, value, m.variance, GATE, trail);
+            filter.absorb(&measured, innovation, GATE, trail);
             filter.weighs_true_mass(before, trail);
         }
         innovation
