@@ -68,7 +68,7 @@ pub use recover::{Recovered, join, recover};
 pub use scan::has_chunk_at;
 pub use schema::RecordedField;
 pub use signal::{Row, Sensors, measured};
-pub use suggest::{STEEPEST, Suggestion, suggest};
+pub use suggest::{LARGEST_PRESSURES, STEEPEST, Suggestion, suggest};
 pub use time::date_and_time;
 pub use time_unit::{time_unit, usual_step};
 pub use together::Together;

@@ -4,6 +4,7 @@
 mod absolute;
 mod languages;
 pub(crate) mod names;
+mod sizes;
 pub(crate) mod suggestion;
 pub(crate) mod table;
 
@@ -22,6 +23,7 @@ use crate::signal::{self, Sensors};
 use crate::topics::list;
 use crate::{Error, Kind, packed, parts, steers};
 use names::{fitting, quoted, wanted};
+pub use sizes::LARGEST_PRESSURES;
 pub use suggestion::Suggestion;
 use suggestion::{LINKS, missing};
 pub use table::STEEPEST;
@@ -244,7 +246,8 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         found.push(signal);
     }
     let missing = missing::<S>(&found);
-    out += &lacking::<S>(&found, &missing, "{ message = \"...\", signal = \"...\" }");
+    let blank = |_: &str| "{ message = \"...\", signal = \"...\" }".to_owned();
+    out += &lacking::<S>(&found, &missing, blank);
     let unseen = if present.is_empty() {
         "; no message of the DBC is in the log".to_owned()
     } else {
@@ -262,8 +265,12 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     })
 }
 
-/// What was not found: lines to be filled in for what the machine needs, `blank` behind each name, and the rest by name.
-fn lacking<S: Sensors>(found: &[String], missing: &[&[&str]], blank: &str) -> String {
+/// What was not found: lines to be filled in for what the machine needs, what `blank` says behind each name, and the rest by name.
+fn lacking<S: Sensors>(
+    found: &[String],
+    missing: &[&[&str]],
+    blank: impl Fn(&str) -> String,
+) -> String {
     let mut out = String::new();
     for group in missing {
         let one = if group.len() > 1 {
@@ -274,7 +281,8 @@ fn lacking<S: Sensors>(found: &[String], missing: &[&[&str]], blank: &str) -> St
         for signal in *group {
             let _ = writeln!(
                 out,
-                "# {signal} = {blank}  # {one}needed, and nothing fits by its name"
+                "# {signal} = {}  # {one}needed, and nothing fits by its name",
+                blank(signal)
             );
         }
     }
@@ -342,6 +350,56 @@ mod tests {
         let line = "swing_velocity = { column = \"Rate [deg/s]\", unit = \"deg/s\" }";
         assert!(said.text.contains(line), "{}", said.text);
         assert!(said.text.contains("t = \"[s]\""), "{}", said.text);
+    }
+
+    #[test]
+    fn what_no_name_fits_is_offered_by_its_unit_and_a_motor_by_its_ports() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let names =
+            "t,Rotation moteur [rpm] max,Channel 3 [deg/s],Swing motor A [bar],Swing motor B [bar]";
+        std::fs::write(&file, format!("{names}\n0,1,2,3,4\n1,1,2,3,4\n")).expect("writable");
+        let text = suggest(&file, &[], Some(Machine::Excavator))
+            .expect("a table")
+            .text;
+        let line = "# swing_velocity = { column = \"Channel 3 [deg/s]\", unit = \"deg/s\" }  # one of these is needed";
+        assert!(text.contains(line), "{text}");
+        let line = "# swing_torque = { terms = [{ column = \"Swing motor A [bar]\", unit = \"bar\" }, \
+                    { column = \"Swing motor B [bar]\", unit = \"bar\", sign = -1 }], scale = SCALE }";
+        assert!(text.contains(line), "{text}");
+    }
+
+    #[test]
+    fn pressures_without_a_unit_have_the_one_of_their_largest() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let map = |units: &str, largest: f64| {
+            let head = "t,swing rate,swing torque,boom,boom head,boom rod,arm rod";
+            let row = |t: i32| format!("{t},0.1,9500,0.5,{largest},{},{}\n", largest / 9.0, 0.0);
+            let rows: String = (0..200).map(row).collect();
+            std::fs::write(&file, format!("{head}\n{units}{rows}")).expect("writable");
+            let found = suggest(&file, &[], Some(Machine::Excavator)).expect("a table");
+            crate::Map::parse(&found.text, "m.toml").expect("a map");
+            found.text
+        };
+        for (largest, unit) in [
+            (210.0, "bar"),
+            (21.0, "MPa"),
+            (3046.0, "psi"),
+            (21e3, "kPa"),
+        ] {
+            for name in ["boom_head", "boom_rod", "arm_rod"] {
+                let column = name.replace('_', " ");
+                let line =
+                    format!("{name}_pressure = {{ column = \"{column}\", unit = \"{unit}\" }}");
+                let text = map("", largest);
+                assert!(text.contains(&line), "{line}: {text}");
+            }
+        }
+        assert!(map("", 21e6).contains("boom_head_pressure = \"boom head\""));
+        let told = map("s,rad/s,Nm,rad,psi,psi,psi\n", 210.0);
+        let line = "boom_head_pressure = { column = \"boom head\", unit = \"psi\" }";
+        assert!(told.contains(line), "{told}");
     }
 
     #[test]

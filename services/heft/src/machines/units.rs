@@ -2,6 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
+use recording::LARGEST_PRESSURES as LARGEST;
+
 /// Units of an angular velocity, in a radian per second.
 pub(super) const TURNING: [(&str, f64); 3] = [
     ("rpm", 60.0 / TAU),
@@ -60,17 +62,6 @@ impl<const N: usize> Angles<N> {
     }
 }
 
-/// Where the largest pressures of a recording lie, in the unit of the data: pumps of excavators and loaders give 20 to 40 MPa, and
-/// work needs some of it. Each up to the limit; those of the last are in Pa, and below the first nothing was measured. No machine has
-/// more than 70 MPa: relief valves open at 35 to 42.
-const LARGEST: [(f64, Option<&str>); 6] = [
-    (1.0, None),
-    (47.0, Some("MPa")),
-    (560.0, Some("bar")),
-    (6e3, Some("psi")),
-    (1e5, Some("kPa")),
-    (7e7, None),
-];
 /// One side alone in MPa or bar: more may be the rest in a line without pressure.
 const ALONE: usize = 2;
 /// One row in so many may be a disturbance.

@@ -5,12 +5,14 @@
 const WORDS: &[(&str, &str)] = &[
     // German.
     ("schwenk", "swing"),
+    ("drehrate", "swing rate"),
+    ("gierrate", "yaw rate"),
     ("drehwerk", "swing"),
     ("drehgeschwindigkeit", "swing vel"),
     ("drehwinkel", "swing angle"),
     ("oberwagen", "swing"),
     ("drehmoment", "torque"),
-    ("winkelgeschwindigkeit", "vel"),
+    ("winkelgeschwindigkeit", "angular velocity"),
     ("kippwinkel", "tilt angle"),
     ("wankwinkel", "roll angle"),
     ("fahrgeschwindigkeit", "vehicle speed"),
@@ -26,8 +28,11 @@ const WORDS: &[(&str, &str)] = &[
     ("loeffel", "bucket"),
     ("schaufel", "bucket"),
     ("bodenseit", "head"),
-    ("kolbenseit", "head"),
-    ("stangenseit", "rod"),
+    ("kolbenstange", "rod"),
+    ("kolben", "head"),
+    ("stange", "rod"),
+    ("ringseit", "rod"),
+    ("ringraum", "rod"),
     ("druck", "press"),
     ("vorderachs", "front axle"),
     ("hinterachs", "rear axle"),
@@ -162,6 +167,7 @@ const WORDS: &[(&str, &str)] = &[
     ("orientation", "swing"),
     ("rotation", "swing"),
     ("couple", "torque"),
+    ("vitesse angulaire", "angular velocity"),
     ("vitesse", "speed"),
     ("accélération", "accel"),
     ("flèche", "boom"),
@@ -170,8 +176,11 @@ const WORDS: &[(&str, &str)] = &[
     ("godet", "bucket"),
     ("pression", "press"),
     ("fond de vérin", "head"),
+    ("grande chambre", "head"),
+    ("petite chambre", "rod"),
+    ("annulaire", "rod"),
     ("^fond", "head"),
-    ("tige", "rod"),
+    ("^tige", "rod"),
     ("avant", "front"),
     ("arrière", "rear"),
     ("arriere", "rear"),
@@ -192,6 +201,7 @@ const WORDS: &[(&str, &str)] = &[
     ("caçamba", "bucket"),
     ("pressão", "press"),
     ("êmbolo", "head"),
+    ("pistão", "head"),
     ("^haste", "rod"),
     ("dianteir", "front"),
     ("aceleração", "accel"),
@@ -200,6 +210,7 @@ const WORDS: &[(&str, &str)] = &[
     ("giro", "swing"),
     ("par_", "torque_"),
     ("par ", "torque "),
+    ("velocidad angular", "angular velocity"),
     ("velocidad", "speed"),
     ("aceleración", "accel"),
     ("aceleracion", "accel"),
@@ -214,6 +225,9 @@ const WORDS: &[(&str, &str)] = &[
     ("cazo", "bucket"),
     ("presión", "press"),
     ("presion", "press"),
+    ("pistón", "head"),
+    ("émbolo", "head"),
+    ("embolo", "head"),
     ("vástago", "rod"),
     ("vastago", "rod"),
     ("delanter", "front"),
@@ -231,7 +245,10 @@ const WORDS: &[(&str, &str)] = &[
     // Italian.
     ("torretta", "swing"),
     ("coppia", "torque"),
+    ("velocità angolare", "angular velocity"),
     ("velocità", "speed"),
+    ("pistone", "head"),
+    ("stelo", "rod"),
     ("velocita", "speed"),
     ("angolo", "angle"),
     ("avambraccio", "arm"),
@@ -255,6 +272,8 @@ const WORDS: &[(&str, &str)] = &[
     ("przyspieszenie", "accel"),
     ("kąt", "angle"),
     ("ciśnienie", "press"),
+    ("podtłok", "head"),
+    ("nadtłok", "rod"),
     ("nachylenie", "slope"),
     ("przedni", "front"),
     ("tyln", "rear"),
@@ -266,7 +285,7 @@ const WORDS: &[(&str, &str)] = &[
     ("アーム", "arm"),
     ("バケット", "bucket"),
     ("トルク", "torque"),
-    ("角速度", "vel"),
+    ("角速度", "angular velocity"),
     ("加速度", "accel"),
     ("車速", "vehicle speed"),
     ("速度", "speed"),
@@ -319,7 +338,7 @@ const WORDS: &[(&str, &str)] = &[
     ("붐", "boom"),
     ("버킷", "bucket"),
     ("토크", "torque"),
-    ("각속도", "vel"),
+    ("각속도", "angular velocity"),
     ("각도", "angle"),
     ("차속", "vehicle speed"),
     ("속도", "speed"),
@@ -328,10 +347,23 @@ const WORDS: &[(&str, &str)] = &[
     ("로드", "rod"),
     ("시간", "time"),
     ("암", "arm"),
-    // Short for cylinder pressures, as on excavators' buses.
+    // Sides of a cylinder, as written in full and on excavators' buses.
+    ("piston rod", "rod"),
+    ("annulus", "rod"),
+    ("^piston", "head"),
     ("btm", "head"),
     ("bottom", "head"),
+    ("^base", "head"),
+    ("^bore", "head"),
+    ("^cap", "head"),
     ("prs", "press"),
+    // What swings.
+    ("slew", "swing"),
+    ("turret", "swing"),
+    ("turntable", "swing"),
+    ("upper structure", "swing"),
+    ("superstructure", "swing"),
+    ("uppercarriage", "swing"),
     // Short words of English.
     ("trq", "torque"),
     ("spd", "speed"),
@@ -405,8 +437,42 @@ mod tests {
     }
 
     #[test]
+    fn a_side_of_a_cylinder_tells_a_pressure_by_its_unit_or_alone() {
+        for (signal, name) in [
+            ("boom_head_pressure", "boom head"),
+            ("boom_rod_pressure", "Boom annulus [bar]"),
+            ("boom_head_pressure", "BoomPistonP"),
+            ("boom_head_pressure", "Auslegerzylinder Kolbenseite [bar]"),
+            ("boom_rod_pressure", "Ausleger Kolbenstange [bar]"),
+            ("arm_rod_pressure", "Stielzylinder Ringseite [bar]"),
+            ("boom_head_pressure", "Vérin flèche grande chambre (bar)"),
+            ("boom_rod_pressure", "Vérin flèche petite chambre (bar)"),
+            ("boom_head_pressure", "Presión pluma lado pistón (bar)"),
+            ("arm_rod_pressure", "stick rod"),
+            ("lift_head_pressure", "boom base pressure"),
+            ("lift_rod_pressure", "Hubzylinder Stange [bar]"),
+        ] {
+            let at = fitting(signal, &["x", name], &[]);
+            assert_eq!(at, Some(1), "{signal} {name}");
+        }
+        for (signal, name) in [
+            ("boom_angle", "boom head"),
+            ("boom_rod_pressure", "Boom rod [mm]"),
+            ("boom_rod_pressure", "boom rod stroke"),
+            ("boom_head_pressure", "boom header [bar]"),
+        ] {
+            assert_eq!(fitting(signal, &["x", name], &[]), None, "{signal} {name}");
+        }
+    }
+
+    #[test]
     fn signals_are_found_in_other_languages() {
         for (signal, name) in [
+            ("swing_velocity", "Drehrate [°/s]"),
+            ("swing_velocity", "Vitesse angulaire (°/s)"),
+            ("swing_velocity", "角速度[deg/s]"),
+            ("swing_velocity", "Upper structure rate [deg/s]"),
+            ("t", "ms"),
             ("swing_torque", "Schwenkmoment [kNm]"),
             ("swing_velocity", "Schwenkgeschwindigkeit [°/s]"),
             ("swing_velocity", "Drehgeschwindigkeit [°/s]"),

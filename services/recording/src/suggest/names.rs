@@ -51,6 +51,12 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=ticks"],
             // LabVIEW's.
             &["=x_value"],
+            &["=ms"],
+            &["=msec"],
+            &["=millis"],
+            &["=sec"],
+            &["=seconds"],
+            &["=s"],
         ],
     ),
     (
@@ -59,9 +65,6 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["swing", "vel"],
             &["swing", "rate"],
             &["swing", "speed"],
-            &["slew", "speed"],
-            &["slew", "vel"],
-            &["slew", "rate"],
             &["swing", "omega"],
             &["gyro", "z"],
             &["yaw", "rate"],
@@ -70,32 +73,23 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=angular_velocity"],
             &["swing", "|w"],
             &["swing", "[rad/s"],
-            &["slew", "[rad/s"],
         ],
     ),
     (
         "swing_angle",
-        &[
-            &["swing", "angle"],
-            &["swing", "pos"],
-            &["swing", "deg"],
-            &["slew", "angle"],
-        ],
+        &[&["swing", "angle"], &["swing", "pos"], &["swing", "deg"]],
     ),
     (
         "swing_torque",
         &[
             &["swing", "torque"],
-            &["slew", "torque"],
             &["swing", "moment"],
-            &["slew", "moment"],
             // Of ROS and of Modelica.
             &["swing", "effort"],
             &["swing", "^tau"],
             &["=torque"],
             &["=moment"],
             &["swing", "[N m"],
-            &["slew", "[N m"],
         ],
     ),
     (
@@ -197,32 +191,23 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ("articulation", &[&["articul"], &["steer", "angle"]]),
     ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
     ("brake", &[&["brake"]]),
-    (
-        "boom_head_pressure",
-        &[
-            &["boom", "head", "press"],
-            &["boom", "bottom", "press"],
-            &["boom", "bore", "press"],
-            &["boom", "piston", "press"],
-            &["boom", "cap", "press"],
-        ],
-    ),
-    ("boom_rod_pressure", &[&["boom", "rod", "press"]]),
+    ("boom_head_pressure", &[&["boom", "|head", "press"]]),
+    ("boom_rod_pressure", &[&["boom", "|rod", "press"]]),
     (
         "arm_head_pressure",
         &[
-            &["arm", "head", "press"],
-            &["stick", "head", "press"],
-            &["arm", "bottom", "press"],
-            &["stick", "bottom", "press"],
-            &["arm", "piston", "press"],
-            &["arm", "cap", "press"],
-            &["stick", "cap", "press"],
+            &["^arm", "|head", "press"],
+            &["stick", "|head", "press"],
+            &["dipper", "|head", "press"],
         ],
     ),
     (
         "arm_rod_pressure",
-        &[&["arm", "rod", "press"], &["stick", "rod", "press"]],
+        &[
+            &["^arm", "|rod", "press"],
+            &["stick", "|rod", "press"],
+            &["dipper", "|rod", "press"],
+        ],
     ),
     (
         "lift_angle",
@@ -232,22 +217,17 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     (
         "lift_head_pressure",
         &[
-            &["lift", "head", "press"],
-            &["lift", "bottom", "press"],
-            &["lift", "piston", "press"],
-            &["lift", "cap", "press"],
-            &["hoist", "head", "press"],
-            &["hoist", "bottom", "press"],
-            &["boom", "head", "press"],
-            &["boom", "bottom", "press"],
+            &["lift", "|head", "press"],
+            &["hoist", "|head", "press"],
+            &["boom", "|head", "press"],
         ],
     ),
     (
         "lift_rod_pressure",
         &[
-            &["lift", "rod", "press"],
-            &["hoist", "rod", "press"],
-            &["boom", "rod", "press"],
+            &["lift", "|rod", "press"],
+            &["hoist", "|rod", "press"],
+            &["boom", "|rod", "press"],
         ],
     ),
     ("truck", &[&["truck", "number"], &["truck", "id"]]),
@@ -335,6 +315,11 @@ const OF_OTHERS: &[(&[&str], &[&str])] = &[
             "rate", "vel", "velocity", "speed", "angle", "accel", "power",
         ],
     ),
+    // Of the shaft, ahead of the gear.
+    (
+        &["swing_velocity"],
+        &["motor", "engine", "moteur", "pump", "shaft"],
+    ),
     (&["acceleration"], &["accelerator"]),
     (
         &["slope", "pitch", "roll"],
@@ -384,6 +369,11 @@ fn is_other(signal: &str, name: &str) -> bool {
     all.any(|other| words.iter().any(|word| word == other))
 }
 
+/// Whether a column of this name may be a measurement of this signal.
+pub(super) fn may_be(signal: &str, name: &str) -> bool {
+    !is_other(signal, name) && !OTHERS.iter().any(|word| english(name).contains(word))
+}
+
 /// Whether a name has a word of [`WORDS`]: an alarm is no arm.
 fn has(name: &str, word: &str) -> bool {
     if let Some(word) = word.strip_prefix('=') {
@@ -402,29 +392,57 @@ fn has(name: &str, word: &str) -> bool {
     found.any(|(at, _)| !name[..at].ends_with(char::is_alphabetic))
 }
 
+/// A part of a word that tells a pressure.
+const PRESSURE: &str = "press";
+/// The sides of a cylinder: alone behind the name of a link they mean its pressures (`boom head`).
+const SIDES: [&str; 2] = ["head", "rod"];
+/// What else a side of a cylinder may have.
+const OF_A_SIDE: [&str; 9] = [
+    "angle", "pos", "position", "stroke", "length", "force", "area", "speed", "diameter",
+];
+
+/// A name in small letters and English, with the word for a pressure where its unit, or a side of a cylinder, says so.
+fn with_pressure(name: &str) -> String {
+    let english_name = english(name);
+    if english_name.contains(PRESSURE) {
+        return english_name;
+    }
+    let apart = english(&unit::words(name).join(" "));
+    let words = unit::words(unit::before_brackets(&apart));
+    let has = |all: &[&str]| words.iter().any(|word| all.contains(word));
+    let alone = || has(&SIDES) && !has(&OF_A_SIDE) && unit::foreign(name, "Pa").is_none();
+    match unit::is_of(name, "Pa") || alone() {
+        true => format!("{PRESSURE} {apart}"),
+        false => english_name,
+    }
+}
+
+/// Whether a name tells that its column is a pressure.
+pub(super) fn is_pressure(name: &str) -> bool {
+    with_pressure(name).contains(PRESSURE)
+}
+
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
 /// that has the words.
 pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
     let free = |at: &usize| !taken.contains(at);
     let lower: Vec<String> = names.iter().map(|n| n.to_lowercase()).collect();
-    let own = lower
-        .iter()
-        .position(|n| n == signal || n.trim_end_matches("_s") == signal);
+    let own = lower.iter().position(|n| {
+        let n = unit::before_brackets(n).trim();
+        n == signal || n.trim_end_matches("_s") == signal
+    });
     if let Some(at) = own.filter(free) {
         return Some(at);
     }
-    let lower: Vec<String> = names.iter().map(|n| english(n)).collect();
+    let lower: Vec<String> = names.iter().map(|n| with_pressure(n)).collect();
     let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
     alternatives.iter().find_map(|words| {
         // `boom_head_pressure` is no angle of the boom.
-        let is_pressure = |n: &str| n.contains("press");
         let fits = |n: &String| {
-            words.iter().all(|w| has(n, w))
-                && is_pressure(n) == is_pressure(signal)
-                && !OTHERS.iter().any(|w| n.contains(w))
+            words.iter().all(|w| has(n, w)) && n.contains(PRESSURE) == signal.contains(PRESSURE)
         };
         let mut free = (0..lower.len()).filter(free);
-        free.find(|at| fits(&lower[*at]) && !is_other(signal, names[*at]))
+        free.find(|at| fits(&lower[*at]) && may_be(signal, names[*at]))
     })
 }
 
@@ -498,6 +516,12 @@ mod tests {
             ("slope", "Lift arm inclination", "Inclination"),
             ("lift_angle", "Lift arm velocity", "Lift arm"),
             ("t", "Cycle time [s]", "Time [s]"),
+            ("swing_velocity", "Swing motor speed [rpm]", "Swing [rpm]"),
+            (
+                "swing_velocity",
+                "Rotation moteur",
+                "Rotation tourelle [°/s]",
+            ),
             (
                 "swing_torque",
                 "swing.velocity",

@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
-use super::names::{fitting, wanted};
+use super::languages::english;
+use super::names::{fitting, is_pressure, may_be, wanted};
 use super::suggestion::{LINKS, Suggestion, links, missing};
-use super::{lacking, opening, quoted, shown, unit_of};
+use super::{lacking, opening, quoted, shown, sizes, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
 use crate::signal::Sensors;
@@ -46,7 +47,8 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let mut text = opening::<S>(path);
     text.push_str("\n[columns]\n");
     text += &draft.out;
-    text += &lacking::<S>(&draft.found, &missing, "\"...\"");
+    text += &draft.ports();
+    text += &lacking::<S>(&draft.found, &missing, |signal| draft.by_unit::<S>(signal));
     text += &rest(&look.header, &draft.taken);
     Ok(Suggestion {
         text,
@@ -85,6 +87,10 @@ struct Draft<'a> {
     look: &'a Look,
     /// What the columns are called.
     labels: Vec<String>,
+    /// The same with the units that a row below the names says.
+    names: Vec<String>,
+    /// The largest pressure of the columns that name no unit of it: a logger writes all in one.
+    largest_pressure: f64,
     out: String,
     found: Vec<String>,
     taken: Vec<usize>,
@@ -96,9 +102,16 @@ struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
+        let named = labels
+            .iter()
+            .zip(&look.units)
+            .map(|(label, unit)| named(label, unit));
+        let names: Vec<String> = named.collect();
         let mut draft = Self {
             look,
+            largest_pressure: largest_pressure(look, &names),
             labels,
+            names,
             out: String::new(),
             found: Vec::new(),
             taken: Vec::new(),
@@ -109,7 +122,7 @@ impl<'a> Draft<'a> {
         };
         draft.stamp();
         for signal in wanted::<S>() {
-            let names: Vec<&str> = draft.labels.iter().map(String::as_str).collect();
+            let names: Vec<&str> = draft.names.iter().map(String::as_str).collect();
             let fitting = fitting(&signal, &names, &draft.taken);
             if let Some(at) = fitting.filter(|_| !draft.found.contains(&signal)) {
                 draft.take::<S>(signal, at);
@@ -144,10 +157,7 @@ impl<'a> Draft<'a> {
     /// Writes the line of the signal that this column is.
     fn take<S: Sensors>(&mut self, signal: String, at: usize) {
         self.taken.push(at);
-        let named = match self.look.units[at].as_str() {
-            "" => self.labels[at].clone(),
-            unit => format!("{} [{unit}]", self.labels[at]),
-        };
+        let named = self.names[at].clone();
         let si = unit_of::<S>(&signal);
         let name = quoted(&self.look.header[at]);
         if let Some(unit) = unit::foreign(&named, si) {
@@ -160,7 +170,8 @@ impl<'a> Draft<'a> {
             }
             return;
         }
-        let (guess, other) = unit(&signal, si, &named, &self.look.columns[at]);
+        let large = self.largest_pressure;
+        let (guess, other) = unit(&signal, si, &named, &self.look.columns[at], large);
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
         let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
@@ -185,6 +196,48 @@ impl<'a> Draft<'a> {
         self.found.push(signal);
     }
 
+    /// What may stand behind a signal that no name fits: the first free column in a unit of it.
+    fn by_unit<S: Sensors>(&self, signal: &str) -> String {
+        let si = unit_of::<S>(signal);
+        let mut free = (0..self.names.len()).filter(|at| !self.taken.contains(at));
+        let found = free.find_map(|at| {
+            let name = &self.names[at];
+            let unit = unit::of_name(name, si).filter(|_| may_be(signal, name))?;
+            let column = quoted(&self.look.header[at]);
+            Some(format!("{{ column = {column}, unit = \"{}\" }}", unit.name))
+        });
+        found.unwrap_or_else(|| "\"...\"".to_owned())
+    }
+
+    /// Two pressures of the swing motor as a comment, where nothing is its torque: their difference is, times its displacement.
+    fn ports(&self) -> String {
+        let is_port = |at: &usize| {
+            let name = english(&self.names[*at]);
+            name.contains("swing") && is_pressure(&name) && may_be("swing_pressure", &name)
+        };
+        let free = (0..self.names.len()).filter(|at| !self.taken.contains(at));
+        let ports: Vec<usize> = free.filter(is_port).collect();
+        let is_open = !self.found.iter().any(|signal| signal == "swing_torque");
+        let [a, b] = match ports[..] {
+            [a, b] if is_open => [a, b],
+            _ => return String::new(),
+        };
+        let unit = |at: usize| {
+            let told = unit::of_name(&self.names[at], "Pa");
+            let unit = told.or(sizes::pressure(self.largest_pressure).0);
+            unit.map_or("Pa", |unit| unit.name)
+        };
+        let term = |at: usize, sign: &str| {
+            let column = quoted(&self.look.header[at]);
+            format!("{{ column = {column}, unit = \"{}\"{sign} }}", unit(at))
+        };
+        format!(
+            "# swing_torque = {{ terms = [{}, {}], scale = SCALE }}  # SCALE by the motor's displacement and gear: docs/map.md\n",
+            term(a, ""),
+            term(b, ", sign = -1")
+        )
+    }
+
     /// The line of a link whose angle is from the horizontal: less that of the link before.
     fn difference(&self, signal: &str, column: &Column, reason: &str) -> Option<String> {
         let link = LINKS.iter().position(|link| *link == signal)?;
@@ -201,6 +254,23 @@ impl<'a> Draft<'a> {
             before.term(", sign = -1")
         ))
     }
+}
+
+/// The name of a column with the unit that a row below the names says.
+fn named(label: &str, unit: &str) -> String {
+    match unit {
+        "" => label.to_owned(),
+        unit => format!("{label} [{unit}]"),
+    }
+}
+
+/// The largest pressure of the columns that name no unit.
+fn largest_pressure(look: &Look, names: &[String]) -> f64 {
+    let of_none = |name: &str| is_pressure(name) && !unit::is_of(name, "Pa");
+    let columns = names.iter().zip(&look.columns);
+    let columns = columns.filter(|(name, _)| of_none(name));
+    let sizes = columns.map(|(_, values)| sizes::largest(values.iter()));
+    sizes.fold(0.0, f64::max)
 }
 
 /// The columns of seconds and of the nanoseconds beside them, as ROS has them in its headers, where they are the time.
@@ -259,7 +329,7 @@ fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) ->
         let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
             continue;
         };
-        let unit = unit("t", "s", names[other], &columns[other]).0.unit;
+        let unit = unit("t", "s", names[other], &columns[other], 0.0).0.unit;
         let spent = (last.1 - first.1) * unit.map_or(1.0, |unit| unit.factor);
         let ratio = spent / ((last.0 - first.0) * seconds);
         let increases = pairs.windows(2).all(|two| two[1].1 > two[0].1);
@@ -315,9 +385,21 @@ struct Guess {
     reason: String,
 }
 
+impl From<(Option<&'static Unit>, String)> for Guess {
+    fn from((unit, reason): (Option<&'static Unit>, String)) -> Self {
+        Self { unit, reason }
+    }
+}
+
 /// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values; and what stands in the name's brackets where
-/// that is no unit.
-fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<String>) {
+/// that is no unit. Pressures that name none are up to `largest_pressure`.
+fn unit(
+    signal: &str,
+    si: &str,
+    name: &str,
+    values: &[f64],
+    largest_pressure: f64,
+) -> (Guess, Option<String>) {
     if let Some(unit) = unit::of_name(name, si) {
         let more = unit::ambiguous(name, unit).map_or("", |a| a.note);
         let guess = Guess {
@@ -326,7 +408,7 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<St
         };
         return (guess, None);
     }
-    let mut guess = by_values(signal, si, values);
+    let mut guess = by_values(signal, si, values, largest_pressure);
     let text = unit::bracketed(name).filter(|text| !text.is_empty() && !si.is_empty());
     let text = text.map(shown);
     if let Some(text) = &text {
@@ -340,7 +422,7 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> (Guess, Option<St
     (guess, text.filter(|_| has_number))
 }
 
-fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
+fn by_values(signal: &str, si: &str, values: &[f64], largest_pressure: f64) -> Guess {
     let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
     if finite.is_empty() {
         let reason = match signal {
@@ -376,6 +458,8 @@ fn by_values(signal: &str, si: &str, values: &[f64]) -> Guess {
         ("speed", _) => (15.0, "km/h"),
         ("front_wheel_speed" | "rear_wheel_speed", _) => (40.0, "rpm"),
         ("mass", _) => return mass(&finite),
+        (_, "Pa") => return sizes::pressure(largest_pressure).into(),
+        (_, "N m") => return sizes::torque(sizes::largest(finite.iter())).into(),
         _ => {
             let taken = match si {
                 "" => String::new(),
@@ -548,7 +632,7 @@ mod tests {
             let swing: Vec<f64> = (0..100)
                 .map(|k| largest * (0.1 * f64::from(k)).sin())
                 .collect();
-            by_values("swing_velocity", "rad/s", &swing)
+            by_values("swing_velocity", "rad/s", &swing, 0.0)
                 .unit
                 .map(|unit| unit.name)
         };
@@ -569,7 +653,7 @@ mod tests {
                 }
             };
             let angles: Vec<f64> = (0..1000).map(angle).collect();
-            by_values("boom_angle", "rad", &angles)
+            by_values("boom_angle", "rad", &angles, 0.0)
                 .unit
                 .map(|unit| unit.name)
         };
@@ -581,7 +665,7 @@ mod tests {
 
     #[test]
     fn a_unit_that_is_not_known_is_said() {
-        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0]).0.reason;
+        let reason = |name: &str| unit("swing_torque", "N m", name, &[1.0], 0.0).0.reason;
         assert!(reason("torque [stone ft]").starts_with("stone ft is no unit that heft knows"));
         assert!(!reason("torque [kNm]").contains("no unit"));
         assert!(!reason("torque []").contains("no unit"));

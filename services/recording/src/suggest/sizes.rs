@@ -1,0 +1,99 @@
+//! Units by the size of the largest values: pressures and torques whose columns name none.
+
+use crate::unit::{self, Unit};
+
+/// Where the largest pressures of a recording lie, in the unit of the data: pumps of excavators and loaders give 20 to 40 MPa, and
+/// work needs some of it. Each up to the limit; those of the last are in Pa, and below the first nothing was measured. No machine has
+/// more than 70 MPa: relief valves open at 35 to 42.
+pub const LARGEST_PRESSURES: [(f64, Option<&str>); 6] = [
+    (1.0, None),
+    (47.0, Some("MPa")),
+    (560.0, Some("bar")),
+    (6e3, Some("psi")),
+    (1e5, Some("kPa")),
+    (7e7, None),
+];
+
+/// Largest torques of swing drives are 1.5 kN m (1 t) to 700 kN m (100 t): below the first limit a number of N m moves no machine,
+/// beyond the second one of kN m is more than any has. Between both it may be either.
+const TORQUES: [f64; 2] = [200.0, 1000.0];
+
+/// One value in so many may be a disturbance.
+const DISTURBED: usize = 100;
+
+/// The largest value that is no disturbance.
+pub(super) fn largest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    let mut sizes: Vec<f64> = values.map(|x| x.abs()).filter(|x| x.is_finite()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let at = sizes.len().saturating_sub(1 + sizes.len() / DISTURBED);
+    sizes.get(at).copied().unwrap_or(0.0)
+}
+
+/// The unit of pressures whose largest is this, and why.
+pub(super) fn pressure(largest: f64) -> (Option<&'static Unit>, String) {
+    let place = LARGEST_PRESSURES.iter().find(|(end, _)| largest < *end);
+    let size = shown(largest);
+    match place {
+        Some((_, Some(unit))) => (unit::find(unit), format!("pressures up to {size}: {unit}?")),
+        Some(_) if largest >= 1.0 => (None, format!("pressures up to {size}: Pa?")),
+        _ => (
+            None,
+            format!("pressures up to {size}, of which no unit is likely: taken as Pa, check it"),
+        ),
+    }
+}
+
+/// The unit of torques whose largest is this, and why.
+pub(super) fn torque(largest: f64) -> (Option<&'static Unit>, String) {
+    let size = shown(largest);
+    let [few, many] = TORQUES;
+    match largest {
+        x if x > 0.0 && x < few => (unit::find("kN m"), format!("up to {size}: kN m?")),
+        x if x < many => (None, format!("up to {size}: N m or kN m? Check it")),
+        _ => (None, format!("up to {size}: N m?")),
+    }
+}
+
+/// Three digits.
+fn shown(x: f64) -> f64 {
+    crate::time_unit::rounded(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_pressure_tells_its_unit() {
+        let of = |largest: f64| pressure(largest).0.map_or("Pa", |unit| unit.name);
+        // 21 MPa, in each.
+        for (factor, unit) in [
+            (1.0, "Pa"),
+            (1e3, "kPa"),
+            (6894.76, "psi"),
+            (1e5, "bar"),
+            (1e6, "MPa"),
+        ] {
+            assert_eq!(of(21e6 / factor), unit);
+        }
+        assert!(pressure(0.3).1.contains("no unit is likely"));
+        assert!(pressure(3e8).1.contains("no unit is likely"));
+    }
+
+    #[test]
+    fn the_largest_torque_tells_kilonewton_metres_where_it_can() {
+        let of = |largest: f64| torque(largest).0.map_or("N m", |unit| unit.name);
+        assert_eq!([9.8, 150.0, 9800.0].map(of), ["kN m", "kN m", "N m"]);
+        assert!(torque(400.0).1.contains("N m or kN m"));
+        assert_eq!(of(0.0), "N m");
+    }
+
+    #[test]
+    fn one_value_in_a_hundred_is_no_size() {
+        let values: Vec<f64> = (0..1000)
+            .map(|k| if k % 200 == 0 { 1e9 } else { -3.0 })
+            .collect();
+        assert_eq!(largest(values.iter()), 3.0);
+        assert_eq!(largest([].iter()), 0.0);
+    }
+}
