@@ -22,6 +22,7 @@ const WORDS: &[(&str, &str)] = &[
     ("winkel", "angle"),
     ("ausleger", "boom"),
     ("hubarm", "lift arm"),
+    ("hubgerüst", "lift arm"),
     ("hubzylinder", "lift cylinder"),
     ("stiel", "stick"),
     ("löffel", "bucket"),
@@ -35,6 +36,8 @@ const WORDS: &[(&str, &str)] = &[
     ("ringraum", "rod"),
     ("druck", "press"),
     ("vorderachs", "front axle"),
+    ("^va ", "front axle"),
+    ("^ha ", "rear axle"),
     ("hinterachs", "rear axle"),
     ("vorderrad", "front wheel"),
     ("hinterrad", "rear wheel"),
@@ -469,6 +472,10 @@ mod tests {
     fn signals_are_found_in_other_languages() {
         for (signal, name) in [
             ("swing_velocity", "Drehrate [°/s]"),
+            ("front_torque", "Antriebsmoment VA [kNm]"),
+            ("rear_torque", "Antriebsmoment HA [kNm]"),
+            ("lift_angle", "Hubgerüstwinkel [°]"),
+            ("rear_wheel_speed", "Rear wheel"),
             ("swing_velocity", "Vitesse angulaire (°/s)"),
             ("swing_velocity", "角速度[deg/s]"),
             ("swing_velocity", "Upper structure rate [deg/s]"),

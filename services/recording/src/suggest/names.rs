@@ -39,6 +39,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=ts"],
             &["=stamp"],
             &["=epoch"],
+            &["=utc"],
             &["=clock"],
             &["=date"],
             &["=datum"],
@@ -141,6 +142,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["front", "axle"],
             &["front", "rpm"],
             &["front", "speed"],
+            &["front", "wheel"],
         ],
     ),
     (
@@ -151,6 +153,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["rear", "rpm"],
             &["rear", "speed"],
             &["output", "shaft"],
+            &["rear", "wheel"],
         ],
     ),
     (
