@@ -1,10 +1,9 @@
 //! The keys that a TOML text names, against the tables of a machine.
 
-use core::ops::Range as Span;
-
 use toml_edit::{Document, Item, TableLike};
 
 use crate::renamed::today;
+use crate::toml_error::{TOML_REMEDY, line_of, toml_error};
 use crate::{Error, Errors, Key, Keyed, nearest};
 
 /// One `key = value` of a file.
@@ -17,21 +16,15 @@ pub(crate) struct Entry<'a> {
 
 pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Errors> {
     Document::parse(text.to_owned()).map_err(|error| {
+        let (line, what) = toml_error(text, &error);
         Errors::from(Error {
-            what: error.message().trim().replace('\n', "; "),
+            what,
             file: file.into(),
-            line: error.span().map(|span| line_of(text, &span)),
+            line,
             key: String::new(),
-            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes, numbers like 0.5)"
-                .into(),
+            remedy: TOML_REMEDY.into(),
         })
     })
-}
-
-/// The line on which a span begins, counted from 1.
-pub(crate) fn line_of(text: &str, span: &Span<usize>) -> usize {
-    let before = text.get(..span.start).unwrap_or(text);
-    before.matches('\n').count() + 1
 }
 
 /// All leaves of the document, and the tables that the machine does not have.

@@ -23,6 +23,7 @@ mod remembered;
 mod renamed;
 mod stated;
 mod tables;
+mod toml_error;
 
 pub use class::mass_key;
 
@@ -36,3 +37,4 @@ pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
 pub use renamed::{old_names, renamed};
 pub use tables::Tables;
+pub use toml_error::{TOML_REMEDY, toml_error};

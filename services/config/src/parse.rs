@@ -5,8 +5,9 @@ use toml_edit::Item;
 use messages::Machine;
 
 use crate::class::mass_key;
-use crate::entries::{Entry, all_keys, document, entries, find, line_of, table_names};
+use crate::entries::{Entry, all_keys, document, entries, find, table_names};
 use crate::renamed::today;
+use crate::toml_error::line_of;
 use crate::{
     Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print, stated,
 };

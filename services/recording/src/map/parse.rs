@@ -52,9 +52,8 @@ const TERM_KEYS: &[&str] = &[
 impl Parser<'_> {
     fn map(&self) -> Result<Map, Error> {
         let document = Document::parse(self.text.to_owned()).map_err(|e| {
-            let line = e.span().map_or(1, |s| self.line_at(s.start));
-            let what = e.message().trim().replace('\n', "; ");
-            self.error(line, what, "correct the TOML there (table in [brackets], key = value, words in quotes, numbers like 0.5)")
+            let (line, what) = config::toml_error(self.text, &e);
+            self.error(line.unwrap_or(1), what, config::TOML_REMEDY)
         })?;
         let mut map = Map {
             file: self.path.to_owned(),
