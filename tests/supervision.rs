@@ -188,6 +188,20 @@ fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() 
     }
 }
 
+/// As `| head` does.
+#[test]
+fn a_reader_who_has_seen_enough_is_told_nothing() {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let output = heft()
+        .args(["completions", "bash"])
+        .stdout(writer)
+        .output()
+        .expect("heft starts");
+    assert_eq!(both(&output), "");
+    assert_eq!(output.status.code(), Some(141));
+}
+
 /// As programs do that care for no child of theirs: ignored signals are inherited.
 #[test]
 fn a_run_that_was_started_with_the_ends_of_children_ignored_ends_in_order() {

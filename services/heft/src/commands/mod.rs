@@ -33,7 +33,7 @@ pub mod weigh;
 #[derive(Debug, Parser)]
 #[command(name = "heft", version = crate::build::IDENTITY, max_term_width = 100)]
 #[command(
-    after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input.\n\n\
+    after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input; 141 the reader of standard output left.\n\n\
         Environment:\n  \
         HEFT_LOG         what is logged to standard error, such as info or heft=debug (else RUST_LOG; else warnings)\n  \
         HEFT_LOG_FORMAT  text or json: a line each, with time, level, source, fields and process\n  \
