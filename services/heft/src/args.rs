@@ -129,18 +129,22 @@ pub fn description(
             ));
         }
     };
-    // A mass that the file states stays.
     let key = config::mass_key(description.machine());
     let is_stated =
         description.stated().contains_key(key) || states(description.machine(), args, key)?;
-    let class = args.class.filter(|_| !is_stated);
-    let class = class.map(|mass| format!("{key}={mass:?}"));
+    let class = of_class(description.machine(), args.class, is_stated);
     let sets: Vec<&String> = class.iter().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
     let keys = keys.map(|(key, _)| key.trim());
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
+}
+
+/// What `--class` sets: the mass, unless that is stated.
+pub fn of_class(machine: Machine, class: Option<f64>, is_stated: bool) -> Option<String> {
+    let mass = class.filter(|_| !is_stated)?;
+    Some(format!("{}={mass:?}", config::mass_key(machine)))
 }
 
 /// Whether `--config` or `--set` states a key, at whatever value.

@@ -1,12 +1,12 @@
 //! `heft check`: validates a machine file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::args::{is_for, machine, tell_old_names, tonnes};
+use crate::args::{is_for, machine, of_class, tell_old_names, tonnes};
 use crate::failure::Failure;
 use crate::small_file;
 
@@ -29,6 +29,9 @@ pub struct CheckArgs {
 
 /// `heft check`
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    if let Some(file) = args.file.as_deref() {
+        is_no_machine(file)?;
+    }
     let text = args.file.as_deref().map(small_file::text).transpose()?;
     let text = text.unwrap_or_default();
     tell_old_names(&config::old_names(&text));
@@ -40,8 +43,8 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     let key = config::mass_key(description.machine());
     let is_stated = Description::states(description.machine(), &text, key);
-    if let Some(mass) = args.class.filter(|_| !is_stated) {
-        description.set(&format!("{key}={mass:?}"))?;
+    if let Some(mass) = of_class(description.machine(), args.class, is_stated) {
+        description.set(&mass)?;
     }
     if args.print {
         print!("{}", description.to_toml());
@@ -55,6 +58,21 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Other commands take the machine where this one takes its file.
+fn is_no_machine(file: &Path) -> Result<(), Failure> {
+    let named = Machine::ALL
+        .into_iter()
+        .find(|machine| file == Path::new(machine.name()));
+    match named.filter(|_| !file.exists()) {
+        None => Ok(()),
+        Some(machine) => Err(Failure::input(
+            "this is a machine, and `heft check` reads a machine file",
+            machine,
+            format!("for the reference machine: heft check --machine {machine} --print"),
+        )),
+    }
 }
 
 /// A number that is so many times that of machines of its size, or less than that part of it, is in another unit, or of another machine.
@@ -163,6 +181,18 @@ mod tests {
         }
         assert_eq!(said("", Machine::Excavator), "");
         assert_eq!(said("", Machine::Loader), "");
+    }
+
+    #[test]
+    fn a_machine_in_the_place_of_its_file_is_told_the_option() {
+        let said = is_no_machine(Path::new("loader"))
+            .expect_err("no file")
+            .to_string();
+        assert!(
+            said.contains("heft check --machine loader --print"),
+            "{said}"
+        );
+        assert!(is_no_machine(Path::new("loader.toml")).is_ok());
     }
 
     #[test]
