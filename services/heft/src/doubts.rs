@@ -25,6 +25,9 @@ pub struct Doubts<L: Look> {
     gaps: Gaps,
     rows: usize,
     refused: usize,
+    /// The row before, and how many rows were the same once more.
+    before: Option<L::Sensors>,
+    repeated: usize,
     /// Whether any signal had a value.
     is_measured: bool,
     measured: Vec<Measured>,
@@ -106,6 +109,8 @@ impl<L: Look> Doubts<L> {
             gaps: Gaps::default(),
             rows: 0,
             refused: 0,
+            before: None,
+            repeated: 0,
             is_measured: false,
             ends: vec![Ends::default(); measured.len()],
             too_large: vec![0; measured.len()],
@@ -123,6 +128,11 @@ impl<L: Look> Doubts<L> {
 
     /// Takes a sample, and whether its row was refused.
     pub fn add(&mut self, sample: &L::Sensors, is_refused: bool) {
+        if is_refused && self.repeats(sample) {
+            self.repeated += 1;
+            return;
+        }
+        self.before = Some(*sample);
         self.rows += 1;
         self.refused += usize::from(is_refused);
         self.gaps.see(sample.stamp().time);
@@ -160,8 +170,26 @@ impl<L: Look> Doubts<L> {
         }
     }
 
+    /// Whether a row is the one before it once more, with its time.
+    fn repeats(&self, sample: &L::Sensors) -> bool {
+        let same = |before: &L::Sensors| {
+            let mut values = self.measured.iter();
+            let at = |row: &L::Sensors, index: usize| row.get(index).map(|v| v.as_f64().to_bits());
+            before.stamp().time == sample.stamp().time
+                && before.bits_of("valid") == sample.bits_of("valid")
+                && values.all(|(index, ..)| at(before, *index) == at(sample, *index))
+        };
+        self.before.as_ref().is_some_and(same)
+    }
+
     /// Says what may be wrong.
     pub fn tell(&self) {
+        if self.repeated > 0 {
+            eprintln!(
+                "{} rows repeat the row before them; they are left out",
+                self.repeated
+            );
+        }
         if let Some(words) = self.gaps.words() {
             eprintln!("{words}");
         }
@@ -363,6 +391,28 @@ mod tests {
         };
         assert!(said(|k| 1e9 + f64::from(k)).is_some());
         assert_eq!(said(|k| if k % 2 == 0 { 4e9 } else { 1e7 }), None);
+    }
+
+    #[test]
+    fn a_row_that_is_written_twice_is_no_doubt_and_another_of_its_time_is() {
+        let judged = |second: f64| {
+            let loader = Description::default_of(messages::Machine::Loader);
+            let mut doubts = Doubts::<Nothing>::of(&loader);
+            for k in 0..100 {
+                let mut sample = messages::LoaderSensors {
+                    speed: f64::from(k),
+                    valid: u32::MAX,
+                    ..Default::default()
+                };
+                sample.stamp.time = 0.01 * f64::from(k);
+                doubts.add(&sample, false);
+                sample.speed += second;
+                doubts.add(&sample, true);
+            }
+            refused_often(doubts.refused, doubts.rows)
+        };
+        assert_eq!(judged(0.0), None);
+        assert!(judged(0.1).is_some());
     }
 
     #[test]
