@@ -26,13 +26,21 @@ static double cell(char **text)
     return value;
 }
 
+static void show(const char *before, const heft_excavator_estimate *estimate)
+{
+    printf("%sinertia %.0f +- %.0f kg m^2, payload %.0f +- %.0f kg, %s\n", before, estimate->inertia,
+           1.96 * estimate->inertia_std, estimate->payload, 1.96 * estimate->payload_std,
+           estimate->flags & HEFT_EXCAVATOR_FLAG_TRUSTED ? "trusted" : "not trusted");
+}
+
 int main(void)
 {
     heft_excavator_settings settings;
     heft_excavator_sample sample;
     heft_excavator_estimate estimate;
+    static heft_excavator_estimate trusted;
     char line[1024];
-    int rows = 0;
+    int rows = 0, has_trusted = 0;
 
     heft_excavator_defaults(&settings);
     settings.sensors.swing_velocity_std = 0.005;
@@ -57,11 +65,17 @@ int main(void)
         if (heft_excavator_step(memory, &sample, &estimate) != HEFT_OK)
             return 1;
         rows++;
+        if (estimate.flags & HEFT_EXCAVATOR_FLAG_TRUSTED) {
+            trusted = estimate;
+            has_trusted = 1;
+        }
     }
     if (rows == 0)
         return 2;
-    printf("inertia %.0f +- %.0f kg m^2, payload %.0f +- %.0f kg, %s\n", estimate.inertia,
-           1.96 * estimate.inertia_std, estimate.payload, 1.96 * estimate.payload_std,
-           estimate.flags & HEFT_EXCAVATOR_FLAG_TRUSTED ? "trusted" : "not trusted");
+    show("", &estimate);
+    if (has_trusted)
+        show("last trusted: ", &trusted);
+    else
+        printf("no row is trusted\n");
     return 0;
 }

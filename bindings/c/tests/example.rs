@@ -15,6 +15,12 @@ fn the_example_compiles_and_weighs_the_golden_load() {
     // The file ends with the load dropped: the inertia is that of the empty machine.
     assert!(said.starts_with("inertia "), "{said}");
     assert!(said.contains("payload"), "{said}");
+    // While it swung with its load, it was trusted.
+    let trusted = said.lines().find(|line| line.starts_with("last trusted: "));
+    assert!(
+        trusted.is_some_and(|line| line.ends_with(", trusted")),
+        "{said}"
+    );
 }
 
 #[test]
