@@ -269,7 +269,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
 fn lacking<S: Sensors>(
     found: &[String],
     missing: &[&[&str]],
-    blank: impl Fn(&str) -> String,
+    mut blank: impl FnMut(&str) -> String,
 ) -> String {
     let mut out = String::new();
     for group in missing {
@@ -367,6 +367,31 @@ mod tests {
         let line = "# swing_torque = { terms = [{ column = \"Swing motor A [bar]\", unit = \"bar\" }, \
                     { column = \"Swing motor B [bar]\", unit = \"bar\", sign = -1 }], scale = SCALE }";
         assert!(text.contains(line), "{text}");
+    }
+
+    #[test]
+    fn a_column_in_a_unit_of_the_signal_comes_before_one_whose_name_alone_fits() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let map = |names: &str| {
+            std::fs::write(&file, format!("t,{names}\n0,1,2\n")).expect("writable");
+            let found = suggest(&file, &[], Some(Machine::Loader)).expect("a table");
+            found.text
+        };
+        let text = map("Antriebsmoment VA [kNm],Raddrehzahl vorne [1/min]");
+        for line in [
+            "front_torque = { column = \"Antriebsmoment VA [kNm]\", unit = \"kNm\" }",
+            "\nfront_wheel_speed = { column = \"Raddrehzahl vorne [1/min]\", unit = \"rpm\" }",
+        ] {
+            assert!(text.contains(line), "{text}");
+        }
+        let text = map("Channel 3 [kNm],Channel 4 [kNm]");
+        for line in [
+            "# front_torque = { column = \"Channel 3 [kNm]\"",
+            "# rear_torque = { column = \"Channel 4 [kNm]\"",
+        ] {
+            assert!(text.contains(line), "{text}");
+        }
     }
 
     #[test]

@@ -369,6 +369,7 @@ const WORDS: &[(&str, &str)] = &[
     ("uppercarriage", "swing"),
     // Short words of English.
     ("trq", "torque"),
+    ("moment", "torque"),
     ("spd", "speed"),
     ("whl", "wheel"),
     ("bkt", "bucket"),

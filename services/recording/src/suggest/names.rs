@@ -84,12 +84,10 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         "swing_torque",
         &[
             &["swing", "torque"],
-            &["swing", "moment"],
             // Of ROS and of Modelica.
             &["swing", "effort"],
             &["swing", "^tau"],
             &["=torque"],
-            &["=moment"],
             &["swing", "[N m"],
         ],
     ),
@@ -156,14 +154,8 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["rear", "wheel"],
         ],
     ),
-    (
-        "front_torque",
-        &[&["front", "torque"], &["front axle", "moment"]],
-    ),
-    (
-        "rear_torque",
-        &[&["rear", "torque"], &["rear axle", "moment"]],
-    ),
+    ("front_torque", &[&["front", "torque"]]),
+    ("rear_torque", &[&["rear", "torque"]]),
     (
         "slope",
         &[

@@ -48,7 +48,10 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     text.push_str("\n[columns]\n");
     text += &draft.out;
     text += &draft.ports();
-    text += &lacking::<S>(&draft.found, &missing, |signal| draft.by_unit::<S>(signal));
+    let mut offered = draft.taken.clone();
+    text += &lacking::<S>(&draft.found, &missing, |signal| {
+        draft.by_unit::<S>(signal, &mut offered)
+    });
     text += &rest(&look.header, &draft.taken);
     Ok(Suggestion {
         text,
@@ -121,14 +124,23 @@ impl<'a> Draft<'a> {
             links: [const { None }; LINKS.len()],
         };
         draft.stamp();
+        draft.find::<S>(|name, si| unit::foreign(name, si).is_none_or(|unit| is_grade(unit, si)));
+        draft.find::<S>(|_, _| true);
+        draft
+    }
+
+    /// Takes for each signal that is not found yet the column that fits best of those whose name and the signal's unit are `usable`.
+    fn find<S: Sensors>(&mut self, usable: impl Fn(&str, &str) -> bool) {
         for signal in wanted::<S>() {
-            let names: Vec<&str> = draft.names.iter().map(String::as_str).collect();
-            let fitting = fitting(&signal, &names, &draft.taken);
-            if let Some(at) = fitting.filter(|_| !draft.found.contains(&signal)) {
-                draft.take::<S>(signal, at);
+            let si = unit_of::<S>(&signal);
+            let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+            let left_out = |at: &usize| self.taken.contains(at) || !usable(names[*at], si);
+            let left_out: Vec<usize> = (0..names.len()).filter(left_out).collect();
+            let fitting = fitting(&signal, &names, &left_out);
+            if let Some(at) = fitting.filter(|_| !self.found.contains(&signal)) {
+                self.take::<S>(signal, at);
             }
         }
-        draft
     }
 
     /// Signals that the machine needs, and nothing was found for.
@@ -196,13 +208,16 @@ impl<'a> Draft<'a> {
         self.found.push(signal);
     }
 
-    /// What may stand behind a signal that no name fits: the first free column in a unit of it.
-    fn by_unit<S: Sensors>(&self, signal: &str) -> String {
+    /// What may stand behind a signal that no name fits: the first column in a unit of it that is not `offered` yet.
+    fn by_unit<S: Sensors>(&self, signal: &str, offered: &mut Vec<usize>) -> String {
         let si = unit_of::<S>(signal);
-        let mut free = (0..self.names.len()).filter(|at| !self.taken.contains(at));
-        let found = free.find_map(|at| {
+        let free: Vec<usize> = (0..self.names.len())
+            .filter(|at| !offered.contains(at))
+            .collect();
+        let found = free.into_iter().find_map(|at| {
             let name = &self.names[at];
             let unit = unit::of_name(name, si).filter(|_| may_be(signal, name))?;
+            offered.push(at);
             let column = quoted(&self.look.header[at]);
             Some(format!("{{ column = {column}, unit = \"{}\" }}", unit.name))
         });
@@ -302,16 +317,21 @@ fn line_of(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str
     format!("{signal} = {{ column = {name}, unit = \"{unit}\"{scale} }}  # {reason}\n")
 }
 
+/// Whether an angle is told as a grade.
+fn is_grade(unit: &str, si: &str) -> bool {
+    matches!(unit, "%" | "‰") && si == "rad"
+}
+
 /// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
 fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
-    match (unit, si) {
-        ("%" | "‰", "rad") => (
+    match is_grade(unit, si) {
+        true => (
             format!(
                 "{signal} = {{ column = {name}, unit = \"{unit}\", scale = 1.0 }}  # a grade: up to 20 % it is the angle, within a hundredth\n"
             ),
             true,
         ),
-        _ => (
+        false => (
             format!("# {signal} = {name}  # its unit is {unit}, which is none of {si}\n"),
             false,
         ),
