@@ -26,339 +26,76 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
     names.filter(|name| !name.starts_with("true_")).collect()
 }
 
-/// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
-/// `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
-const WORDS: &[(&str, &[&[&str]])] = &[
-    (
-        "t",
-        &[
-            &["timestamp"],
-            &["time"],
-            &["zeit"],
-            &["=t"],
-            &["=ts"],
-            &["=stamp"],
-            &["=epoch"],
-            &["=clock"],
-            &["=date"],
-            &["=datum"],
-            &["=fecha"],
-            &["=hora"],
-            &["=heure"],
-            &["=tempo"],
-            &["elapsed"],
-            &["=datenum"],
-            &["=ticks"],
-            // LabVIEW's.
-            &["=x_value"],
-        ],
-    ),
-    (
-        "swing_velocity",
-        &[
-            &["swing", "vel"],
-            &["swing", "rate"],
-            &["swing", "speed"],
-            &["slew", "speed"],
-            &["slew", "vel"],
-            &["slew", "rate"],
-            &["swing", "omega"],
-            &["gyro", "z"],
-            &["yaw", "rate"],
-            &["=gyro"],
-            &["=omega"],
-            &["=angular_velocity"],
-            &["swing", "|w"],
-            &["swing", "[rad/s"],
-            &["slew", "[rad/s"],
-        ],
-    ),
-    (
-        "swing_angle",
-        &[
-            &["swing", "angle"],
-            &["swing", "pos"],
-            &["swing", "deg"],
-            &["slew", "angle"],
-        ],
-    ),
-    (
-        "swing_torque",
-        &[
-            &["swing", "torque"],
-            &["slew", "torque"],
-            &["swing", "moment"],
-            &["slew", "moment"],
-            // Of ROS and of Modelica.
-            &["swing", "effort"],
-            &["swing", "^tau"],
-            &["=torque"],
-            &["=moment"],
-            &["swing", "[N m"],
-            &["slew", "[N m"],
-        ],
-    ),
-    (
-        "boom_angle",
-        &[
-            &["boom", "angle"],
-            &["boom", "deg"],
-            &["boom", "pos"],
-            &["boom"],
-        ],
-    ),
-    (
-        "arm_angle",
-        &[
-            &["arm", "angle"],
-            &["stick", "angle"],
-            &["dipper", "angle"],
-            &["arm", "deg"],
-            &["arm", "pos"],
-            &["arm", "incl"],
-            &["stick"],
-            &["dipper"],
-            &["^arm"],
-        ],
-    ),
-    (
-        "bucket_angle",
-        &[&["bucket", "angle"], &["bucket", "deg"], &["bucket"]],
-    ),
-    (
-        "speed",
-        &[
-            &["wheelbased", "speed"],
-            &["vehicle", "speed"],
-            &["ground", "speed"],
-            &["machine", "speed"],
-            &["^veh", "speed"],
-            &["travel", "speed"],
-            &["gps", "speed"],
-            &["ccvs"],
-            &["=speed"],
-            &["=velocity"],
-        ],
-    ),
-    (
-        "front_wheel_speed",
-        &[
-            &["front", "wheel", "speed"],
-            &["front", "axle"],
-            &["front", "rpm"],
-            &["front", "speed"],
-        ],
-    ),
-    (
-        "rear_wheel_speed",
-        &[
-            &["rear", "wheel", "speed"],
-            &["rear", "axle"],
-            &["rear", "rpm"],
-            &["rear", "speed"],
-            &["output", "shaft"],
-        ],
-    ),
-    (
-        "front_torque",
-        &[&["front", "torque"], &["front axle", "moment"]],
-    ),
-    (
-        "rear_torque",
-        &[&["rear", "torque"], &["rear axle", "moment"]],
-    ),
-    (
-        "slope",
-        &[
-            &["slope"],
-            &["grade"],
-            &["gradient"],
-            &["inclin"],
-            &["pitch", "angle"],
-            &["pitch"],
-        ],
-    ),
-    (
-        "acceleration",
-        &[&["accel", "long"], &["accel", "x"], &["accel"]],
-    ),
-    (
-        "mass",
-        &[
-            &["gross", "mass"],
-            &["vehicle", "mass"],
-            &["mass"],
-            &["gross", "weight"],
-            &["=weight"],
-        ],
-    ),
-    ("pitch", &[&["pitch"]]),
-    ("roll", &[&["^roll"], &["=wank"]]),
-    ("articulation", &[&["articul"], &["steer", "angle"]]),
-    ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
-    ("brake", &[&["brake"]]),
-    (
-        "boom_head_pressure",
-        &[
-            &["boom", "head", "press"],
-            &["boom", "bottom", "press"],
-            &["boom", "bore", "press"],
-            &["boom", "piston", "press"],
-            &["boom", "cap", "press"],
-        ],
-    ),
-    ("boom_rod_pressure", &[&["boom", "rod", "press"]]),
-    (
-        "arm_head_pressure",
-        &[
-            &["arm", "head", "press"],
-            &["stick", "head", "press"],
-            &["arm", "bottom", "press"],
-            &["stick", "bottom", "press"],
-            &["arm", "piston", "press"],
-            &["arm", "cap", "press"],
-            &["stick", "cap", "press"],
-        ],
-    ),
-    (
-        "arm_rod_pressure",
-        &[&["arm", "rod", "press"], &["stick", "rod", "press"]],
-    ),
-    (
-        "lift_angle",
-        &[&["lift", "ang"], &["lift", "arm"], &["boom", "ang"]],
-    ),
-    ("tilt_angle", &[&["tilt", "ang"], &["bucket", "ang"]]),
-    (
-        "lift_head_pressure",
-        &[
-            &["lift", "head", "press"],
-            &["lift", "bottom", "press"],
-            &["lift", "piston", "press"],
-            &["lift", "cap", "press"],
-            &["hoist", "head", "press"],
-            &["hoist", "bottom", "press"],
-            &["boom", "head", "press"],
-            &["boom", "bottom", "press"],
-        ],
-    ),
-    (
-        "lift_rod_pressure",
-        &[
-            &["lift", "rod", "press"],
-            &["hoist", "rod", "press"],
-            &["boom", "rod", "press"],
-        ],
-    ),
-    ("truck", &[&["truck", "number"], &["truck", "id"]]),
-];
+/// For each signal what its names have, in the order of trust; of `a + b` both. `^word` counts only where a word of the name
+/// begins, `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name
+/// tells a unit of this dimension. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
+const WORDS: &str = "
+t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum
+t: =ticks, =x_value
+swing_velocity: swing + vel, swing + rate, swing + speed, slew + speed, slew + vel, slew + rate, swing + omega, gyro + z
+swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + [rad/s, slew + [rad/s
+swing_angle: swing + angle, swing + pos, swing + deg, slew + angle
+swing_torque: swing + torque, slew + torque, swing + moment, slew + moment, swing + effort, swing + ^tau, =torque, =moment
+swing_torque: swing + [N m, slew + [N m
+boom_angle: boom + angle, boom + deg, boom + pos, boom
+arm_angle: arm + angle, stick + angle, dipper + angle, arm + deg, arm + pos, arm + incl, stick, dipper, ^arm
+bucket_angle: bucket + angle, bucket + deg, bucket
+speed: wheelbased + speed, vehicle + speed, ground + speed, machine + speed, ^veh + speed, travel + speed, gps + speed, ccvs
+speed: =speed, =velocity
+front_wheel_speed: front + wheel + speed, front + axle, front + rpm, front + speed
+rear_wheel_speed: rear + wheel + speed, rear + axle, rear + rpm, rear + speed, output + shaft
+front_torque: front + torque, front axle + moment
+rear_torque: rear + torque, rear axle + moment
+slope: slope, grade, gradient, inclin, pitch + angle, pitch
+acceleration: accel + long, accel + x, accel
+mass: gross + mass, vehicle + mass, mass, gross + weight, =weight
+pitch: pitch
+roll: ^roll, =wank
+articulation: articul, steer + angle
+yaw_rate: yaw + rate, gyro + z
+brake: brake
+boom_head_pressure: boom + head + press, boom + bottom + press, boom + bore + press, boom + piston + press
+boom_head_pressure: boom + cap + press
+boom_rod_pressure: boom + rod + press
+arm_head_pressure: arm + head + press, stick + head + press, arm + bottom + press, stick + bottom + press
+arm_head_pressure: arm + piston + press, arm + cap + press, stick + cap + press
+arm_rod_pressure: arm + rod + press, stick + rod + press
+lift_angle: lift + ang, lift + arm, boom + ang
+tilt_angle: tilt + ang, bucket + ang
+lift_head_pressure: lift + head + press, lift + bottom + press, lift + piston + press, lift + cap + press
+lift_head_pressure: hoist + head + press, hoist + bottom + press, boom + head + press, boom + bottom + press
+lift_rod_pressure: lift + rod + press, hoist + rod + press, boom + rod + press
+truck: truck + number, truck + id
+";
 
 /// Words of what is commanded or something else than motion: a joystick measures no stick.
-const OTHERS: [&str; 12] = [
-    "joystick",
-    "lever",
-    "pilot",
-    "command",
-    "cmd",
-    "setpoint",
-    "set point",
-    "set_point",
-    "valve",
-    "flow",
-    "temper",
-    "roller",
-];
+const OTHERS: &str = "joystick, lever, pilot, command, cmd, setpoint, set point, set_point, valve, flow, temper, roller";
 
 /// What is wanted, a bound, a state or a statistic: no measurement.
-const NO_MEASUREMENT: [&str; 25] = [
-    "target",
-    "ref",
-    "reference",
-    "desired",
-    "demand",
-    "request",
-    "requested",
-    "req",
-    "limit",
-    "lim",
-    "max",
-    "min",
-    "maximum",
-    "minimum",
-    "valid",
-    "validity",
-    "status",
-    "quality",
-    "fault",
-    "error",
-    "flag",
-    "alarm",
-    "pedal",
-    "mode",
-    "std",
-];
+const NO_MEASUREMENT: &str = "target ref reference desired demand request requested req limit lim max min maximum minimum valid validity \
+    status quality fault error flag alarm pedal mode std";
 
 /// Signals, by their name or its end, and words that tell another quantity than these: a boom's rate is no angle of it.
-const OF_OTHERS: &[(&[&str], &[&str])] = &[
+const OF_OTHERS: &[(&str, &str)] = &[
     (
-        &["_angle", "slope", "pitch", "roll", "articulation"],
-        &[
-            "rate",
-            "vel",
-            "velocity",
-            "speed",
-            "accel",
-            "acceleration",
-            "omega",
-            "torque",
-            "moment",
-            "force",
-            "stroke",
-            "length",
-        ],
+        "_angle slope pitch roll articulation",
+        "rate vel velocity speed accel acceleration omega torque moment force stroke length",
     ),
     (
-        &["_velocity", "_speed", "speed", "yaw_rate"],
-        &[
-            "accel",
-            "acceleration",
-            "angle",
-            "torque",
-            "moment",
-            "force",
-            "power",
-        ],
+        "_velocity _speed speed yaw_rate",
+        "accel acceleration angle torque moment force power",
     ),
+    ("_torque", "rate vel velocity speed angle accel power"),
+    ("acceleration", "accelerator"),
     (
-        &["_torque"],
-        &[
-            "rate", "vel", "velocity", "speed", "angle", "accel", "power",
-        ],
+        "slope pitch roll",
+        "boom arm stick dipper bucket lift blade",
     ),
-    (&["acceleration"], &["accelerator"]),
+    ("articulation", "wheel whl"),
+    ("mass", "payload load bucket fuel air attachment"),
     (
-        &["slope", "pitch", "roll"],
-        &["boom", "arm", "stick", "dipper", "bucket", "lift", "blade"],
-    ),
-    (&["articulation"], &["wheel", "whl"]),
-    (
-        &["mass"],
-        &["payload", "load", "bucket", "fuel", "air", "attachment"],
-    ),
-    (
-        &["t"],
-        &[
-            "cycle",
-            "zone",
-            "delta",
-            "dt",
-            "diff",
-            "step",
-            "remaining",
-            "delay",
-            "lag",
-            "response",
-        ],
+        "t",
+        "cycle zone delta dt diff step remaining delay lag response",
     ),
 ];
 
@@ -376,11 +113,12 @@ fn is_other(signal: &str, name: &str) -> bool {
     ];
     let words = texts.iter().flat_map(|text| unit::words(text));
     let words: Vec<String> = words.map(str::to_lowercase).collect();
-    let is_of = |key: &&str| *key == signal || key.starts_with('_') && signal.ends_with(key);
-    let others = OF_OTHERS.iter().filter(|(keys, _)| keys.iter().any(&is_of));
-    let mut all = others
-        .flat_map(|(_, words)| words.iter())
-        .chain(&NO_MEASUREMENT);
+    let is_of = |key: &str| key == signal || key.starts_with('_') && signal.ends_with(key);
+    let others = OF_OTHERS
+        .iter()
+        .filter(|(keys, _)| keys.split(' ').any(is_of));
+    let all = others.map(|(_, words)| *words).chain([NO_MEASUREMENT]);
+    let mut all = all.flat_map(|words| words.split(' '));
     all.any(|other| words.iter().any(|word| word == other))
 }
 
@@ -414,14 +152,16 @@ pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
         return Some(at);
     }
     let lower: Vec<String> = names.iter().map(|n| english(n)).collect();
-    let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
-    alternatives.iter().find_map(|words| {
+    let rows = WORDS
+        .lines()
+        .filter_map(|row| row.strip_prefix(signal)?.strip_prefix(": "));
+    rows.flat_map(|row| row.split(", ")).find_map(|words| {
         // `boom_head_pressure` is no angle of the boom.
         let is_pressure = |n: &str| n.contains("press");
         let fits = |n: &String| {
-            words.iter().all(|w| has(n, w))
+            words.split(" + ").all(|w| has(n, w))
                 && is_pressure(n) == is_pressure(signal)
-                && !OTHERS.iter().any(|w| n.contains(w))
+                && !OTHERS.split(", ").any(|w| n.contains(w))
         };
         let mut free = (0..lower.len()).filter(free);
         free.find(|at| fits(&lower[*at]) && !is_other(signal, names[*at]))
