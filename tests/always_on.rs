@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 use std::time::Duration;
 
-use common::{Running, both, heft, kill, run_ok, wait_until};
+use common::{Running, both, heft, kill, run_ok, wait_until, words};
 use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS};
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use recording::Reader;
@@ -31,7 +31,7 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
 
 #[test]
 fn parts_are_whole_and_are_read_as_one() {
-    let run = Running::start("parts", &["excavator", "--duration", "8", "--split", "1s"]);
+    let run = Running::start("parts", "excavator --duration 8 --split 1s".split(' '));
     let (output, folder) = run.wait();
     assert!(files(folder.path()).len() > 3, "{}", both(&output));
     for part in files(folder.path()) {
@@ -108,10 +108,7 @@ fn old_parts_make_room_for_new_ones() {
 
 #[test]
 fn a_logger_that_is_killed_at_the_end_of_parts_loses_no_sample() {
-    let run = Running::start(
-        "killed",
-        &["excavator", "--duration", "16", "--split", "1s"],
-    );
+    let run = Running::start("killed", "excavator --duration 16 --split 1s".split(' '));
     run.wait_for_services();
     std::thread::sleep(Duration::from_millis(1500));
     for n in 0..6 {
@@ -137,14 +134,7 @@ fn a_logger_that_is_killed_at_the_end_of_parts_loses_no_sample() {
 
 #[test]
 fn a_disk_without_room_stops_the_recording_and_not_the_estimation() {
-    let arguments = [
-        "excavator",
-        "--verbose",
-        "--duration",
-        "4",
-        "--min-free",
-        "900000TB",
-    ];
+    let arguments = words("excavator --verbose --duration 4 --min-free 900000TB");
     let run = Running::start("full", &arguments);
     let (output, folder) = run.wait();
     let said = both(&output);

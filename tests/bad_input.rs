@@ -10,7 +10,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-use common::{both, golden, run};
+use common::{both, golden, run, says};
 
 /// Expects exit status 2, the words, and no output file.
 fn refused(args: &[&str], words: &[&str], output: &Path) {
@@ -169,11 +169,7 @@ fn an_output_that_cannot_be_written_is_reported() {
         "/nowhere/out.csv",
     ]);
     assert_eq!(result.status.code(), Some(2));
-    assert!(
-        both(&result).contains("/nowhere/out.csv"),
-        "{}",
-        both(&result)
-    );
+    says(&result, "/nowhere/out.csv");
 }
 
 #[test]
@@ -189,11 +185,7 @@ fn a_full_disk_ends_an_estimate_with_a_word() {
         "/dev/full",
     ]);
     assert_eq!(result.status.code(), Some(2), "{}", both(&result));
-    assert!(
-        both(&result).contains("cannot write the estimates"),
-        "{}",
-        both(&result)
-    );
+    says(&result, "cannot write the estimates");
 }
 
 #[test]
@@ -318,7 +310,7 @@ fn unknown_methods_scenarios_and_domains_name_the_choices() {
 fn a_service_without_a_supervisor_says_how_to_start_one() {
     let result = run(&["service", "kalman", "--domain", "nowhere"]);
     assert_eq!(result.status.code(), Some(2));
-    assert!(both(&result).contains("what to do"), "{}", both(&result));
+    says(&result, "what to do");
 }
 
 /// Runs a shell script in mount namespace of its own; `None`, with a word, where that is forbidden.
@@ -354,11 +346,7 @@ fn a_full_shared_memory_is_reported_before_anything_starts() {
         return;
     }
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-    assert!(
-        both(&output).contains("shared memory has"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "shared memory has");
 }
 
 #[test]

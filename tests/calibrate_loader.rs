@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{both, run, run_ok};
+use common::{both, run, run_ok, says};
 use config::Tables as _;
 use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
 
@@ -227,11 +227,7 @@ fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
             "flat.csv,back.csv",
         ],
     );
-    assert!(
-        both(&result).contains("go the same way"),
-        "{}",
-        both(&result)
-    );
+    says(&result, "go the same way");
     assert!(result.status.success(), "{}", both(&result));
     run_ok(&["check", output.to_str().expect("a path")]);
     let text = std::fs::read_to_string(&output).expect("a file");
@@ -289,7 +285,7 @@ fn what_cannot_be_believed_is_said_and_not_written() {
     ] {
         let (result, output) = recordings.calibrate(files, more);
         assert_eq!(result.status.code(), Some(1), "{}", both(&result));
-        assert!(both(&result).contains(sentence), "{}", both(&result));
+        says(&result, sentence);
         assert!(!output.exists(), "{sentence}");
     }
     for (files, more, sentence) in [
@@ -303,7 +299,7 @@ fn what_cannot_be_believed_is_said_and_not_written() {
     ] {
         let (result, output) = recordings.calibrate(files, more);
         assert_eq!(result.status.code(), Some(2), "{}", both(&result));
-        assert!(both(&result).contains(sentence), "{}", both(&result));
+        says(&result, sentence);
         assert!(!output.exists(), "{sentence}");
     }
 }

@@ -5,7 +5,7 @@ mod common;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use common::{both, path_in, run, run_ok};
+use common::{both, path_in, run, run_ok, says};
 use config::Tables as _;
 use evaluate::excavator::calibration::Truth;
 
@@ -163,11 +163,7 @@ fn nothing_that_was_there_before_is_written_over() {
             "{words:?}: {}",
             both(&result)
         );
-        assert!(
-            both(&result).contains("choose another name"),
-            "{}",
-            both(&result)
-        );
+        says(&result, "choose another name");
     }
     assert_eq!(std::fs::read(&empty).expect("there"), before);
     assert_eq!(std::fs::read(&notes).expect("there"), b"mine\n");

@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{Running, both, golden, run_ok};
+use common::{Running, both, golden, run_ok, says};
 use messages::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors, Message,
 };
@@ -125,7 +125,7 @@ fn threads_of_one_process_agree_to_the_last_bit_too() {
 fn a_run_of_threads_has_one_process_and_ends_in_order_when_it_is_asked_to() {
     let mut heft = common::heft();
     heft.env("HEFT_LOG", "debug").env("HEFT_LOG_FORMAT", "json");
-    let running = Running::start_with(heft, "one-process", &["excavator", "--threads", "--view"]);
+    let running = Running::start_with(heft, "one-process", "excavator --threads --view".split(' '));
     common::wait_until("a recording", std::time::Duration::from_secs(20), || {
         running
             .recording()
@@ -215,11 +215,7 @@ fn a_changed_estimate_is_found_by_the_replay() {
     writer.finish().expect("a file");
     let output = common::run(&["replay", path(&forged), "--verify"]);
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(
-        both(&output).contains("`inertia` of sample 100"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "`inertia` of sample 100");
 }
 
 #[test]

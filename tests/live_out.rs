@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{Running, both, heft, run, run_ok};
+use common::{Running, both, heft, run, run_ok, says};
 use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS};
 use messages::{ExcavatorEstimate, ExcavatorLoads, Machine, Message};
 use recording::Reader;
@@ -162,7 +162,7 @@ fn what_cannot_be_sent_is_refused_before_anything_starts() {
         let all = [&["run", "excavator"], arguments].concat();
         let output = run(&all);
         assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-        assert!(both(&output).contains(word), "{}", both(&output));
+        says(&output, word);
     }
     let dbc = run_ok(&["schema", "--lang", "dbc"]);
     assert!(

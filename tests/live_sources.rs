@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::Duration;
 
-use common::{both, heft, kill, run, run_ok};
+use common::{both, heft, kill, run, run_ok, says};
 use messages::ExcavatorSensors;
 use messages::channels::EXCAVATOR_SENSORS;
 use recording::Reader;
@@ -170,11 +170,7 @@ fn a_trucks_log_on_standard_input_gives_the_bits_of_its_file() {
     let out = tempfile::tempdir().expect("a folder");
     let output = piped("loader", &log, Some(&map), out.path());
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(
-        both(&output).contains("those at the motor"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "those at the motor");
     let file = estimates("loader", &log, Some(&map));
     assert_same("loader", &out.path().join("run.mcap"), &file, false);
 }
@@ -202,7 +198,7 @@ fn rows_of_a_table_come_on_standard_input_and_give_the_bits_of_their_file() {
     let output = piped("excavator", &table, None, out.path());
     assert!(output.status.success(), "{}", both(&output));
     let reported = format!("line {} of standard input is no row", rows + 2);
-    assert!(both(&output).contains(&reported), "{}", both(&output));
+    says(&output, &reported);
     let all = common::sequences::<ExcavatorSensors>(out.path(), EXCAVATOR_SENSORS.name);
     assert_eq!(all.len(), rows + 1);
 }
@@ -293,5 +289,5 @@ fn a_source_that_was_killed_goes_on_with_standard_input() {
 fn a_bus_without_a_map_is_refused_with_the_remedy() {
     let output = run(&["run", "excavator", "--input", "can:can0"]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-    assert!(both(&output).contains("heft map"), "{}", both(&output));
+    says(&output, "heft map");
 }

@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::table::Table;
-use common::{both, run, run_ok};
+use common::{both, run, run_ok, words};
 use messages::channels::LOADER_LOADS;
 use messages::{LoaderLoads, SIMULATED, loads_bits};
 use recording::Reader;
@@ -83,12 +83,7 @@ fn the_pages_show(folder: &Path, recording: &str, loads: &[Value]) {
 fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum() {
     let folder = tempfile::tempdir().expect("a folder");
     // The gain of these sensors was checked: it is that of the simulator.
-    let more = [
-        "--payload",
-        "1200",
-        "--set",
-        "sensors.pressure_gain_std=0.01",
-    ];
+    let more = words("--payload 1200 --set sensors.pressure_gain_std=0.01");
     let (recording, said) = recorded(folder.path(), "loader", "loading", &more);
     assert!(
         said.contains("load 1") && said.contains("by pressure"),

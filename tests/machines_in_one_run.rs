@@ -8,7 +8,7 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use common::table::{Row, Table};
-use common::{both, golden, heft, kill, path_in, processes, run, run_ok, wait_until};
+use common::{both, golden, heft, kill, path_in, processes, run, run_ok, says, wait_until, words};
 use messages::{ExcavatorEstimate, LoaderEstimate, Message};
 use recording::Reader;
 use rustix::process::Signal;
@@ -117,7 +117,7 @@ fn many_machines_are_refused_or_ended_while_they_are_made() {
     };
     let refused = simulated("1000000").output().expect("heft starts");
     assert_eq!(refused.status.code(), Some(2), "{}", both(&refused));
-    assert!(both(&refused).contains("1..=100000"), "{}", both(&refused));
+    says(&refused, "1..=100000");
     let shards = run(&["serve", "excavator", "--shards", "1000000"]);
     assert_eq!(shards.status.code(), Some(2), "{}", both(&shards));
     let mut child = simulated("100000")
@@ -184,11 +184,7 @@ fn recordings_are_a_machine_each() {
     }
     let output = run(&[&run_them[..], &["--machines", "3"]].concat());
     assert_eq!(output.status.code(), Some(2));
-    assert!(
-        both(&output).contains("holds 2 recordings, not 3"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "holds 2 recordings, not 3");
 }
 
 /// Rows of the machine that has fewest of so many, in the table that a run has not finished.
@@ -209,18 +205,9 @@ fn fewest(folder: &Path, machines: usize) -> usize {
 fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| path_in(folder.path(), name);
-    let args = [
-        "run",
-        "excavator",
-        "--scenario",
-        "cycle",
-        "--machines",
-        "4",
-        "--quiet",
-        "--out",
-    ];
+    let args = words("run excavator --scenario cycle --machines 4 --quiet --out");
     let mut child = heft();
-    child.args(args).args([&path("live"), "--duration", "600"]);
+    child.args(&args).args([&path("live"), "--duration", "600"]);
     let child = child
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -301,10 +288,6 @@ fn what_makes_no_sense_for_many_machines_is_refused() {
     for live in ["can:can0", "-"] {
         let output = run(&["run", "excavator", "--machines", "2", "--input", live]);
         assert_eq!(output.status.code(), Some(2), "{live}");
-        assert!(
-            both(&output).contains("is one machine, not 2"),
-            "{}",
-            both(&output)
-        );
+        says(&output, "is one machine, not 2");
     }
 }

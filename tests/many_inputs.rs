@@ -6,7 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use common::{both, golden, run, run_ok};
+use common::{both, golden, run, run_ok, says};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("a path")
@@ -144,19 +144,11 @@ fn several_inputs_and_one_output_are_refused() {
         text(&out),
     ]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(
-        both(&output).contains("leave --output out"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "leave --output out");
     let nothing = tempfile::tempdir().expect("a folder");
     let output = run(&["estimate", text(nothing.path()), "--machine", "excavator"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(
-        both(&output).contains("nothing to read"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "nothing to read");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-use common::{both, golden, heft, kill, run, run_ok, wait_until};
+use common::{both, golden, heft, kill, run, run_ok, says, wait_until};
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use recording::csv::EstimateRows;
 use recording::payload::{decode, encode, put_delimited, take_delimited};
@@ -63,14 +63,7 @@ fn by_machine(text: &str) -> BTreeMap<String, String> {
 
 fn start() -> Child {
     let mut command = heft();
-    command.args([
-        "serve",
-        "excavator",
-        "--shards",
-        "3",
-        "--set",
-        "prior.inertia=6000",
-    ]);
+    command.args("serve excavator --shards 3 --set prior.inertia=6000".split(' '));
     command
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -342,7 +335,7 @@ fn what_cannot_be_served_is_said() {
         std::fs::write(&input, text).expect("a file");
         let output = run(&["serve", "excavator", path]);
         assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-        assert!(both(&output).contains(words), "{}", both(&output));
+        says(&output, words);
     }
     let rows = "machine,t,swing_velocity,swing_torque\na,0,0,0\n,0.01,0,0\nb,0,0,0\na,0.02,x,0\na,0.03,0,0\nb,0,0,0\n";
     std::fs::write(&input, rows).expect("a file");
@@ -380,7 +373,7 @@ fn what_cannot_be_served_is_said() {
         "excavator",
         folder.path().to_str().expect("a path"),
     ]);
-    assert!(both(&folder).contains("not a folder"), "{}", both(&folder));
+    says(&folder, "not a folder");
     let full = std::fs::File::options().write(true).open("/dev/full");
     let full = common::heft()
         .args(["serve", "excavator", path])
@@ -388,5 +381,5 @@ fn what_cannot_be_served_is_said() {
         .output()
         .expect("heft");
     assert_eq!(full.status.code(), Some(2));
-    assert!(both(&full).contains("No space left"), "{}", both(&full));
+    says(&full, "No space left");
 }

@@ -33,14 +33,7 @@ fn the_notebooks_run_where_python_has_this_heft() {
         let name = notebook.file_name().expect("a name");
         std::fs::copy(&notebook, scratch.path().join(name)).expect("copied");
         let run = Command::new(&python)
-            .args([
-                "-m",
-                "nbconvert",
-                "--to",
-                "notebook",
-                "--execute",
-                "--stdout",
-            ])
+            .args("-m nbconvert --to notebook --execute --stdout".split(' '))
             .arg(name)
             .current_dir(&scratch)
             .output()

@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::{Running, both, heft, kill, run, sequences, shared_memory, survivors, wait_until};
+use common::{
+    Running, both, heft, kill, run, says, sequences, shared_memory, survivors, wait_until,
+};
 use messages::{ExcavatorEstimate, ExcavatorSensors, Health, LoaderEstimate, SwingMotion};
 use rustix::process::Signal;
 
@@ -15,7 +17,7 @@ fn what_is_logged_as_json_names_its_process() {
     let mut heft = heft();
     heft.env("HEFT_LOG", "info,iceoryx2=off,iceoryx2_log=off");
     heft.env("HEFT_LOG_FORMAT", "json");
-    let running = Running::start_with(heft, "log", &["excavator", "--duration", "2"]);
+    let running = Running::start_with(heft, "log", "excavator --duration 2".split(' '));
     let (output, _folder) = running.wait();
     let text = String::from_utf8_lossy(&output.stderr);
     let lines = text
@@ -53,15 +55,7 @@ fn in_the_journal_each_line_has_its_priority_and_elsewhere_none() {
         heft.env("JOURNAL_STREAM", stream)
             .stdout(std::process::Stdio::null())
             .stderr(file);
-        heft.args([
-            "run",
-            "excavator",
-            "--duration",
-            "1",
-            "--quiet",
-            "--no-report",
-            "--domain",
-        ]);
+        heft.args("run excavator --duration 1 --quiet --no-report --domain".split(' '));
         heft.arg(common::domain(name))
             .arg("--out")
             .arg(folder.path().join(format!("{name}-out")));
@@ -90,15 +84,7 @@ fn complete(numbers: &[u64], first: u64) {
 fn thirty_seconds_at_1_khz_arrive_complete_and_in_order() {
     let running = Running::start(
         "khz",
-        &[
-            "excavator",
-            "--scenario",
-            "cycle",
-            "--rate",
-            "1000",
-            "--duration",
-            "30",
-        ],
+        "excavator --scenario cycle --rate 1000 --duration 30".split(' '),
     );
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
@@ -134,7 +120,7 @@ fn thirty_seconds_at_1_khz_arrive_complete_and_in_order() {
 fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
     let running = Running::start(
         "term",
-        &["excavator", "--scenario", "cycle", "--duration", "60"],
+        "excavator --scenario cycle --duration 60".split(' '),
     );
     running.wait_for_services();
     std::thread::sleep(Duration::from_secs(2));
@@ -167,15 +153,7 @@ fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
 fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
     let running = Running::start(
         "kill",
-        &[
-            "excavator",
-            "--scenario",
-            "cycle",
-            "--rate",
-            "1000",
-            "--duration",
-            "120",
-        ],
+        "excavator --scenario cycle --rate 1000 --duration 120".split(' '),
     );
     running.wait_for_services();
     // A fixed order of victims and pauses: 20 deaths, each service several times.
@@ -233,7 +211,7 @@ fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
 fn a_service_that_cannot_live_ends_the_run_with_its_reason() {
     let running = Running::start(
         "dying",
-        &["excavator", "--scenario", "cycle", "--duration", "60"],
+        "excavator --scenario cycle --duration 60".split(' '),
     );
     running.wait_for_services();
     let begun = Instant::now();
@@ -248,7 +226,7 @@ fn a_service_that_cannot_live_ends_the_run_with_its_reason() {
     let domain = running.domain.clone();
     let (output, _folder) = running.wait();
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(both(&output).contains("kalman"), "{}", both(&output));
+    says(&output, "kalman");
     assert_eq!(shared_memory(&domain), Vec::<String>::new());
 }
 
@@ -256,7 +234,7 @@ fn a_service_that_cannot_live_ends_the_run_with_its_reason() {
 fn workers_end_by_themselves_when_the_supervisor_is_killed_and_the_next_start_is_clean() {
     let running = Running::start(
         "orphans",
-        &["excavator", "--scenario", "cycle", "--duration", "60"],
+        "excavator --scenario cycle --duration 60".split(' '),
     );
     running.wait_for_services();
     wait_until("it records", Duration::from_secs(30), || {
@@ -283,15 +261,7 @@ fn workers_end_by_themselves_when_the_supervisor_is_killed_and_the_next_start_is
 
     let next = tempfile::tempdir().expect("a folder");
     let text = common::heft()
-        .args([
-            "run",
-            "excavator",
-            "--duration",
-            "0.5",
-            "--quiet",
-            "--no-report",
-            "--out",
-        ])
+        .args("run excavator --duration 0.5 --quiet --no-report --out".split(' '))
         .arg(next.path())
         .output()
         .expect("heft starts");
@@ -306,11 +276,8 @@ fn workers_end_by_themselves_when_the_supervisor_is_killed_and_the_next_start_is
 
 #[test]
 fn two_pipelines_run_side_by_side_in_their_own_domains() {
-    let one = Running::start(
-        "one",
-        &["excavator", "--scenario", "cycle", "--duration", "3"],
-    );
-    let two = Running::start("two", &["loader", "--duration", "3"]);
+    let one = Running::start("one", "excavator --scenario cycle --duration 3".split(' '));
+    let two = Running::start("two", "loader --duration 3".split(' '));
     let (first, folder_one) = one.wait();
     let (second, folder_two) = two.wait();
     assert!(first.status.success(), "{}", both(&first));
@@ -334,7 +301,7 @@ fn two_pipelines_run_side_by_side_in_their_own_domains() {
 fn a_domain_in_use_is_refused() {
     let running = Running::start(
         "taken",
-        &["excavator", "--scenario", "cycle", "--duration", "30"],
+        "excavator --scenario cycle --duration 30".split(' '),
     );
     running.wait_for_services();
     let folder = tempfile::tempdir().expect("a folder");
@@ -353,11 +320,7 @@ fn a_domain_in_use_is_refused() {
         .output()
         .expect("heft starts");
     assert_eq!(output.status.code(), Some(2));
-    assert!(
-        both(&output).contains("in use by another run"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "in use by another run");
     running.signal(Signal::TERM);
     let (output, _folder) = running.wait();
     assert!(
@@ -373,7 +336,7 @@ fn start_up_in_any_order_loses_nothing() {
     for slow in ["sensor", "kalman", "rls", "ukf", "logger"] {
         let running = Running::start(
             &format!("slow-{slow}"),
-            &["excavator", "--duration", "1", "--rate", "500"],
+            "excavator --duration 1 --rate 500".split(' '),
         );
         let mut held = None;
         wait_until("the service appears", Duration::from_secs(10), || {

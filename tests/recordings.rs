@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use common::table::Table;
-use common::{Running, both, kill, run, run_ok, sequences, wait_until};
+use common::{Running, both, kill, run, run_ok, says, sequences, wait_until, words};
 use messages::ExcavatorSensors;
 use recording::Reader;
 use rustix::process::Signal;
@@ -18,15 +18,7 @@ fn path(path: &Path) -> &str {
 /// A short run into `folder`.
 fn record(folder: &Path, more: &[&str]) -> String {
     let domain = common::domain(&format!("rec-{}", more.len()));
-    let run = [
-        "run",
-        "excavator",
-        "--pace",
-        "max",
-        "--quiet",
-        "--duration",
-        "4",
-    ];
+    let run = words("run excavator --pace max --quiet --duration 4");
     let place = ["--domain", &domain, "--out", path(folder)];
     run_ok(&[&run[..], &place, more].concat())
 }
@@ -36,15 +28,7 @@ fn a_simulated_load_cycle_is_not_doubted() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = path(folder.path());
     let domain = common::domain("cycle");
-    let run = [
-        "run",
-        "loader",
-        "--scenario",
-        "load-cycle",
-        "--pace",
-        "max",
-        "--quiet",
-    ];
+    let run = words("run loader --scenario load-cycle --pace max --quiet");
     run_ok(&[&run[..], &["--domain", &domain, "--out", out]].concat());
     run_ok(&["export", out, "-o", out]);
     let table = folder.path().join("loader_sensors.csv");
@@ -98,15 +82,7 @@ fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are(
     // Two at once.
     let start = |name: &str| {
         let mut command = common::heft();
-        command.args([
-            "run",
-            "excavator",
-            "--quiet",
-            "--no-report",
-            "--duration",
-            "1",
-            "--domain",
-        ]);
+        command.args("run excavator --quiet --no-report --duration 1 --domain".split(' '));
         command
             .arg(common::domain(name))
             .arg("--out")
@@ -127,10 +103,7 @@ fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are(
 
 #[test]
 fn the_recording_of_a_running_pipeline_can_be_read_and_is_complete_in_the_end() {
-    let running = Running::start(
-        "readers",
-        &["excavator", "--duration", "6", "--rate", "500"],
-    );
+    let running = Running::start("readers", "excavator --duration 6 --rate 500".split(' '));
     running.wait_for_services();
     let recording = running.recording();
     let estimates = ["excavator/inertia_rls", "excavator/inertia_ukf"];
@@ -150,11 +123,7 @@ fn the_recording_of_a_running_pipeline_can_be_read_and_is_complete_in_the_end() 
     for args in readers {
         let output = run(args);
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", both(&output));
-        assert!(
-            both(&output).contains("it is being written"),
-            "{}",
-            both(&output)
-        );
+        says(&output, "it is being written");
     }
     let output = run(&["recover", path(&recording)]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
@@ -167,7 +136,7 @@ fn the_recording_of_a_running_pipeline_can_be_read_and_is_complete_in_the_end() 
 
 #[test]
 fn after_a_power_cut_the_parts_of_a_restarted_logger_are_read_as_one() {
-    let running = Running::start("parts", &["excavator", "--duration", "60", "--rate", "200"]);
+    let running = Running::start("parts", "excavator --duration 60 --rate 200".split(' '));
     running.wait_for_services();
     std::thread::sleep(Duration::from_secs(2));
     kill(running.service("logger").expect("a process"), Signal::KILL);

@@ -5,7 +5,7 @@ mod common;
 
 use std::time::Duration;
 
-use common::{Running, both, kill, run, wait_until};
+use common::{Running, both, kill, run, wait_until, words};
 use messages::keyframe::Collector;
 use messages::{
     ExcavatorEstimate, ExcavatorTruth, Keyframe, LoaderEstimate, LoaderTruth, Message,
@@ -191,26 +191,13 @@ fn what_was_trusted_is_the_prior_of_the_next_run_and_its_replay_knows() {
             common::domain(&format!("state-{n}")),
         );
         let out = out.to_str().expect("a path").to_owned();
-        let args = [
-            "run",
-            "loader",
-            "--without",
-            "pressure",
-            "--pace",
-            "max",
-            "--duration",
-            "60",
-            "--quiet",
-            "--no-report",
-        ];
+        let args =
+            words("run loader --without pressure --pace max --duration 60 --quiet --no-report");
         let more = ["--state", state, "--domain", &domain, "--out", &out];
         // Whoever knows his tyres trusts a drive one way.
-        let tyres = [
-            "--set",
-            "machine.radius_load_sensitivity=0.01",
-            "--set",
-            "machine.radius_load_sensitivity_std=0.001",
-        ];
+        let tyres = words(
+            "--set machine.radius_load_sensitivity=0.01 --set machine.radius_load_sensitivity_std=0.001",
+        );
         let output = run(&[&args[..], &more, &tyres].concat());
         assert!(output.status.success(), "{}", both(&output));
         let recording = std::path::Path::new(&out).join("run.mcap");

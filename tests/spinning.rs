@@ -5,7 +5,7 @@ mod common;
 
 use std::time::Duration;
 
-use common::{Running, both, run, sequences, wait_until};
+use common::{Running, both, run, sequences, wait_until, words};
 use messages::ExcavatorEstimate;
 use rustix::process::Signal;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
@@ -25,14 +25,7 @@ fn a_process_that_spins_answers_everything_and_never_sleeps() {
         eprintln!("not tested: one core cannot spare one");
         return;
     }
-    let args = [
-        "excavator",
-        "--scenario",
-        "cycle",
-        "--duration",
-        "60",
-        "--spin=rls",
-    ];
+    let args = words("excavator --scenario cycle --duration 60 --spin=rls");
     let running = Running::start("spin", &args);
     running.wait_for_services();
     wait_until("it records", Duration::from_secs(20), || {
@@ -103,15 +96,7 @@ fn latency_is_measured_with_spinning_and_by_bells() {
         eprintln!("not tested: one core cannot spare one");
         return;
     }
-    let args = [
-        "latency",
-        "loader",
-        "--spin=ukf",
-        "--rate",
-        "200",
-        "--duration",
-        "1.5",
-    ];
+    let args = words("latency loader --spin=ukf --rate 200 --duration 1.5");
     let output = run(&args);
     let said = both(&output);
     assert!(output.status.success(), "{said}");

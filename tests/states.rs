@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{both, run};
+use common::{both, run, says};
 use recording::Reader;
 
 /// What a run of the excavator says of its state.
@@ -104,9 +104,5 @@ fn a_state_in_the_place_of_the_recording_is_refused() {
         &state,
     ]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-    assert!(
-        both(&output).contains("have the same name"),
-        "{}",
-        both(&output)
-    );
+    says(&output, "have the same name");
 }

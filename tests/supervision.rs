@@ -6,7 +6,7 @@ mod common;
 use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{Running, both, heft, kill, wait_until};
+use common::{Running, both, heft, kill, says, wait_until, words};
 use rustix::process::Signal;
 
 fn cycle(name: &str, seconds: &str) -> Running {
@@ -78,7 +78,7 @@ fn a_run_ends_within_five_seconds_whatever_hangs() {
         begun.elapsed()
     );
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(both(&output).contains("ukf hung"), "{}", both(&output));
+    says(&output, "ukf hung");
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn a_terminal_that_hangs_up_ends_a_run_in_order() {
     running.signal(Signal::HUP);
     let (output, _folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
-    assert!(both(&output).contains("recording"), "{}", both(&output));
+    says(&output, "recording");
 }
 
 #[test]
@@ -149,14 +149,7 @@ fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() 
             .expect("/dev/full")
     };
     let folder = tempfile::tempdir().expect("a folder");
-    let run = [
-        "run",
-        "excavator",
-        "--duration",
-        "0.5",
-        "--no-report",
-        "--out",
-    ];
+    let run = words("run excavator --duration 0.5 --no-report --out");
     let commands = [
         vec!["doctor"],
         vec!["completions", "bash"],
@@ -229,7 +222,7 @@ fn few_open_files_are_refused_with_the_command_that_helps() {
         .output()
         .expect("sh");
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
-    assert!(both(&output).contains("ulimit -n"), "{}", both(&output));
+    says(&output, "ulimit -n");
 }
 
 #[test]
@@ -241,15 +234,7 @@ fn the_service_manager_is_notified_that_a_run_is_ready_and_awake() {
         .set_read_timeout(Some(Duration::from_secs(10)))
         .expect("a limit");
     let mut child = heft()
-        .args([
-            "run",
-            "excavator",
-            "--duration",
-            "2",
-            "--quiet",
-            "--no-report",
-            "--out",
-        ])
+        .args("run excavator --duration 2 --quiet --no-report --out".split(' '))
         .arg(folder.path().join("out"))
         .env("NOTIFY_SOCKET", &path)
         .env("WATCHDOG_USEC", "900000")

@@ -1,4 +1,29 @@
-//! Names of machines at work, as the command line takes them.
+//! Names of scenarios and of machines at work, as the command line takes them.
+
+/// The scenarios of a machine, a row each: variant, name, one line of explanation.
+macro_rules! scenarios {
+    ($(#[$what:meta])* $( $variant:ident $name:literal $text:literal; )*) => {
+        $(#[$what])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Scenario { $( #[doc = $text] $variant, )* }
+
+        impl Scenario {
+            /// Every scenario's name and what it is, in one line.
+            pub const ALL: &[(&str, &str)] = &[$( ($name, $text) ),*];
+
+            /// All scenarios, in the order of [`Self::ALL`].
+            pub fn all() -> impl Iterator<Item = Self> {
+                [$( Self::$variant ),*].into_iter()
+            }
+
+            /// The name that [`Self::parse`] reads.
+            pub fn name(self) -> &'static str {
+                Self::ALL[self as usize].0
+            }
+        }
+    };
+}
+pub(crate) use scenarios;
 
 /// The name of the scenario of an effect: `work-slope-4-deg`, `work-torque-gain-minus-5`, `work` for none.
 pub fn scenario(effect: &str, severity: &str) -> String {

@@ -4,6 +4,7 @@
 pub mod machines;
 pub mod table;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -15,6 +16,11 @@ pub fn heft() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_heft"));
     command.stdin(Stdio::null());
     command
+}
+
+/// The words of a command, as they are typed.
+pub fn words(command: &str) -> Vec<&str> {
+    command.split(' ').collect()
 }
 
 /// Runs it to its end.
@@ -49,6 +55,13 @@ pub fn both(output: &Output) -> String {
     )
 }
 
+/// That a run printed these words.
+#[track_caller]
+pub fn says(output: &Output, words: &str) {
+    let said = both(output);
+    assert!(said.contains(words), "`{words}` is missing in: {said}");
+}
+
 /// A domain name that no other test uses.
 pub fn domain(name: &str) -> String {
     format!("t{}-{name}", std::process::id())
@@ -70,12 +83,16 @@ pub struct Running {
 
 impl Running {
     /// Starts `heft run` with its own domain and folder.
-    pub fn start(name: &str, args: &[&str]) -> Self {
+    pub fn start(name: &str, args: impl IntoIterator<Item: AsRef<OsStr>>) -> Self {
         Self::start_with(heft(), name, args)
     }
 
     /// The same with another copy of the binary, or another environment.
-    pub fn start_with(mut heft: Command, name: &str, args: &[&str]) -> Self {
+    pub fn start_with(
+        mut heft: Command,
+        name: &str,
+        args: impl IntoIterator<Item: AsRef<OsStr>>,
+    ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let domain = domain(name);
         let child = heft

@@ -148,9 +148,6 @@ pub fn of_class(machine: Machine, class: Option<f64>, is_stated: bool) -> Option
 }
 
 /// Whether `--config` or `--set` states a key, at whatever value.
-///
-/// # Errors
-/// The file cannot be read.
 pub fn states(machine: Machine, args: &DescriptionArgs, key: &str) -> Result<bool, Failure> {
     let mut sets = args.set.iter().filter_map(|set| set.split_once('='));
     let text = args.config.as_deref().map(small_file::text).transpose()?;

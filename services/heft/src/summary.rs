@@ -156,9 +156,6 @@ pub fn trust_age(watch: &Watch) -> Option<f64> {
 const TRUST_AGE: f64 = 30.0;
 
 /// What `--require-trust` asks: a trusted estimate, not too old.
-///
-/// # Errors
-/// There is none, or the last one is too old.
 pub fn require_trust(age: Option<f64>) -> Result<(), Failure> {
     match age {
         None => Err(Failure::answer_is_no("no estimate is `trusted`")),

@@ -29,90 +29,56 @@ const PACKED: &str = "gz";
 /// First bytes of an MCAP file.
 pub(crate) const MCAP: &[u8] = b"\x89MCAP";
 
+macro_rules! rows {
+    ($( $begin:expr, $what:expr, $remedy:expr; )*) => { [$( ($begin, $what, $remedy) ),*] };
+}
+
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 41] = [
-    (
-        b"PK",
-        "a spreadsheet or a zip archive",
-        "save the sheet as CSV, or unpack the archive",
-    ),
-    (
-        b"\xd0\xcf\x11\xe0",
-        "a spreadsheet of old Excel",
-        "save the sheet as CSV",
-    ),
-    (b"PAR1", "a Parquet file", PYTHON),
-    (b"ARROW1", "an Arrow file", PYTHON),
-    (b"FEA1", "a Feather file", PYTHON),
-    (b"Obj\x01", "an Avro file", PYTHON),
-    (b"\x93NUMPY", "an array of NumPy", PYTHON),
-    (b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON),
-    (
-        b"MATLAB",
-        "a MATLAB file",
-        "write a table: writetable(T, 'data.csv')",
-    ),
-    (b"TDSm", "a TDMS file of LabVIEW", EXPORT),
-    (b"ULog", "a log of PX4 (ULog)", EXPORT),
-    (
-        b"MDF ",
-        "an MDF file",
-        "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: export them as CSV",
-    ),
-    (b"UnFinMF", "an MDF file that was not finished", EXPORT),
-    (b"LOGG", "a CAN log of Vector (BLF)", CAN),
-    (DATE, "a CAN log of Vector (ASC)", CAN),
-    (b"base hex", "a CAN log of Vector (ASC)", CAN),
-    (b"base dec", "a CAN log of Vector (ASC)", CAN),
-    (b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN),
-    (b"Chn Identifier", "a CAN log of Kvaser (CanKing)", ASC),
-    (b"\xd4\xc3\xb2\xa1", CAPTURE, RECORD),
-    (b"\x4d\x3c\xb2\xa1", CAPTURE, RECORD),
-    (b"\n\r\r\n", CAPTURE, RECORD),
-    (b"***BUSMASTER", "a CAN log of BUSMASTER", ASC),
-    (
-        b"VERSION \"",
-        "a DBC file",
-        "give the log that it describes, and the DBC beside it: `heft map LOG --dbc FILE`",
-    ),
-    (
-        b"#ROSBAG",
-        "a bag of ROS 1",
-        "convert it to MCAP: mcap convert FILE.bag FILE.mcap",
-    ),
-    (
-        b"rosbag2_bagfile",
-        "the contents of a bag of ROS 2",
-        "give the .mcap file beside it; a bag of .db3 files becomes one by ros2 bag convert",
-    ),
-    (
-        b"SQLite",
-        "a database, perhaps a bag of ROS 2",
-        "convert a bag to MCAP: ros2 bag convert",
-    ),
-    (
-        b"version https://git-lfs",
-        "the name of a file in Git LFS, not the file",
-        "fetch it: git lfs pull",
-    ),
-    (b"%PDF", "a PDF", EXPORT),
-    (b"{\\rtf", "a text of a word processor", EXPORT),
-    (b"<!DOCTYPE", PAGE, DOWNLOAD),
-    (b"<html", PAGE, DOWNLOAD),
-    (b"<?xml", "XML", EXPORT),
-    (ZSTD, "packed by zstd", "unpack it: zstd -d FILE"),
-    (
-        b"\x04\x22\x4d\x18",
-        "packed by lz4",
-        "unpack it: lz4 -d FILE",
-    ),
-    (b"\xff\xfe\0\0", FOUR, TO_UTF8),
-    (b"\0\0\xfe\xff", FOUR, TO_UTF8),
-    (b"BZh", "packed by bzip2", "unpack it: bunzip2 -k FILE"),
-    (b"\xfd7zXZ", "packed by xz", "unpack it: unxz -k FILE"),
-    (b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE"),
-    (b"Rar!", "packed by RAR", "unpack it: unrar x FILE"),
-];
+const FOREIGN: [(&[u8], &str, &str); 41] = rows! {
+    b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
+    b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
+    b"PAR1", "a Parquet file", PYTHON;
+    b"ARROW1", "an Arrow file", PYTHON;
+    b"FEA1", "a Feather file", PYTHON;
+    b"Obj\x01", "an Avro file", PYTHON;
+    b"\x93NUMPY", "an array of NumPy", PYTHON;
+    b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON;
+    b"MATLAB", "a MATLAB file", "write a table: writetable(T, 'data.csv')";
+    b"TDSm", "a TDMS file of LabVIEW", EXPORT;
+    b"ULog", "a log of PX4 (ULog)", EXPORT;
+    b"MDF ", "an MDF file",
+        "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: export them as CSV";
+    b"UnFinMF", "an MDF file that was not finished", EXPORT;
+    b"LOGG", "a CAN log of Vector (BLF)", CAN;
+    DATE, "a CAN log of Vector (ASC)", CAN;
+    b"base hex", "a CAN log of Vector (ASC)", CAN;
+    b"base dec", "a CAN log of Vector (ASC)", CAN;
+    b";$FILEVERSION", "a CAN trace of PEAK (TRC)", CAN;
+    b"Chn Identifier", "a CAN log of Kvaser (CanKing)", ASC;
+    b"\xd4\xc3\xb2\xa1", CAPTURE, RECORD;
+    b"\x4d\x3c\xb2\xa1", CAPTURE, RECORD;
+    b"\n\r\r\n", CAPTURE, RECORD;
+    b"***BUSMASTER", "a CAN log of BUSMASTER", ASC;
+    b"VERSION \"", "a DBC file", "give the log that it describes, and the DBC beside it: `heft map LOG --dbc FILE`";
+    b"#ROSBAG", "a bag of ROS 1", "convert it to MCAP: mcap convert FILE.bag FILE.mcap";
+    b"rosbag2_bagfile", "the contents of a bag of ROS 2",
+        "give the .mcap file beside it; a bag of .db3 files becomes one by ros2 bag convert";
+    b"SQLite", "a database, perhaps a bag of ROS 2", "convert a bag to MCAP: ros2 bag convert";
+    b"version https://git-lfs", "the name of a file in Git LFS, not the file", "fetch it: git lfs pull";
+    b"%PDF", "a PDF", EXPORT;
+    b"{\\rtf", "a text of a word processor", EXPORT;
+    b"<!DOCTYPE", PAGE, DOWNLOAD;
+    b"<html", PAGE, DOWNLOAD;
+    b"<?xml", "XML", EXPORT;
+    ZSTD, "packed by zstd", "unpack it: zstd -d FILE";
+    b"\x04\x22\x4d\x18", "packed by lz4", "unpack it: lz4 -d FILE";
+    b"\xff\xfe\0\0", FOUR, TO_UTF8;
+    b"\0\0\xfe\xff", FOUR, TO_UTF8;
+    b"BZh", "packed by bzip2", "unpack it: bunzip2 -k FILE";
+    b"\xfd7zXZ", "packed by xz", "unpack it: unxz -k FILE";
+    b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE";
+    b"Rar!", "packed by RAR", "unpack it: unrar x FILE";
+};
 /// How what zstd packed begins.
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 const DATE: &[u8] = b"date ";

@@ -8,242 +8,103 @@ pub(crate) struct Unit {
     pub name: &'static str,
     pub si: &'static str,
     pub factor: f64,
-    /// Other ways to write it, as [`plain`] leaves them.
-    aliases: &'static [&'static str],
+    /// Other ways to write it, as [`plain`] leaves them, blanks between.
+    aliases: &'static str,
 }
 
-const fn unit(
-    name: &'static str,
-    si: &'static str,
-    factor: f64,
-    aliases: &'static [&'static str],
-) -> Unit {
-    Unit {
-        name,
-        si,
-        factor,
-        aliases,
-    }
+macro_rules! units {
+    ($( $name:literal = $factor:expr, $si:literal: $aliases:literal; )*) => {
+        pub(crate) const UNITS: &[Unit] = &[
+            $( Unit { name: $name, si: $si, factor: $factor, aliases: $aliases } ),*
+        ];
+    };
 }
 
-pub(crate) const UNITS: &[Unit] = &[
-    unit(
-        "s",
-        "s",
-        1.0,
-        &[
-            "sec", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "秒",
-        ],
-    ),
-    unit("ms", "s", 1e-3, &["msec", "millis", "milliseconds"]),
-    unit("us", "s", 1e-6, &["usec", "µs", "micros", "microseconds"]),
-    unit("ns", "s", 1e-9, &["nsec", "nanos", "nanoseconds"]),
-    unit("100ns", "s", 1e-7, &["tick", "ticks"]),
-    unit("min", "s", 60.0, &["minutes"]),
-    unit(
-        "h",
-        "s",
-        3600.0,
-        &["hr", "hour", "hours", "stunden", "heures", "horas"],
-    ),
-    unit("day", "s", 86400.0, &["days"]),
-    unit("rad", "rad", 1.0, &["radian", "radians", "弧度"]),
-    unit("mrad", "rad", 1e-3, &[]),
-    unit(
-        "deg",
-        "rad",
-        PI / 180.0,
-        &[
-            "degree", "degrees", "degs", "°", "grad", "degré", "degrés", "grados", "gradi", "度",
-        ],
-    ),
-    unit("turn", "rad", TAU, &["rev", "turns"]),
-    unit("gon", "rad", PI / 200.0, &["gons", "gradian", "gradians"]),
-    unit(
-        "rad/s",
-        "rad/s",
-        1.0,
-        &["rad/sec", "rads", "radps", "1/s", "rads-1", "s-1", "rad/秒"],
-    ),
-    unit("mrad/s", "rad/s", 1e-3, &["mrad/sec"]),
-    unit(
-        "deg/s",
-        "rad/s",
-        PI / 180.0,
-        &[
-            "deg/sec",
-            "degree/s",
-            "degrees/s",
-            "°/s",
-            "°/sec",
-            "dps",
-            "degps",
-            "grad/s",
-            "度/s",
-            "度/秒",
-        ],
-    ),
-    unit(
-        "rpm",
-        "rad/s",
-        TAU / 60.0,
-        &[
-            "1/min",
-            "turn/min",
-            "turns/min",
-            "o/min",
-            "ot/min",
-            "dev/dak",
-            "r/min",
-            "rev/min",
-            "u/min",
-            "min-1",
-            "/min",
-            "revs/min",
-            "tr/min",
-            "giri/min",
-            "转/分",
-            "回転/分",
-        ],
-    ),
-    unit("turn/s", "rad/s", TAU, &["rev/s", "r/s", "rps"]),
-    unit("gon/s", "rad/s", PI / 200.0, &["gons/s"]),
-    unit("rad/min", "rad/s", 1.0 / 60.0, &[]),
-    unit(
-        "deg/min",
-        "rad/s",
-        PI / 180.0 / 60.0,
-        &["°/min", "grad/min"],
-    ),
-    unit("rad/s^2", "rad/s^2", 1.0, &["rads-2"]),
-    unit("m", "m", 1.0, &["meter", "metre"]),
-    unit("mm", "m", 1e-3, &[]),
-    unit("cm", "m", 1e-2, &[]),
-    unit("km", "m", 1e3, &[]),
-    unit("ft", "m", 0.3048, &["feet", "foot"]),
-    unit("inch", "m", 0.0254, &["inches"]),
-    unit("m/s", "m/s", 1.0, &["m/sec", "mps", "ms-1"]),
-    unit("mm/s", "m/s", 1e-3, &["mm/sec"]),
-    unit(
-        "km/h",
-        "m/s",
-        1.0 / 3.6,
-        &["kph", "kmh", "km/hr", "kmph", "km/hour"],
-    ),
-    unit("mph", "m/s", 0.44704, &["mi/h"]),
-    unit("m/min", "m/s", 1.0 / 60.0, &[]),
-    unit("ft/s", "m/s", 0.3048, &["ft/sec", "fps"]),
-    unit("ft/min", "m/s", 0.3048 / 60.0, &["fpm"]),
-    unit(
-        "knot",
-        "m/s",
-        1852.0 / 3600.0,
-        &["knots", "kn", "kt", "kts"],
-    ),
-    unit("m/s^2", "m/s^2", 1.0, &["m/s/s", "m/sec2", "ms-2"]),
-    unit("ft/s^2", "m/s^2", 0.3048, &["ft/sec2", "ft/s/s"]),
-    unit("g", "m/s^2", 9.80665, &["gs", "g0", "g's"]),
-    unit("mg", "m/s^2", 9.806_65e-3, &["milli-g"]),
-    unit("N", "N", 1.0, &["newton"]),
-    unit("kN", "N", 1e3, &[]),
-    unit("lbf", "N", 4.448_221_615_261, &[]),
-    unit("N m", "N m", 1.0, &["n-m", "newtonmeter"]),
-    unit("Nm", "N m", 1.0, &[]),
-    unit("kN m", "N m", 1e3, &["kn-m"]),
-    unit("kNm", "N m", 1e3, &[]),
-    unit("MN m", "N m", 1e6, &["mn-m"]),
-    unit("MNm", "N m", 1e6, &[]),
-    unit("mN m", "N m", 1e-3, &[]),
-    unit("mNm", "N m", 1e-3, &[]),
-    unit("N mm", "N m", 1e-3, &["n-mm"]),
-    unit("N cm", "N m", 1e-2, &["n-cm"]),
-    unit("daN m", "N m", 10.0, &["dan-m"]),
-    unit("kgf m", "N m", 9.80665, &["kgf-m", "kgm", "kg-m", "kpm"]),
-    unit("tf m", "N m", 9_806.65, &["tf-m"]),
-    unit(
-        "lbf ft",
-        "N m",
-        1.355_817_948_331,
-        &[
-            "ftlbf",
-            "ftlb",
-            "lbft",
-            "ft-lb",
-            "lb-ft",
-            "ft-lbf",
-            "lbf-ft",
-            "ftlbs",
-            "ft-lbs",
-            "lbsft",
-            "lbs-ft",
-            "footpound",
-            "footpounds",
-            "foot-pound",
-            "foot-pounds",
-        ],
-    ),
-    unit(
-        "klbf ft",
-        "N m",
-        1_355.817_948_331,
-        &[
-            "kipft", "kip-ft", "ftkip", "ft-kip", "kft-lb", "klb-ft", "klbft",
-        ],
-    ),
-    unit(
-        "lbf in",
-        "N m",
-        0.112_984_829_027_6,
-        &[
-            "inlbf", "inlb", "lbin", "in-lb", "lb-in", "in-lbf", "lbf-in", "inlbs", "in-lbs",
-        ],
-    ),
-    unit("kg", "kg", 1.0, &["kilogram"]),
-    unit("lb", "kg", 0.453_592_37, &["lbs", "pound", "pounds", "lbm"]),
-    unit("klb", "kg", 453.592_37, &["klbs", "kip", "kips"]),
-    unit(
-        "short ton",
-        "kg",
-        907.184_74,
-        &["shorttons", "uston", "ustons"],
-    ),
-    unit(
-        "t",
-        "kg",
-        1e3,
-        &[
-            "ton",
-            "tons",
-            "tonne",
-            "tonnes",
-            "tonnen",
-            "metricton",
-            "metrictons",
-        ],
-    ),
-    unit("kg m^2", "kg m^2", 1.0, &["kgm2"]),
-    unit("N m s/rad", "N m s/rad", 1.0, &["nms/rad", "nms"]),
-    unit("Pa", "Pa", 1.0, &["pascal"]),
-    unit("kPa", "Pa", 1e3, &["kn/m2"]),
-    unit("MPa", "Pa", 1e6, &["n/mm2"]),
-    unit("bar", "Pa", 1e5, &["bars", "barg", "bar(g)"]),
-    unit("mbar", "Pa", 1e2, &["hpa"]),
-    unit(
-        "psi",
-        "Pa",
-        6_894.757_293_168,
-        &["psig", "psi(g)", "lbf/in2", "lb/in2", "lb/squareinch"],
-    ),
-    unit("ksi", "Pa", 6_894_757.293_168, &[]),
-    unit("kgf/cm^2", "Pa", 98_066.5, &["kgf/cm2", "kg/cm2"]),
-    unit("V", "V", 1.0, &["volt", "volts"]),
-    unit("mV", "V", 1e-3, &[]),
-    unit("A", "A", 1.0, &["ampere", "amp", "amps"]),
-    unit("mA", "A", 1e-3, &[]),
-    unit("%", "", 0.01, &["percent", "pct"]),
-    unit("‰", "", 0.001, &["permille", "promille", "mm/m"]),
-    unit("1", "", 1.0, &["-", "ratio"]),
-];
+units! {
+    "s" = 1.0, "s": "sec second seconds sek sekunden secondes segundos 秒";
+    "ms" = 1e-3, "s": "msec millis milliseconds";
+    "us" = 1e-6, "s": "usec µs micros microseconds";
+    "ns" = 1e-9, "s": "nsec nanos nanoseconds";
+    "100ns" = 1e-7, "s": "tick ticks";
+    "min" = 60.0, "s": "minutes";
+    "h" = 3600.0, "s": "hr hour hours stunden heures horas";
+    "day" = 86400.0, "s": "days";
+    "rad" = 1.0, "rad": "radian radians 弧度";
+    "mrad" = 1e-3, "rad": "";
+    "deg" = PI / 180.0, "rad": "degree degrees degs ° grad degré degrés grados gradi 度";
+    "turn" = TAU, "rad": "rev turns";
+    "gon" = PI / 200.0, "rad": "gons gradian gradians";
+    "rad/s" = 1.0, "rad/s": "rad/sec rads radps 1/s rads-1 s-1 rad/秒";
+    "mrad/s" = 1e-3, "rad/s": "mrad/sec";
+    "deg/s" = PI / 180.0, "rad/s": "deg/sec degree/s degrees/s °/s °/sec dps degps grad/s 度/s 度/秒";
+    "rpm" = TAU / 60.0, "rad/s": "1/min turn/min turns/min o/min ot/min dev/dak r/min rev/min u/min min-1 \
+        /min revs/min tr/min giri/min 转/分 回転/分";
+    "turn/s" = TAU, "rad/s": "rev/s r/s rps";
+    "gon/s" = PI / 200.0, "rad/s": "gons/s";
+    "rad/min" = 1.0 / 60.0, "rad/s": "";
+    "deg/min" = PI / 180.0 / 60.0, "rad/s": "°/min grad/min";
+    "rad/s^2" = 1.0, "rad/s^2": "rads-2";
+    "m" = 1.0, "m": "meter metre";
+    "mm" = 1e-3, "m": "";
+    "cm" = 1e-2, "m": "";
+    "km" = 1e3, "m": "";
+    "ft" = 0.3048, "m": "feet foot";
+    "inch" = 0.0254, "m": "inches";
+    "m/s" = 1.0, "m/s": "m/sec mps ms-1";
+    "mm/s" = 1e-3, "m/s": "mm/sec";
+    "km/h" = 1.0 / 3.6, "m/s": "kph kmh km/hr kmph km/hour";
+    "mph" = 0.44704, "m/s": "mi/h";
+    "m/min" = 1.0 / 60.0, "m/s": "";
+    "ft/s" = 0.3048, "m/s": "ft/sec fps";
+    "ft/min" = 0.3048 / 60.0, "m/s": "fpm";
+    "knot" = 1852.0 / 3600.0, "m/s": "knots kn kt kts";
+    "m/s^2" = 1.0, "m/s^2": "m/s/s m/sec2 ms-2";
+    "ft/s^2" = 0.3048, "m/s^2": "ft/sec2 ft/s/s";
+    "g" = 9.80665, "m/s^2": "gs g0 g's";
+    "mg" = 9.806_65e-3, "m/s^2": "milli-g";
+    "N" = 1.0, "N": "newton";
+    "kN" = 1e3, "N": "";
+    "lbf" = 4.448_221_615_261, "N": "";
+    "N m" = 1.0, "N m": "n-m newtonmeter";
+    "Nm" = 1.0, "N m": "";
+    "kN m" = 1e3, "N m": "kn-m";
+    "kNm" = 1e3, "N m": "";
+    "MN m" = 1e6, "N m": "mn-m";
+    "MNm" = 1e6, "N m": "";
+    "mN m" = 1e-3, "N m": "";
+    "mNm" = 1e-3, "N m": "";
+    "N mm" = 1e-3, "N m": "n-mm";
+    "N cm" = 1e-2, "N m": "n-cm";
+    "daN m" = 10.0, "N m": "dan-m";
+    "kgf m" = 9.80665, "N m": "kgf-m kgm kg-m kpm";
+    "tf m" = 9_806.65, "N m": "tf-m";
+    "lbf ft" = 1.355_817_948_331, "N m": "ftlbf ftlb lbft ft-lb lb-ft ft-lbf lbf-ft ftlbs ft-lbs lbsft lbs-ft \
+        footpound footpounds foot-pound foot-pounds";
+    "klbf ft" = 1_355.817_948_331, "N m": "kipft kip-ft ftkip ft-kip kft-lb klb-ft klbft";
+    "lbf in" = 0.112_984_829_027_6, "N m": "inlbf inlb lbin in-lb lb-in in-lbf lbf-in inlbs in-lbs";
+    "kg" = 1.0, "kg": "kilogram";
+    "lb" = 0.453_592_37, "kg": "lbs pound pounds lbm";
+    "klb" = 453.592_37, "kg": "klbs kip kips";
+    "short ton" = 907.184_74, "kg": "shorttons uston ustons";
+    "t" = 1e3, "kg": "ton tons tonne tonnes tonnen metricton metrictons";
+    "kg m^2" = 1.0, "kg m^2": "kgm2";
+    "N m s/rad" = 1.0, "N m s/rad": "nms/rad nms";
+    "Pa" = 1.0, "Pa": "pascal";
+    "kPa" = 1e3, "Pa": "kn/m2";
+    "MPa" = 1e6, "Pa": "n/mm2";
+    "bar" = 1e5, "Pa": "bars barg bar(g)";
+    "mbar" = 1e2, "Pa": "hpa";
+    "psi" = 6_894.757_293_168, "Pa": "psig psi(g) lbf/in2 lb/in2 lb/squareinch";
+    "ksi" = 6_894_757.293_168, "Pa": "";
+    "kgf/cm^2" = 98_066.5, "Pa": "kgf/cm2 kg/cm2";
+    "V" = 1.0, "V": "volt volts";
+    "mV" = 1e-3, "V": "";
+    "A" = 1.0, "A": "ampere amp amps";
+    "mA" = 1e-3, "A": "";
+    "%" = 0.01, "": "percent pct";
+    "‰" = 0.001, "": "permille promille mm/m";
+    "1" = 1.0, "": "- ratio";
+}
 
 /// The unit called `name`.
 pub(crate) fn find(name: &str) -> Option<&'static Unit> {
@@ -271,7 +132,7 @@ fn known(text: &str) -> Vec<&'static Unit> {
     let (written, wanted) = (bare(text), plain(text));
     let is_written = |unit: &&Unit| bare(unit.name) == written;
     let is_named = |unit: &&Unit| plain(unit.name) == wanted;
-    let is_known = |unit: &&Unit| unit.aliases.contains(&wanted.as_str());
+    let is_known = |unit: &&Unit| unit.aliases.split_whitespace().any(|alias| alias == wanted);
     let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
     // An mNm is no MNm.
     all.extend(UNITS.iter().filter(is_written));
@@ -280,106 +141,43 @@ fn known(text: &str) -> Vec<&'static Unit> {
     all
 }
 
-/// The words of units, in English and elsewhere, and their symbols.
-const SYMBOLS: &[(&str, &[&str])] = &[
-    ("/", &["per"]),
-    ("2", &["squared"]),
-    (
-        "s",
-        &[
-            "sec", "second", "seconds", "sek", "sekunde", "sekund", "с", "сек", "秒", "초",
-        ],
-    ),
-    (
-        "min",
-        &["minute", "minuut", "мин", "分", "分钟", "분", "dak", "dk"],
-    ),
-    (
-        "h",
-        &["hour", "hours", "hr", "uur", "ч", "小时", "时", "時", "시"],
-    ),
+/// The symbols of units, and their words, in English and elsewhere, blanks between.
+const SYMBOLS: &[(&str, &str)] = &[
+    ("/", "per"),
+    ("2", "squared"),
+    ("s", "sec second seconds sek sekunde sekund с сек 秒 초"),
+    ("min", "minute minuut мин 分 分钟 분 dak dk"),
+    ("h", "hour hours hr uur ч 小时 时 時 시"),
     (
         "deg",
-        &[
-            "degree",
-            "degrees",
-            "grader",
-            "aste",
-            "astetta",
-            "graus",
-            "graden",
-            "град",
-            "градус",
-            "градусы",
-            "stopnie",
-            "stopni",
-            "stupně",
-            "stupňů",
-            "derece",
-            "度",
-            "도",
-        ],
+        "degree degrees grader aste astetta graus graden град градус градусы stopnie stopni stupně stupňů derece 度 도",
     ),
-    ("rad", &["radian", "radians", "рад", "弧度", "ラジアン"]),
+    ("rad", "radian radians рад 弧度 ラジアン"),
     (
         "rev",
-        &[
-            "revolution",
-            "revolutions",
-            "rotations",
-            "umdrehungen",
-            "umdr",
-            "varv",
-            "tours",
-            "obr",
-            "omw",
-            "omwentelingen",
-            "toeren",
-            "omdr",
-            "kierr",
-            "kierrosta",
-            "об",
-            "转",
-            "圈",
-            "回転",
-            "회전",
-        ],
+        "revolution revolutions rotations umdrehungen umdr varv tours obr omw omwentelingen toeren omdr kierr kierrosta об 转 圈 回転 회전",
     ),
-    (
-        "m",
-        &["meter", "meters", "metre", "metres", "м", "米", "メートル"],
-    ),
-    (
-        "mm",
-        &["millimeter", "millimeters", "millimetres", "мм", "毫米"],
-    ),
+    ("m", "meter meters metre metres м 米 メートル"),
+    ("mm", "millimeter millimeters millimetres мм 毫米"),
     (
         "km",
-        &[
-            "kilometer",
-            "kilometers",
-            "kilometre",
-            "kilometres",
-            "км",
-            "公里",
-            "千米",
-        ],
+        "kilometer kilometers kilometre kilometres км 公里 千米",
     ),
-    ("ft", &["foot", "feet"]),
-    ("mi", &["mile", "miles"]),
-    ("N", &["newton", "newtons", "н", "牛", "牛顿"]),
-    ("kN", &["kilonewton", "kilonewtons", "кн", "千牛"]),
-    ("Nm", &["нм"]),
-    ("kNm", &["кнм", "千牛米"]),
-    ("kg", &["kilogram", "kilograms", "кг", "公斤", "千克"]),
-    ("t", &["т", "吨", "トン", "톤"]),
-    ("lb", &["pound", "pounds"]),
-    ("Pa", &["па", "帕"]),
-    ("kPa", &["кпа", "千帕"]),
-    ("MPa", &["мпа", "兆帕"]),
-    ("bar", &["бар", "巴"]),
-    ("ms", &["мс", "毫秒", "ミリ秒"]),
-    ("us", &["мкс", "微秒"]),
+    ("ft", "foot feet"),
+    ("mi", "mile miles"),
+    ("N", "newton newtons н 牛 牛顿"),
+    ("kN", "kilonewton kilonewtons кн 千牛"),
+    ("Nm", "нм"),
+    ("kNm", "кнм 千牛米"),
+    ("kg", "kilogram kilograms кг 公斤 千克"),
+    ("t", "т 吨 トン 톤"),
+    ("lb", "pound pounds"),
+    ("Pa", "па 帕"),
+    ("kPa", "кпа 千帕"),
+    ("MPa", "мпа 兆帕"),
+    ("bar", "бар 巴"),
+    ("ms", "мс 毫秒 ミリ秒"),
+    ("us", "мкс 微秒"),
 ];
 
 /// A unit that is written in words (`degrees per second`, `度/秒`), in symbols.
@@ -391,7 +189,7 @@ fn in_symbols(text: &str) -> String {
         let end = rest.find(|c: char| c.is_alphabetic() != first.is_alphabetic());
         let (part, more) = rest.split_at(end.unwrap_or(rest.len()));
         let lower = part.to_lowercase();
-        let its = |(_, words): &&(&str, &[&str])| words.contains(&lower.as_str());
+        let its = |(_, words): &&(&str, &str)| words.split(' ').any(|word| word == lower);
         let symbol = SYMBOLS.iter().find(its).filter(|_| word(&first));
         out.push_str(symbol.map_or(part, |(symbol, _)| symbol));
         rest = more;
@@ -766,7 +564,10 @@ mod tests {
 
     #[test]
     fn no_alias_belongs_to_two_units() {
-        let all: Vec<_> = UNITS.iter().flat_map(|u| u.aliases).collect();
+        let all: Vec<_> = UNITS
+            .iter()
+            .flat_map(|u| u.aliases.split_whitespace())
+            .collect();
         for (i, alias) in all.iter().enumerate() {
             assert!(!all[..i].contains(alias), "{alias}");
         }

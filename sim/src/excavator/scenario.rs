@@ -9,137 +9,41 @@ use super::plant::{Dynamics, Plant};
 use super::plants::{at_rest, swing, working_swing};
 use super::plateaus::Targets;
 use super::torque::Swing;
-
-macro_rules! scenarios {
-    ($( $name:ident, )*) => {
-        /// A named course of events. The order is that of [`Scenario::ALL`].
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[allow(missing_docs, reason = "Scenario::ALL describes them")]
-        pub enum Scenario { $( $name, )* }
-
-        use Scenario::*;
-
-        /// The scenarios in the order of [`Scenario::ALL`].
-        const IN_ORDER: &[Scenario] = &[$( $name ),*];
-    };
-}
+use crate::named::scenarios;
 
 scenarios! {
-    Base,
-    Gentle,
-    Paper,
-    Constant,
-    TwoSwings,
-    SoftBrake,
-    Drop,
-    DropAccelerating,
-    DropReversal,
-    DropBraking,
-    HalfAccelerating,
-    HalfBraking,
-    SlowDrop,
-    SlowBraking,
-    OpenAccelerating,
-    OpenBraking,
-    OpenEmpty,
-    StillAccelerating,
-    StillBraking,
-    PickUpAccelerating,
-    PickUpBraking,
-    Cycle,
-    Calibration,
+    /// A named course of events.
+    Base "base" "load, swing 97 degrees while the arm extends, brake";
+    Gentle "gentle" "the same with the arm extended late: the inertia changes little in the swing";
+    Paper "paper" "gentle, with the paper's equation of motion (no posture rate)";
+    Constant "constant" "a long swing at constant posture, 150 kg";
+    TwoSwings "two-swings" "swing, dump in the stop, swing back";
+    SoftBrake "soft-brake" "base, but the torque is reduced to 60 % instead of braking";
+    Drop "drop" "350 kg dumped as braking begins, on a path of its own";
+    DropAccelerating "drop-accelerating" "bucket opens and 423 kg fall while accelerating";
+    DropReversal "drop-reversal" "the same across the torque reversal";
+    DropBraking "drop-braking" "the same while braking";
+    HalfAccelerating "half-accelerating" "half of the load falls while accelerating";
+    HalfBraking "half-braking" "half of the load falls while braking";
+    SlowDrop "slow-drop" "the load leaves in 2.0 s, from accelerating into braking";
+    SlowBraking "slow-braking" "the load leaves in 1.7 s while braking";
+    OpenAccelerating "open-accelerating" "bucket opens 60 degrees while accelerating, the load stays";
+    OpenBraking "open-braking" "bucket opens 60 degrees while braking, the load stays";
+    OpenEmpty "open-empty" "an empty bucket opens while braking";
+    StillAccelerating "still-accelerating" "the load falls in 0.4 s while accelerating, the bucket angle does not move";
+    StillBraking "still-braking" "the load falls while braking, the bucket angle does not move";
+    PickUpAccelerating "pick-up-accelerating" "300 kg are taken up in 0.6 s while accelerating";
+    PickUpBraking "pick-up-braking" "300 kg are taken up in 0.6 s while braking";
+    Cycle "cycle" "without end: dig, swing, dump, swing back, with 288, 423, 200 and 350 kg in turn";
+    Calibration "calibration" "without end: four times the same with 423 kg, then slow full lifts of the boom";
 }
 
-impl Scenario {
-    /// Name and one line of explanation.
-    pub const ALL: &[(&'static str, &'static str)] = &[
-        (
-            "base",
-            "load, swing 97 degrees while the arm extends, brake",
-        ),
-        (
-            "gentle",
-            "the same with the arm extended late: the inertia changes little in the swing",
-        ),
-        (
-            "paper",
-            "gentle, with the paper's equation of motion (no posture rate)",
-        ),
-        ("constant", "a long swing at constant posture, 150 kg"),
-        ("two-swings", "swing, dump in the stop, swing back"),
-        (
-            "soft-brake",
-            "base, but the torque is reduced to 60 % instead of braking",
-        ),
-        (
-            "drop",
-            "350 kg dumped as braking begins, on a path of its own",
-        ),
-        (
-            "drop-accelerating",
-            "bucket opens and 423 kg fall while accelerating",
-        ),
-        ("drop-reversal", "the same across the torque reversal"),
-        ("drop-braking", "the same while braking"),
-        (
-            "half-accelerating",
-            "half of the load falls while accelerating",
-        ),
-        ("half-braking", "half of the load falls while braking"),
-        (
-            "slow-drop",
-            "the load leaves in 2.0 s, from accelerating into braking",
-        ),
-        ("slow-braking", "the load leaves in 1.7 s while braking"),
-        (
-            "open-accelerating",
-            "bucket opens 60 degrees while accelerating, the load stays",
-        ),
-        (
-            "open-braking",
-            "bucket opens 60 degrees while braking, the load stays",
-        ),
-        ("open-empty", "an empty bucket opens while braking"),
-        (
-            "still-accelerating",
-            "the load falls in 0.4 s while accelerating, the bucket angle does not move",
-        ),
-        (
-            "still-braking",
-            "the load falls while braking, the bucket angle does not move",
-        ),
-        (
-            "pick-up-accelerating",
-            "300 kg are taken up in 0.6 s while accelerating",
-        ),
-        (
-            "pick-up-braking",
-            "300 kg are taken up in 0.6 s while braking",
-        ),
-        (
-            "cycle",
-            "without end: dig, swing, dump, swing back, with 288, 423, 200 and 350 kg in turn",
-        ),
-        (
-            "calibration",
-            "without end: four times the same with 423 kg, then slow full lifts of the boom",
-        ),
-    ];
+use Scenario::*;
 
+impl Scenario {
     /// The scenario of a name.
     pub fn parse(name: &str) -> Option<Self> {
-        let index = Self::ALL.iter().position(|(known, _)| *known == name)?;
-        IN_ORDER.get(index).copied()
-    }
-
-    /// All scenarios.
-    pub fn all() -> impl Iterator<Item = Self> {
-        IN_ORDER.iter().copied()
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].0
+        Self::all().find(|scenario| scenario.name() == name)
     }
 
     /// The mass in the bucket when it is full, where the run does not say otherwise \[kg\]. `cycle` and `calibration` have their own.
@@ -296,10 +200,8 @@ mod tests {
 
     #[test]
     fn every_name_means_its_own_scenario() {
-        assert_eq!(IN_ORDER.len(), Scenario::ALL.len());
-        for (scenario, (name, _)) in Scenario::all().zip(Scenario::ALL) {
-            assert_eq!(Scenario::parse(name), Some(scenario));
-            assert_eq!(scenario.name(), *name);
+        for scenario in Scenario::all() {
+            assert_eq!(Scenario::parse(scenario.name()), Some(scenario));
         }
         assert_eq!(Scenario::parse("no such thing"), None);
     }

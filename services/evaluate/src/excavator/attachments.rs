@@ -16,9 +16,6 @@ const EXPECTED: [[f64; 4]; 2] = [[1.000, 1.330, 1.213, 1.399], [1.838, 3.472, 3.
 const TOLERANCE: f64 = 5e-4;
 
 /// Evaluates the table; it needs no seeds.
-///
-/// # Errors
-/// None; the signature is that of every table.
 pub fn evaluate(_: &Options) -> Result<Report, Error> {
     let tools = [
         ("bucket", Attachment::bucket()),

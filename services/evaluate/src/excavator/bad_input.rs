@@ -14,7 +14,7 @@ use crate::{Error, Options, Report, seeds};
 use estimation::excavator::Settings;
 use serde_json::{Value, json};
 use sim::excavator::{Scenario, Sensors};
-use sim::fault::{Fault, FaultKind, ROW};
+use sim::fault::Fault;
 
 /// The loads [kg].
 const PAYLOADS: [f64; 2] = [0.0, 423.0];
@@ -38,7 +38,8 @@ use Requirement::{Accuracy, Honesty, Nothing};
 struct Trouble {
     name: &'static str,
     noise: Sensors,
-    faults: Vec<Fault>,
+    /// As [`Fault::parse`] reads it; empty where there is none.
+    fault: &'static str,
     settings: fn(&mut Settings),
     /// The record begins here [s].
     start: f64,
@@ -50,9 +51,6 @@ struct Trouble {
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "input", "mode", "kg", "mean", "std", "max p95", "coverage", "trusted", "wrong", "target",
@@ -134,8 +132,12 @@ impl Trouble {
     ) -> Result<Summary, Error> {
         (self.settings)(&mut setup.settings);
         let case = case.clone().from(self.start);
+        let faults = match self.fault {
+            "" => Vec::new(),
+            fault => vec![Fault::parse(fault).map_err(Error::refused)?],
+        };
         let scores = seeds(options, &format!("{}, {}", self.name, setup.name), |seed| {
-            let rows = case.rows(seed, self.noise, &self.faults)?;
+            let rows = case.rows(seed, self.noise, &faults)?;
             Ok(Score::of(&setup.run(&rows)?, window))
         })?;
         Ok(Summary::of(&scores))
@@ -174,11 +176,11 @@ const FRICTION: [Requirement; 3] = [Nothing, Honesty, Honesty];
 /// No mode can tell.
 const RECORD: [Requirement; 3] = [Nothing; 3];
 
-fn trouble(name: &'static str, asked: [Requirement; 3], faults: Vec<Fault>) -> Trouble {
+fn trouble(name: &'static str, asked: [Requirement; 3], fault: &'static str) -> Trouble {
     Trouble {
         name,
         noise: Sensors::default(),
-        faults,
+        fault,
         settings: |_| {},
         start: 5.0,
         calibrated: true,
@@ -186,160 +188,50 @@ fn trouble(name: &'static str, asked: [Requirement; 3], faults: Vec<Fault>) -> T
     }
 }
 
-fn wrong(name: &'static str, asked: [Requirement; 3], settings: fn(&mut Settings)) -> Trouble {
-    Trouble {
-        settings,
-        calibrated: false,
-        ..trouble(name, asked, Vec::new())
-    }
+/// Rows of name, what is asked, fault, and what else is not as usual.
+macro_rules! troubles {
+    ($( $name:literal, $asked:expr, $fault:literal $(, $field:ident: $value:expr)*; )*) => {
+        vec![$( Trouble { $( $field: $value, )* ..trouble($name, $asked, $fault) } ),*]
+    };
 }
 
 fn troubles() -> Vec<Trouble> {
-    let mut all = lost_samples();
-    all.extend(wrong_values());
-    all.extend(more_noise());
-    all.extend(parameter_troubles());
-    all
-}
-
-const VELOCITY: &str = "swing_velocity";
-
-fn lost_samples() -> Vec<Trouble> {
-    vec![
-        trouble("none", AS_NONE, vec![]),
-        trouble(
-            "10 % missing",
-            AS_NONE,
-            vec![Fault::random(VELOCITY, FaultKind::Missing, 0.1)],
-        ),
-        trouble(
-            "50 % missing",
-            [Accuracy(9.0), Accuracy(10.0), Honesty],
-            vec![Fault::random(VELOCITY, FaultKind::Missing, 0.5)],
-        ),
-        trouble(
-            "5 % not a number",
-            AS_NONE,
-            vec![Fault::random(VELOCITY, FaultKind::NotANumber, 0.05)],
-        ),
-        trouble(
-            "0.3 s missing",
-            [Accuracy(8.0), Accuracy(9.0), Accuracy(30.0)],
-            vec![Fault::between(VELOCITY, FaultKind::Missing, 6.6, 6.9)],
-        ),
-        trouble(
-            "torque 5 % missing",
-            AS_NONE,
-            vec![Fault::random("swing_torque", FaultKind::Missing, 0.05)],
-        ),
-    ]
-}
-
-fn wrong_values() -> Vec<Trouble> {
-    vec![
-        trouble(
-            "2 % outliers 0.3",
-            AS_NONE,
-            vec![Fault::random(VELOCITY, FaultKind::Outlier(0.3), 0.02)],
-        ),
-        trouble(
-            "5 % outliers 1.0",
-            AS_NONE,
-            vec![Fault::random(VELOCITY, FaultKind::Outlier(1.0), 0.05)],
-        ),
-        Trouble {
-            settings: |s| s.sensors.swing_velocity_limit = 0.8,
-            ..trouble(
-                "limit 0.8",
-                [Accuracy(8.0), Accuracy(9.0), Accuracy(35.0)],
-                vec![Fault::always(VELOCITY, FaultKind::Saturation(0.8))],
-            )
-        },
-        trouble(
-            "bias 0.01",
-            AS_NONE,
-            vec![Fault::always(VELOCITY, FaultKind::Bias(0.01))],
-        ),
-        trouble(
-            "scale +1 %",
-            AS_NONE,
-            vec![Fault::always(VELOCITY, FaultKind::Scale(1.01))],
-        ),
-        trouble(
-            "torque gain +2 %",
-            RECORD,
-            vec![Fault::always("swing_torque", FaultKind::Scale(1.02))],
-        ),
-        Trouble {
-            settings: |s| s.sensors.swing_torque_gain_std = 0.02,
-            ..trouble(
-                "the same, stated",
-                [Honesty, Honesty, Honesty],
-                vec![Fault::always("swing_torque", FaultKind::Scale(1.02))],
-            )
-        },
-        Trouble {
-            calibrated: false,
-            ..trouble(
-                "torque offset 100",
-                STATED,
-                vec![Fault::always("swing_torque", FaultKind::Bias(100.0))],
-            )
-        },
-    ]
-}
-
-/// A gap of whole rows, noise beyond the usual, and a record that begins late.
-fn more_noise() -> Vec<Trouble> {
     let noise = Sensors::default();
-    vec![
-        trouble(
-            "60 ms gap",
-            AS_NONE,
-            vec![Fault::between(ROW, FaultKind::Missing, 6.995, 7.045)],
-        ),
-        Trouble {
-            noise: Sensors {
-                swing_velocity: 2.0 * noise.swing_velocity,
-                ..noise
-            },
-            ..trouble("noise x 2", [Accuracy(9.0), Accuracy(9.0), Honesty], vec![])
-        },
-        Trouble {
-            noise: Sensors {
-                joint_angle: 0.3_f64.to_radians(),
-                ..noise
-            },
-            ..trouble(
-                "angle noise 0.3 deg",
-                [Accuracy(9.0), Accuracy(9.0), Honesty],
-                vec![],
-            )
-        },
-        Trouble {
-            start: 6.5,
-            ..trouble(
-                "start in mid-swing",
-                [Accuracy(11.0), Honesty, Honesty],
-                vec![],
-            )
-        },
-    ]
-}
-
-fn parameter_troubles() -> Vec<Trouble> {
-    vec![
-        wrong("b_bar -20 %", STATED, |s| s.nominal_damping *= 0.8),
-        wrong("b_bar +20 %", STATED, |s| s.nominal_damping *= 1.2),
-        wrong("T_f -50 %", FRICTION, |s| s.coulomb_friction *= 0.5),
-        wrong("T_f +50 %", FRICTION, |s| s.coulomb_friction *= 1.5),
-        wrong("J_u -10 %", RECORD, |s| s.geometry.upper_inertia *= 0.9),
-        wrong("J_u +10 %", RECORD, |s| s.geometry.upper_inertia *= 1.1),
-        wrong("link masses +5 %", RECORD, |s| {
-            s.geometry.masses = s.geometry.masses.map(|m| 1.05 * m)
-        }),
-        wrong("payload centre +20 %", RECORD, |s| {
-            s.geometry.payload_centre *= 1.2
-        }),
-    ]
+    troubles! {
+        // Lost samples.
+        "none", AS_NONE, "";
+        "10 % missing", AS_NONE, "swing_velocity:missing,p=0.1";
+        "50 % missing", [Accuracy(9.0), Accuracy(10.0), Honesty], "swing_velocity:missing,p=0.5";
+        "5 % not a number", AS_NONE, "swing_velocity:nan,p=0.05";
+        "0.3 s missing", [Accuracy(8.0), Accuracy(9.0), Accuracy(30.0)], "swing_velocity:missing,from=6.6,to=6.9";
+        "torque 5 % missing", AS_NONE, "swing_torque:missing,p=0.05";
+        // Wrong values.
+        "2 % outliers 0.3", AS_NONE, "swing_velocity:outlier=0.3,p=0.02";
+        "5 % outliers 1.0", AS_NONE, "swing_velocity:outlier=1.0,p=0.05";
+        "limit 0.8", [Accuracy(8.0), Accuracy(9.0), Accuracy(35.0)], "swing_velocity:saturation=0.8",
+            settings: |s| s.sensors.swing_velocity_limit = 0.8;
+        "bias 0.01", AS_NONE, "swing_velocity:bias=0.01";
+        "scale +1 %", AS_NONE, "swing_velocity:scale=1.01";
+        "torque gain +2 %", RECORD, "swing_torque:scale=1.02";
+        "the same, stated", [Honesty; 3], "swing_torque:scale=1.02",
+            settings: |s| s.sensors.swing_torque_gain_std = 0.02;
+        "torque offset 100", STATED, "swing_torque:bias=100", calibrated: false;
+        // A gap of whole rows, noise beyond the usual, and a record that begins late.
+        "60 ms gap", AS_NONE, "row:missing,from=6.995,to=7.045";
+        "noise x 2", [Accuracy(9.0), Accuracy(9.0), Honesty], "",
+            noise: Sensors { swing_velocity: 2.0 * noise.swing_velocity, ..noise };
+        "angle noise 0.3 deg", [Accuracy(9.0), Accuracy(9.0), Honesty], "",
+            noise: Sensors { joint_angle: 0.3_f64.to_radians(), ..noise };
+        "start in mid-swing", [Accuracy(11.0), Honesty, Honesty], "", start: 6.5;
+        // Wrong parameters.
+        "b_bar -20 %", STATED, "", calibrated: false, settings: |s| s.nominal_damping *= 0.8;
+        "b_bar +20 %", STATED, "", calibrated: false, settings: |s| s.nominal_damping *= 1.2;
+        "T_f -50 %", FRICTION, "", calibrated: false, settings: |s| s.coulomb_friction *= 0.5;
+        "T_f +50 %", FRICTION, "", calibrated: false, settings: |s| s.coulomb_friction *= 1.5;
+        "J_u -10 %", RECORD, "", calibrated: false, settings: |s| s.geometry.upper_inertia *= 0.9;
+        "J_u +10 %", RECORD, "", calibrated: false, settings: |s| s.geometry.upper_inertia *= 1.1;
+        "link masses +5 %", RECORD, "", calibrated: false,
+            settings: |s| s.geometry.masses = s.geometry.masses.map(|m| 1.05 * m);
+        "payload centre +20 %", RECORD, "", calibrated: false, settings: |s| s.geometry.payload_centre *= 1.2;
+    }
 }

@@ -253,9 +253,6 @@ fn afterwards(truth: &Truth, description: &config::Excavator, seed: u64) -> Resu
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// No seed was run.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let all = seeds(options, "calibration", one)?;
     let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());

@@ -41,9 +41,6 @@ impl Case {
     }
 
     /// The samples of one seed.
-    ///
-    /// # Errors
-    /// A fault names an unknown channel.
     pub fn rows(&self, seed: u64, noise: Sensors, faults: &[Fault]) -> Result<Vec<Row>, Error> {
         let mut instruments = Instruments::new(noise, faults, seed).map_err(Error::refused)?;
         Ok(self

@@ -93,9 +93,6 @@ struct Outcome {
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "event",

@@ -153,9 +153,6 @@ impl Setup {
     }
 
     /// Runs the estimator over the samples of one seed.
-    ///
-    /// # Errors
-    /// The estimator refuses its settings.
     pub fn run(&self, rows: &[Row]) -> Result<Vec<Point>, Error> {
         let mut step = self.estimator()?;
         Ok(rows.iter().map(|row| self.point(row, &mut step)).collect())
@@ -208,9 +205,6 @@ impl Setup {
 type Step = Box<dyn FnMut(&Sample) -> Estimate>;
 
 /// Truth and estimates of one seed: what a figure shows.
-///
-/// # Errors
-/// The estimator refuses its settings.
 pub fn series(case: &Case, setup: &Setup, seed: u64) -> Result<Vec<Point>, Error> {
     setup.run(&case.rows(seed, Sensors::default(), &[])?)
 }

@@ -65,9 +65,6 @@ fn modes() -> [(Setup, Knowledge); 5] {
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let case = Case::new(Scenario::Base, Some(PAYLOAD));
     let mut table = Table::new(&[

@@ -72,9 +72,6 @@ enum Unknown {
 
 impl Knowledge {
     /// The bound at the end of `exact`, which begins at rest, with the payload factor g of every sample [m^2].
-    ///
-    /// # Errors
-    /// The decomposition fails.
     pub fn bound(&self, exact: &[Exact], factor: &[f64]) -> Result<Bound, Error> {
         let (Some(last), Some(last_factor)) = (exact.last(), factor.last()) else {
             return Err(Error::NoSeeds);

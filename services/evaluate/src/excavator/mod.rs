@@ -1,38 +1,36 @@
 //! The excavator: the paper's Table 1, and every mode against its targets.
 //!
-//! | table | what | JSON |
-//! |---|---|---|
-//! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 | [`table1`] |
-//! | `modes` | all modes, three loads, no disturbance | [`modes`] |
-//! | `drop` | payload that changes in mid-swing | [`mod@drop`] |
-//! | `bad-input` | faulty sensors, wrong parameters | [`bad_input`] |
-//! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
-//! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
-//! | `calibration` | `heft calibrate` over simulated machines | [`calibration`] |
-//! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
-//! | `weighing` | what cylinder pressures add: narrow intervals, loads | [`weighing`] |
+//! | table, whose file says what its JSON is | what |
+//! |---|---|
+//! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 |
+//! | `modes` | all modes, three loads, no disturbance |
+//! | `drop` | payload that changes in mid-swing |
+//! | `bad-input` | faulty sensors, wrong parameters |
+//! | `identifiability` | Cramer-Rao bounds beside what is reached |
+//! | `attachments` | inertia of bucket and crusher, Fig. 3 |
+//! | `calibration` | `heft calibrate` over simulated machines |
+//! | `honesty` | what is trusted on machines that are not what they are said to be |
+//! | `weighing` | what cylinder pressures add: narrow intervals, loads |
 
-pub mod attachments;
-pub mod bad_input;
+mod attachments;
+mod bad_input;
 mod calibrated;
 pub mod calibration;
 mod case;
-pub mod drop;
+mod drop;
 mod estimators;
-pub mod honesty;
+mod honesty;
 pub mod honesty_lines;
-pub mod identifiability;
+mod identifiability;
 mod information;
-pub mod modes;
+mod modes;
 mod score;
 pub mod table1;
 mod target;
-pub mod weighing;
+mod weighing;
 
 pub use case::Case;
-pub use estimators::{Point, Setup, series};
-pub use score::{Score, Summary, Window};
-pub use target::Target;
+pub use estimators::{Point, Setup};
 
 use crate::tables::{self, NamedTable};
 use crate::{Error, Options, Report};

@@ -24,9 +24,6 @@ struct Line {
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "mode",

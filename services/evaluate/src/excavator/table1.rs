@@ -5,7 +5,7 @@
 //! per case when the initial inertia is 0.8 of the true one.
 
 use super::case::{Case, three};
-use super::estimators::{Point, Setup};
+use super::estimators::{self, Point, Setup};
 use super::score::{Score, Summary, Window};
 use crate::text::{Table, plain, signed, verdict};
 use crate::{Error, Options, Report, seeds};
@@ -37,9 +37,6 @@ struct Row {
 }
 
 /// Evaluates the table.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let cases = three(Scenario::Paper);
     let mut rows = Vec::new();
@@ -152,10 +149,7 @@ practically held at its initial value: started 20 % too low it stays 20 % too lo
 ";
 
 /// The estimates of the paper's configuration for one case and seed: Figs. 11-19.
-///
-/// # Errors
-/// As [`super::evaluate`].
 pub fn series(payload: f64, seed: u64) -> Result<Vec<Point>, Error> {
     let case = Case::new(Scenario::Paper, Some(payload));
-    super::series(&case, &Setup::paper(case.truth(WINDOW.from).inertia), seed)
+    estimators::series(&case, &Setup::paper(case.truth(WINDOW.from).inertia), seed)
 }

@@ -28,115 +28,36 @@ const AS_CLEAN: [f64; 2] = [1.0, 7.0];
 /// Torque gains of +5 and -3 % cannot be seen: (1 - lam) 8 % = 4.4 % of the ratio.
 const BIASED: [f64; 2] = [6.0, 10.0];
 
-const CASES: [Case; 18] = [
-    ("clean", &[], AS_CLEAN),
-    (
-        "5 % of measurements missing",
-        &[
-            "speed:missing,p=0.05",
-            "front_wheel_speed:nan,p=0.05",
-            "rear_wheel_speed:missing,p=0.05",
-            "acceleration:nan,p=0.05",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "2 % of inputs missing",
-        &[
-            "front_torque:missing,p=0.02",
-            "rear_torque:nan,p=0.02",
-            "slope:missing,p=0.02",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "speed lost for 3 s",
-        &["speed:missing,from=60,to=63"],
-        AS_CLEAN,
-    ),
-    (
-        "all measurements lost for 3 s",
-        &[
-            "speed:missing,from=60,to=63",
-            "front_wheel_speed:missing,from=60,to=63",
-            "rear_wheel_speed:missing,from=60,to=63",
-            "acceleration:missing,from=60,to=63",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "1 % outliers of 2 m/s, 2 rad/s",
-        &[
-            "speed:outlier=2,p=0.01",
-            "front_wheel_speed:outlier=2,p=0.01",
-            "rear_wheel_speed:outlier=2,p=0.01",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "spikes of 1e3, 1e6, 1e9",
-        &[
-            "speed:outlier=1e3,p=0.002",
-            "front_wheel_speed:outlier=1e6,p=0.002",
-            "rear_wheel_speed:outlier=1e9,p=0.002",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "front wheels locked for 1.5 s",
-        &["front_wheel_speed:scale=0,from=60,to=61.5"],
-        AS_CLEAN,
-    ),
-    (
-        "rear wheels spinning for 1 s",
-        &["rear_wheel_speed:scale=1.8,from=60,to=61"],
-        AS_CLEAN,
-    ),
-    (
-        "speed frozen for 2 s",
-        &["speed:hold,from=60,to=62"],
-        AS_CLEAN,
-    ),
-    (
-        "times repeated, backward, missing",
-        &[
-            "time:bias=-0.01,p=0.01",
-            "time:bias=-5,p=0.01",
-            "time:nan,p=0.01",
-        ],
-        AS_CLEAN,
-    ),
-    (
-        "2 s of rows missing",
-        &["row:missing,from=60,to=62"],
-        AS_CLEAN,
-    ),
-    (
-        "clock 5 s ahead from 60 s",
-        &["time:bias=5,from=60"],
-        AS_CLEAN,
-    ),
-    (
-        "one time 1e6 s ahead",
-        &["time:bias=1e6,from=60,to=60.005"],
-        AS_CLEAN,
-    ),
-    ("slope bias 2 deg", &["slope:bias=0.0349"], AS_CLEAN),
-    (
-        "torque gains +5, -3 %",
-        &["front_torque:scale=1.05", "rear_torque:scale=0.97"],
-        BIASED,
-    ),
-    ("speed scale +0.5 %", &["speed:scale=1.005"], AS_CLEAN),
-    (
-        "wheel speeds in steps of 0.05 rad/s",
-        &[
-            "front_wheel_speed:quantum=0.05",
-            "rear_wheel_speed:quantum=0.05",
-        ],
-        [4.0, 15.0],
-    ),
-];
+macro_rules! cases {
+    ($( $name:literal, $limits:expr => $( $fault:literal ),*; )*) => { [$( ($name, &[$( $fault ),*], $limits) ),*] };
+}
+
+const CASES: [Case; 18] = cases! {
+    "clean", AS_CLEAN =>;
+    "5 % of measurements missing", AS_CLEAN =>
+        "speed:missing,p=0.05", "front_wheel_speed:nan,p=0.05",
+        "rear_wheel_speed:missing,p=0.05", "acceleration:nan,p=0.05";
+    "2 % of inputs missing", AS_CLEAN => "front_torque:missing,p=0.02", "rear_torque:nan,p=0.02", "slope:missing,p=0.02";
+    "speed lost for 3 s", AS_CLEAN => "speed:missing,from=60,to=63";
+    "all measurements lost for 3 s", AS_CLEAN =>
+        "speed:missing,from=60,to=63", "front_wheel_speed:missing,from=60,to=63",
+        "rear_wheel_speed:missing,from=60,to=63", "acceleration:missing,from=60,to=63";
+    "1 % outliers of 2 m/s, 2 rad/s", AS_CLEAN =>
+        "speed:outlier=2,p=0.01", "front_wheel_speed:outlier=2,p=0.01", "rear_wheel_speed:outlier=2,p=0.01";
+    "spikes of 1e3, 1e6, 1e9", AS_CLEAN =>
+        "speed:outlier=1e3,p=0.002", "front_wheel_speed:outlier=1e6,p=0.002", "rear_wheel_speed:outlier=1e9,p=0.002";
+    "front wheels locked for 1.5 s", AS_CLEAN => "front_wheel_speed:scale=0,from=60,to=61.5";
+    "rear wheels spinning for 1 s", AS_CLEAN => "rear_wheel_speed:scale=1.8,from=60,to=61";
+    "speed frozen for 2 s", AS_CLEAN => "speed:hold,from=60,to=62";
+    "times repeated, backward, missing", AS_CLEAN => "time:bias=-0.01,p=0.01", "time:bias=-5,p=0.01", "time:nan,p=0.01";
+    "2 s of rows missing", AS_CLEAN => "row:missing,from=60,to=62";
+    "clock 5 s ahead from 60 s", AS_CLEAN => "time:bias=5,from=60";
+    "one time 1e6 s ahead", AS_CLEAN => "time:bias=1e6,from=60,to=60.005";
+    "slope bias 2 deg", AS_CLEAN => "slope:bias=0.0349";
+    "torque gains +5, -3 %", BIASED => "front_torque:scale=1.05", "rear_torque:scale=0.97";
+    "speed scale +0.5 %", AS_CLEAN => "speed:scale=1.005";
+    "wheel speeds in steps of 0.05 rad/s", [4.0, 15.0] => "front_wheel_speed:quantum=0.05", "rear_wheel_speed:quantum=0.05";
+};
 
 /// What is left of a run at its end.
 #[derive(Clone, Copy, Debug)]

@@ -8,9 +8,6 @@ use super::score::Score;
 use crate::Error;
 
 /// Drives every candidate through the same rows; `look` sees each answer: candidate, row, estimate.
-///
-/// # Errors
-/// The run cannot be simulated, or a candidate refuses its settings.
 pub(super) fn each_row(
     run: &Run,
     candidates: &[Candidate],

@@ -56,9 +56,6 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 /// A number above 0.
-///
-/// # Errors
-/// It is none.
 pub fn positive(text: &str) -> Result<f64, String> {
     let found = number(text)?;
     (found > 0.0)
@@ -67,9 +64,6 @@ pub fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A number that is 0 or above.
-///
-/// # Errors
-/// It is none.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     let found = number(text)?;
     (found >= 0.0)

@@ -58,9 +58,6 @@ macro_rules! commands {
 
         impl Command {
             /// Does it.
-            ///
-            /// # Errors
-            /// Those of the command.
             pub fn run(&self) -> Result<(), Failure> {
                 match self {
                     $( Self::$name(args) => $run(args), )+

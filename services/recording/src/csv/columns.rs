@@ -547,7 +547,8 @@ fn require<S: Sensors>(
 /// What a table is that cannot be read with this header, where it tells.
 pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
     let lower: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
-    let is_one_of = |names: &[&str]| lower.iter().any(|name| names.contains(&name.as_str()));
+    let is_in = |name: &String, names: &str| names.split(", ").any(|known| known == name);
+    let is_one_of = |names| lower.iter().any(|name| is_in(name, names));
     let (what, remedy) = if is_one_of(FRAMES[0]) && is_one_of(FRAMES[1]) {
         (
             "this is a table of CAN frames",
@@ -570,56 +571,16 @@ pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
 }
 
 /// What others call the identifier of a frame, and its data.
-const FRAMES: [&[&str]; 2] = [
-    &[
-        "id",
-        "can id",
-        "canid",
-        "can_id",
-        "id (hex)",
-        "identifier",
-        "arbitration_id",
-        "arb id",
-    ],
-    &[
-        "data",
-        "data (hex)",
-        "dlc",
-        "len",
-        "length",
-        "d0",
-        "d1",
-        "db0",
-        "data0",
-        "b1",
-        "byte0",
-    ],
+const FRAMES: [&str; 2] = [
+    "id, can id, canid, can_id, id (hex), identifier, arbitration_id, arb id",
+    "data, data (hex), dlc, len, length, d0, d1, db0, data0, b1, byte0",
 ];
 
 /// What others call the name of a signal in a row of its own, and its value.
-const LONG: [&[&str]; 2] = [
-    &[
-        "signal",
-        "signalname",
-        "signal_name",
-        "signal name",
-        "name",
-        "variable",
-        "varname",
-        "channel",
-        "sensor",
-        "parameter",
-        "tag",
-        "tagname",
-        "metric",
-        "_field",
-        "kanal",
-        "topic",
-        "series",
-    ],
-    &[
-        "value", "_value", "varvalue", "val", "wert", "valeur", "valor", "reading",
-    ],
+const LONG: [&str; 2] = [
+    "signal, signalname, signal_name, signal name, name, variable, varname, channel, sensor, parameter, tag, \
+     tagname, metric, _field, kanal, topic, series",
+    "value, _value, varvalue, val, wert, valeur, valor, reading",
 ];
 
 /// So much of a cell is shown [characters], and so many names of a header.

@@ -26,319 +26,74 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
     names.filter(|name| !name.starts_with("true_")).collect()
 }
 
-/// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
-/// `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name tells a unit of this dimension.
-const WORDS: &[(&str, &[&[&str]])] = &[
-    (
-        "t",
-        &[
-            &["timestamp"],
-            &["time"],
-            &["zeit"],
-            &["=t"],
-            &["=ts"],
-            &["=stamp"],
-            &["=epoch"],
-            &["=utc"],
-            &["=clock"],
-            &["=date"],
-            &["=datum"],
-            &["=fecha"],
-            &["=hora"],
-            &["=heure"],
-            &["=tempo"],
-            &["elapsed"],
-            &["=datenum"],
-            &["=ticks"],
-            // LabVIEW's.
-            &["=x_value"],
-            &["=ms"],
-            &["=msec"],
-            &["=millis"],
-            &["=sec"],
-            &["=seconds"],
-            &["=s"],
-        ],
-    ),
-    (
-        "swing_velocity",
-        &[
-            &["swing", "vel"],
-            &["swing", "rate"],
-            &["swing", "speed"],
-            &["swing", "omega"],
-            &["gyro", "z"],
-            &["yaw", "rate"],
-            &["=gyro"],
-            &["=omega"],
-            &["=angular_velocity"],
-            &["swing", "|w"],
-            &["swing", "[rad/s"],
-        ],
-    ),
-    (
-        "swing_angle",
-        &[&["swing", "angle"], &["swing", "pos"], &["swing", "deg"]],
-    ),
-    (
-        "swing_torque",
-        &[
-            &["swing", "torque"],
-            // Of ROS and of Modelica.
-            &["swing", "effort"],
-            &["swing", "^tau"],
-            &["=torque"],
-            &["swing", "[N m"],
-        ],
-    ),
-    (
-        "boom_angle",
-        &[
-            &["boom", "angle"],
-            &["boom", "deg"],
-            &["boom", "pos"],
-            &["boom"],
-        ],
-    ),
-    (
-        "arm_angle",
-        &[
-            &["arm", "angle"],
-            &["stick", "angle"],
-            &["dipper", "angle"],
-            &["arm", "deg"],
-            &["arm", "pos"],
-            &["arm", "incl"],
-            &["stick"],
-            &["dipper"],
-            &["^arm"],
-        ],
-    ),
-    (
-        "bucket_angle",
-        &[&["bucket", "angle"], &["bucket", "deg"], &["bucket"]],
-    ),
-    (
-        "speed",
-        &[
-            &["wheelbased", "speed"],
-            &["vehicle", "speed"],
-            &["ground", "speed"],
-            &["machine", "speed"],
-            &["^veh", "speed"],
-            &["travel", "speed"],
-            &["gps", "speed"],
-            &["ccvs"],
-            &["=speed"],
-            &["=velocity"],
-        ],
-    ),
-    (
-        "front_wheel_speed",
-        &[
-            &["front", "wheel", "speed"],
-            &["front", "axle"],
-            &["front", "rpm"],
-            &["front", "speed"],
-            &["front", "wheel"],
-        ],
-    ),
-    (
-        "rear_wheel_speed",
-        &[
-            &["rear", "wheel", "speed"],
-            &["rear", "axle"],
-            &["rear", "rpm"],
-            &["rear", "speed"],
-            &["output", "shaft"],
-            &["rear", "wheel"],
-        ],
-    ),
-    ("front_torque", &[&["front", "torque"]]),
-    ("rear_torque", &[&["rear", "torque"]]),
-    (
-        "slope",
-        &[
-            &["slope"],
-            &["grade"],
-            &["gradient"],
-            &["inclin"],
-            &["pitch", "angle"],
-            &["pitch"],
-        ],
-    ),
-    (
-        "acceleration",
-        &[&["accel", "long"], &["accel", "x"], &["accel"]],
-    ),
-    (
-        "mass",
-        &[
-            &["gross", "mass"],
-            &["vehicle", "mass"],
-            &["mass"],
-            &["gross", "weight"],
-            &["=weight"],
-        ],
-    ),
-    ("pitch", &[&["pitch"]]),
-    ("roll", &[&["^roll"], &["=wank"]]),
-    ("articulation", &[&["articul"], &["steer", "angle"]]),
-    ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
-    ("brake", &[&["brake"]]),
-    ("boom_head_pressure", &[&["boom", "|head", "press"]]),
-    ("boom_rod_pressure", &[&["boom", "|rod", "press"]]),
-    (
-        "arm_head_pressure",
-        &[
-            &["^arm", "|head", "press"],
-            &["stick", "|head", "press"],
-            &["dipper", "|head", "press"],
-        ],
-    ),
-    (
-        "arm_rod_pressure",
-        &[
-            &["^arm", "|rod", "press"],
-            &["stick", "|rod", "press"],
-            &["dipper", "|rod", "press"],
-        ],
-    ),
-    (
-        "lift_angle",
-        &[&["lift", "ang"], &["lift", "arm"], &["boom", "ang"]],
-    ),
-    ("tilt_angle", &[&["tilt", "ang"], &["bucket", "ang"]]),
-    (
-        "lift_head_pressure",
-        &[
-            &["lift", "|head", "press"],
-            &["hoist", "|head", "press"],
-            &["boom", "|head", "press"],
-        ],
-    ),
-    (
-        "lift_rod_pressure",
-        &[
-            &["lift", "|rod", "press"],
-            &["hoist", "|rod", "press"],
-            &["boom", "|rod", "press"],
-        ],
-    ),
-    ("truck", &[&["truck", "number"], &["truck", "id"]]),
-];
+/// For each signal what its names have, in the order of trust; of `a + b` both. `^word` counts only where a word of the name
+/// begins, `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name
+/// tells a unit of this dimension. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
+const WORDS: &str = "
+t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum
+t: =ticks, =x_value, =ms, =msec, =millis, =sec, =seconds, =s
+swing_velocity: swing + vel, swing + rate, swing + speed, swing + omega, gyro + z
+swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + [rad/s
+swing_angle: swing + angle, swing + pos, swing + deg
+swing_torque: swing + torque, swing + effort, swing + ^tau, =torque, swing + [N m
+boom_angle: boom + angle, boom + deg, boom + pos, boom
+arm_angle: arm + angle, stick + angle, dipper + angle, arm + deg, arm + pos, arm + incl, stick, dipper, ^arm
+bucket_angle: bucket + angle, bucket + deg, bucket
+speed: wheelbased + speed, vehicle + speed, ground + speed, machine + speed, ^veh + speed, travel + speed, gps + speed, ccvs
+speed: =speed, =velocity
+front_wheel_speed: front + wheel + speed, front + axle, front + rpm, front + speed, front + wheel
+rear_wheel_speed: rear + wheel + speed, rear + axle, rear + rpm, rear + speed, output + shaft, rear + wheel
+front_torque: front + torque
+rear_torque: rear + torque
+slope: slope, grade, gradient, inclin, pitch + angle, pitch
+acceleration: accel + long, accel + x, accel
+mass: gross + mass, vehicle + mass, mass, gross + weight, =weight
+pitch: pitch
+roll: ^roll, =wank
+articulation: articul, steer + angle
+yaw_rate: yaw + rate, gyro + z
+brake: brake
+boom_head_pressure: boom + |head + press
+boom_rod_pressure: boom + |rod + press
+arm_head_pressure: ^arm + |head + press, stick + |head + press, dipper + |head + press
+arm_rod_pressure: ^arm + |rod + press, stick + |rod + press, dipper + |rod + press
+lift_angle: lift + ang, lift + arm, boom + ang
+tilt_angle: tilt + ang, bucket + ang
+lift_head_pressure: lift + |head + press, hoist + |head + press, boom + |head + press
+lift_rod_pressure: lift + |rod + press, hoist + |rod + press, boom + |rod + press
+truck: truck + number, truck + id
+";
 
 /// Words of what is commanded or something else than motion: a joystick measures no stick.
-const OTHERS: [&str; 12] = [
-    "joystick",
-    "lever",
-    "pilot",
-    "command",
-    "cmd",
-    "setpoint",
-    "set point",
-    "set_point",
-    "valve",
-    "flow",
-    "temper",
-    "roller",
-];
+const OTHERS: &str = "joystick, lever, pilot, command, cmd, setpoint, set point, set_point, valve, flow, temper, roller";
 
 /// What is wanted, a bound, a state or a statistic: no measurement.
-const NO_MEASUREMENT: [&str; 25] = [
-    "target",
-    "ref",
-    "reference",
-    "desired",
-    "demand",
-    "request",
-    "requested",
-    "req",
-    "limit",
-    "lim",
-    "max",
-    "min",
-    "maximum",
-    "minimum",
-    "valid",
-    "validity",
-    "status",
-    "quality",
-    "fault",
-    "error",
-    "flag",
-    "alarm",
-    "pedal",
-    "mode",
-    "std",
-];
+const NO_MEASUREMENT: &str = "target ref reference desired demand request requested req limit lim max min maximum minimum valid validity \
+    status quality fault error flag alarm pedal mode std";
 
 /// Signals, by their name or its end, and words that tell another quantity than these: a boom's rate is no angle of it.
-const OF_OTHERS: &[(&[&str], &[&str])] = &[
+const OF_OTHERS: &[(&str, &str)] = &[
     (
-        &["_angle", "slope", "pitch", "roll", "articulation"],
-        &[
-            "rate",
-            "vel",
-            "velocity",
-            "speed",
-            "accel",
-            "acceleration",
-            "omega",
-            "torque",
-            "moment",
-            "force",
-            "stroke",
-            "length",
-        ],
+        "_angle slope pitch roll articulation",
+        "rate vel velocity speed accel acceleration omega torque moment force stroke length",
     ),
     (
-        &["_velocity", "_speed", "speed", "yaw_rate"],
-        &[
-            "accel",
-            "acceleration",
-            "angle",
-            "torque",
-            "moment",
-            "force",
-            "power",
-        ],
+        "_velocity _speed speed yaw_rate",
+        "accel acceleration angle torque moment force power",
     ),
+    ("_torque", "rate vel velocity speed angle accel power"),
+    ("acceleration", "accelerator"),
     (
-        &["_torque"],
-        &[
-            "rate", "vel", "velocity", "speed", "angle", "accel", "power",
-        ],
+        "slope pitch roll",
+        "boom arm stick dipper bucket lift blade",
     ),
     // Of the shaft, ahead of the gear.
+    ("swing_velocity", "motor engine moteur pump shaft"),
+    ("articulation", "wheel whl"),
+    ("mass", "payload load bucket fuel air attachment"),
     (
-        &["swing_velocity"],
-        &["motor", "engine", "moteur", "pump", "shaft"],
-    ),
-    (&["acceleration"], &["accelerator"]),
-    (
-        &["slope", "pitch", "roll"],
-        &["boom", "arm", "stick", "dipper", "bucket", "lift", "blade"],
-    ),
-    (&["articulation"], &["wheel", "whl"]),
-    (
-        &["mass"],
-        &["payload", "load", "bucket", "fuel", "air", "attachment"],
-    ),
-    (
-        &["t"],
-        &[
-            "cycle",
-            "zone",
-            "delta",
-            "dt",
-            "diff",
-            "step",
-            "remaining",
-            "delay",
-            "lag",
-            "response",
-        ],
+        "t",
+        "cycle zone delta dt diff step remaining delay lag response",
     ),
 ];
 
@@ -356,17 +111,18 @@ fn is_other(signal: &str, name: &str) -> bool {
     ];
     let words = texts.iter().flat_map(|text| unit::words(text));
     let words: Vec<String> = words.map(str::to_lowercase).collect();
-    let is_of = |key: &&str| *key == signal || key.starts_with('_') && signal.ends_with(key);
-    let others = OF_OTHERS.iter().filter(|(keys, _)| keys.iter().any(&is_of));
-    let mut all = others
-        .flat_map(|(_, words)| words.iter())
-        .chain(&NO_MEASUREMENT);
+    let is_of = |key: &str| key == signal || key.starts_with('_') && signal.ends_with(key);
+    let others = OF_OTHERS
+        .iter()
+        .filter(|(keys, _)| keys.split(' ').any(is_of));
+    let all = others.map(|(_, words)| *words).chain([NO_MEASUREMENT]);
+    let mut all = all.flat_map(|words| words.split(' '));
     all.any(|other| words.iter().any(|word| word == other))
 }
 
 /// Whether a column of this name may be a measurement of this signal.
 pub(super) fn may_be(signal: &str, name: &str) -> bool {
-    !is_other(signal, name) && !OTHERS.iter().any(|word| english(name).contains(word))
+    !is_other(signal, name) && !OTHERS.split(", ").any(|word| english(name).contains(word))
 }
 
 /// Whether a name has a word of [`WORDS`]: an alarm is no arm.
@@ -430,11 +186,14 @@ pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
         return Some(at);
     }
     let lower: Vec<String> = names.iter().map(|n| with_pressure(n)).collect();
-    let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
-    alternatives.iter().find_map(|words| {
+    let rows = WORDS
+        .lines()
+        .filter_map(|row| row.strip_prefix(signal)?.strip_prefix(": "));
+    rows.flat_map(|row| row.split(", ")).find_map(|words| {
         // `boom_head_pressure` is no angle of the boom.
         let fits = |n: &String| {
-            words.iter().all(|w| has(n, w)) && n.contains(PRESSURE) == signal.contains(PRESSURE)
+            words.split(" + ").all(|w| has(n, w))
+                && n.contains(PRESSURE) == signal.contains(PRESSURE)
         };
         let mut free = (0..lower.len()).filter(free);
         free.find(|at| fits(&lower[*at]) && may_be(signal, names[*at]))

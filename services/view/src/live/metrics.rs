@@ -9,71 +9,27 @@ use crate::monitor::{Each, MachineState, Monitor};
 /// The media type of the format.
 pub(super) const KIND: &str = "text/plain; version=0.0.4; charset=utf-8";
 
+macro_rules! rows {
+    ($( $family:literal, $kind:literal, $help:literal; )*) => { [$( ($family, $kind, $help) ),*] };
+}
+
 /// Families with their kind and what they mean.
-const FAMILIES: [(&str, &str, &str); 14] = [
-    (
-        "heft_estimate",
-        "gauge",
-        "Estimated quantity, in the SI unit of its label.",
-    ),
-    ("heft_estimate_std", "gauge", "Its standard deviation."),
-    (
-        "heft_trusted",
-        "gauge",
-        "1 where heft trusts the quantity now.",
-    ),
-    ("heft_last_trusted", "gauge", "The last trusted value."),
-    (
-        "heft_last_trusted_age_seconds",
-        "gauge",
-        "Time since the last trusted value, on the machine's clock.",
-    ),
-    (
-        "heft_channel_messages_total",
-        "counter",
-        "Messages received.",
-    ),
-    (
-        "heft_channel_lost_total",
-        "counter",
-        "Messages that never came.",
-    ),
-    (
-        "heft_process_samples_total",
-        "counter",
-        "Samples treated by a process.",
-    ),
-    (
-        "heft_process_late_total",
-        "counter",
-        "Samples that came later than a period.",
-    ),
-    (
-        "heft_process_lost_total",
-        "counter",
-        "Samples that a process did not get.",
-    ),
-    (
-        "heft_process_restarts_total",
-        "counter",
-        "Times that a process was started again.",
-    ),
-    (
-        "heft_process_fault",
-        "gauge",
-        "Code of the last fault; 0 is none.",
-    ),
-    (
-        "heft_process_silent_seconds",
-        "gauge",
-        "Time since the last sign of life.",
-    ),
-    (
-        "heft_simulated",
-        "gauge",
-        "1 where the samples are a simulator's: nothing is measured.",
-    ),
-];
+const FAMILIES: [(&str, &str, &str); 14] = rows! {
+    "heft_estimate", "gauge", "Estimated quantity, in the SI unit of its label.";
+    "heft_estimate_std", "gauge", "Its standard deviation.";
+    "heft_trusted", "gauge", "1 where heft trusts the quantity now.";
+    "heft_last_trusted", "gauge", "The last trusted value.";
+    "heft_last_trusted_age_seconds", "gauge", "Time since the last trusted value, on the machine's clock.";
+    "heft_channel_messages_total", "counter", "Messages received.";
+    "heft_channel_lost_total", "counter", "Messages that never came.";
+    "heft_process_samples_total", "counter", "Samples treated by a process.";
+    "heft_process_late_total", "counter", "Samples that came later than a period.";
+    "heft_process_lost_total", "counter", "Samples that a process did not get.";
+    "heft_process_restarts_total", "counter", "Times that a process was started again.";
+    "heft_process_fault", "gauge", "Code of the last fault; 0 is none.";
+    "heft_process_silent_seconds", "gauge", "Time since the last sign of life.";
+    "heft_simulated", "gauge", "1 where the samples are a simulator's: nothing is measured.";
+};
 
 /// Samples by family.
 #[derive(Debug, Default)]
