@@ -4,8 +4,8 @@
 //! What speaks against that: an emptied bucket that weighs neither nothing nor what it did before; a payload that has changed though no
 //! joint moved it, or that no bucket holds; pushes that recur; a swing that is left unexplained; a constant far from what was stated; and a
 //! parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
-//! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
-//! that the bucket may hold anything.
+//! believed until emptied buckets weigh nothing again, by what was known before ([`super::recall`]) and in swings without another
+//! contradiction; until then the interval says that the bucket may hold anything.
 
 use crate::math::ln;
 
@@ -32,6 +32,9 @@ pub(super) struct Contradiction {
     before: (f64, f64),
     /// Something has pushed the upper body, and no payload was known since.
     pushed: bool,
+    /// What was said since the bucket's content changed: it is none, and weighs nothing; something is contradicted.
+    agreed: bool,
+    contradicted: bool,
 }
 
 impl Contradiction {
@@ -41,7 +44,14 @@ impl Contradiction {
             usual: 1.0,
             before: (0.0, 0.0),
             pushed: false,
+            agreed: false,
+            contradicted: false,
         }
+    }
+
+    /// The bucket holds something else.
+    pub(super) fn content_changes(&mut self) {
+        (self.agreed, self.contradicted) = (false, false);
     }
 
     /// A swing is over in which manoeuvres disagreed by this ratio.
@@ -67,6 +77,7 @@ impl Contradiction {
         let odds = 0.5 * (ln(1.0 + anything / spread) - away * away / spread);
         if odds < -SAME && self.usual < USUAL {
             self.level = self.level.max(1);
+            self.contradicted = true;
         }
         odds > SAME
     }
@@ -110,13 +121,19 @@ impl Contradiction {
     /// It cannot be as it is measured.
     pub(super) fn outright(&mut self) {
         self.level = REGAINED;
+        self.contradicted = true;
     }
 
-    /// An emptied bucket weighs nothing, as stated closely or not.
-    pub(super) fn agreed(&mut self, closely: bool) {
-        if self.level == 1 || closely {
+    /// An emptied bucket was weighed, and weighs nothing. One content says so once, and not after a contradiction.
+    pub(super) fn agrees(&mut self) {
+        if !self.contradicted && !core::mem::replace(&mut self.agreed, true) {
             self.level = self.level.saturating_sub(1);
         }
+    }
+
+    /// Whether the present content has said so.
+    pub(super) fn has_agreed(&self) -> bool {
+        self.agreed && !self.contradicted
     }
 
     /// Whether something is contradicted.
@@ -130,14 +147,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_contradicted_outright_is_believed_after_two_close_agreements() {
+    fn what_was_contradicted_outright_is_believed_after_two_agreements() {
         let mut contradiction = Contradiction::new();
         contradiction.outright();
-        contradiction.agreed(false);
-        assert!(contradiction.is_open());
-        contradiction.agreed(true);
-        assert!(contradiction.is_open());
-        contradiction.agreed(false);
+        // In the content that was contradicted nothing agrees, and each other one does so once.
+        for _ in 0..3 {
+            assert!(contradiction.is_open());
+            contradiction.agrees();
+            contradiction.agrees();
+            contradiction.content_changes();
+        }
         assert!(!contradiction.is_open());
     }
 
@@ -188,7 +207,9 @@ mod tests {
         let mut contradiction = Contradiction::new();
         weighed(&mut contradiction, (500.0, 400.0));
         assert!(contradiction.is_open());
-        contradiction.agreed(false);
+        contradiction.content_changes();
+        contradiction.agrees();
+        assert!(!contradiction.is_open());
         (0..4).for_each(|_| contradiction.swung(3.0));
         weighed(&mut contradiction, (500.0, 400.0));
         assert!(!contradiction.is_open());

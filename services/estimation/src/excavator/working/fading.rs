@@ -31,14 +31,8 @@ impl Working {
         if self.unfaded + 0.5 * period < EVERY {
             return;
         }
+        let described = self.described(settings);
         let kept = exp(-core::mem::take(&mut self.unfaded) / LASTS);
-        let mut described = Filter::new(self.described, &self.stated);
-        if let Some((doubts, found)) = settings.doubts.as_ref().and_then(|d| Some((d, d.found?))) {
-            correlate(&mut described, doubts, found);
-        }
-        if let Some(weigh) = &self.weigh {
-            weigh.correlate(&mut described);
-        }
         self.filter.fade(&described, kept);
         self.parallel.filter.fade(&described, kept);
         self.scale.filter.fade(&described, kept);
@@ -47,10 +41,23 @@ impl Working {
             trail.fade(kept);
         }
     }
+
+    /// What the description says of all states.
+    pub(super) fn described(&self, settings: &Settings) -> Filter {
+        let mut described = Filter::new(self.described, &self.stated);
+        if let Some((doubts, found)) = settings.doubts.as_ref().and_then(|d| Some((d, d.found?))) {
+            correlate(&mut described, doubts, found);
+        }
+        if let Some(weigh) = &self.weigh {
+            weigh.correlate(&mut described);
+        }
+        described
+    }
 }
 
 impl Filter {
-    fn fade(&mut self, described: &Self, kept: f64) {
+    /// Of what was told this share is kept.
+    pub(super) fn fade(&mut self, described: &Self, kept: f64) {
         for i in CONSTANTS {
             self.x[i] = described.x[i] + kept * (self.x[i] - described.x[i]);
             for j in 0..N {

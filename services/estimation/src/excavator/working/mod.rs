@@ -15,6 +15,7 @@ mod fading;
 mod filter;
 mod noise;
 mod parallel;
+mod recall;
 mod scale;
 mod smoother;
 mod states;
@@ -35,6 +36,7 @@ use self::filter::{
 };
 use self::noise::Noise;
 use self::parallel::ParallelFilter;
+use self::recall::Recall;
 use self::scale::Scale;
 pub use self::smoother::{Smoothed, Smoother};
 use self::sway::Sway;
@@ -127,8 +129,6 @@ pub(super) struct Working {
     pushed: bool,
     /// Its tracks turn it while no torque acts: that motion says nothing of what turns.
     rides: bool,
-    /// An emptied bucket has weighed nothing in this swing.
-    weighed_nothing: bool,
     /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
     weighed_something: f64,
     /// The content is believed to be what is expected of any, beside what weighed it.
@@ -144,6 +144,7 @@ pub(super) struct Working {
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
     parallel: ParallelFilter,
     contradiction: Contradiction,
+    recall: Recall,
     /// A gain that is off, beside pressures.
     tail: Tail,
     /// Another bucket.
@@ -226,7 +227,6 @@ impl Working {
             changed: false,
             pushed: false,
             rides: false,
-            weighed_nothing: false,
             weighed_something: 0.0,
             expected: true,
             true_mass: false,
@@ -234,6 +234,7 @@ impl Working {
             sticks,
             carried: None,
             contradiction: Contradiction::new(),
+            recall: Recall::default(),
             tail: Tail::new(doubts),
             attachment: Attachment::new(settings.geometry.masses[2], bucket, sticking),
             weigh: settings.boom.map(Weigh::new),
@@ -366,6 +367,7 @@ impl Working {
         for (i, std) in [SPAN, ZERO].into_iter().zip(stated) {
             self.restate(i, std);
         }
+        self.recall.forget();
         self.parallel.is_joined_by_pressures();
         let std = self.weighed_gain;
         if std < self.stated[GAIN] && !self.parallel.is_driven() {
@@ -411,7 +413,6 @@ impl Working {
             }
         }
         self.agreement.interrupt();
-        self.weighed_nothing = false;
         self.weighed_something = 0.0;
         Innovation::default()
     }
@@ -461,6 +462,7 @@ impl Working {
             }
         }
         self.fade(s, drive.period, trail);
+        self.recall.ages(drive.period);
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
         if weighed {

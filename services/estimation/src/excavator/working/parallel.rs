@@ -74,6 +74,12 @@ impl ParallelFilter {
         self.filter.set(GAIN, 0.0, variance, &mut None);
     }
 
+    /// What both know is this from now on, and a sensor may have broken.
+    pub(super) fn begins(&mut self, filter: &Filter) {
+        self.filter = opened(filter);
+        self.odds = PRIOR_LOG_ODDS;
+    }
+
     /// The machine moves: what was known of the sensors may have changed while it stood.
     pub(super) fn set_off(&mut self, filter: &Filter) {
         if core::mem::take(&mut self.idle) {

@@ -37,6 +37,12 @@ impl Scale {
         scale
     }
 
+    /// It knows this from now on.
+    pub(super) fn knows(&mut self, filter: &Filter) {
+        self.filter = filter.clone();
+        self.has_no_torque();
+    }
+
     /// It weighs true masses.
     pub(super) fn has_no_torque(&mut self) {
         self.filter.set(GAIN, 0.0, 0.0, &mut None);

@@ -12,7 +12,7 @@ use super::weigh::Weigh;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
-use crate::math::{ln, sqrt};
+use crate::math::ln;
 
 /// What sticks differs from load to load by this standard deviation, as a share of the rated payload, and has changed for good by this
 /// one after each.
@@ -24,9 +24,6 @@ const KNOWN_STD_SHARE: f64 = 0.15;
 const RESIDUE_STD_SHARE: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
 const STUCK_LOAD_ODDS: f64 = 100.0;
-
-/// A weight is stated closely within this share of the empty machine's inertia.
-const CONFIRMED_STD_SHARE: f64 = 0.03;
 
 impl Working {
     /// What the bucket holds from now on.
@@ -45,6 +42,8 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
+        self.recall(settings);
+        self.contradiction.content_changes();
         self.sway.forget();
         if self.attachment.pending {
             self.content_tells_attachment(settings.estimator.gate, trail);
@@ -159,15 +158,25 @@ impl Working {
         if !apart && !close {
             return;
         }
-        if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
-            let (_, before) = self.filter.combination(&self.filter.inertia_row(now));
-            self.contradiction
-                .agreed(sqrt(before) < CONFIRMED_STD_SHARE * now.empty);
+        let explained = !self.changed && !self.noise.is_unexplained();
+        if !apart && explained && self.is_foreseen((variance, std * std), now) {
+            self.contradiction.agrees();
         }
         if !self.tared {
             self.is_emptied();
             self.attachment.is_known();
             self.holds_nothing(std * std, gate, trail);
+        }
+    }
+
+    /// Whether an emptied bucket has been weighed, and what turns is as was known before the contradiction; without such
+    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2].
+    fn is_foreseen(&self, (variance, expected): (f64, f64), now: &Inertia) -> bool {
+        let limit = KNOWN_STD_SHARE * self.rated;
+        let confirmed = self.recall.confirmed();
+        match confirmed.filter(|_| self.contradiction.is_open()) {
+            Some(known) => known.foresees(&self.filter, expected, now),
+            None => (1.0 / variance - 1.0 / expected) * limit * limit > 1.0,
         }
     }
 
