@@ -192,7 +192,7 @@ impl LiftWitness {
             emptied: Emptied::default(),
             below: Below::default(),
             angle_steps: [AngleSteps::default(); 2],
-            moment_steps: MomentSteps::default(),
+            moment_steps: MomentSteps::NEW,
             changed: Changed::default(),
             answer: None,
         })
@@ -277,7 +277,7 @@ impl LiftWitness {
 
     /// Counts how long signals stand still while the machine moves.
     fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
-        let driving = sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        let driving = drives(sample);
         for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
             // The same bits: a sensor that lives has noise, or a machine that shakes it.
             if *held != new {
@@ -329,7 +329,7 @@ impl LiftWitness {
             ..*posture
         };
         let shown = drawing.shown(values, &stance, &posture);
-        self.watch_steps(&shown, &motion, dt);
+        self.watch_steps(&shown, &motion, low && !drives(sample), dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
@@ -373,7 +373,7 @@ impl LiftWitness {
         self.changed.see(&bucket, dt);
         if !motion.open {
             // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-            let rests = low && !sample.speed.is_some_and(|v| v.abs() > DRIVING);
+            let rests = low && !drives(sample);
             self.below.see(shown, empty.most(), rests, dt);
         }
         let answer = self.answer(&empty, &empty, payload, motion.open);
@@ -381,13 +381,16 @@ impl LiftWitness {
         answer
     }
 
-    /// Steps of the moment that no content makes.
-    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, dt: f64) {
+    /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it.
+    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, rests: bool, dt: f64) {
         let acts = motion.turning || self.drive.pushes() || self.stops.carry();
-        let carried = shown.lifting / shown.per_load;
-        let seen = [!motion.open, acts];
-        if let Some(step) = self.moment_steps.see(shown.payload(), carried, seen, dt) {
-            self.changed.step(step, shown.empty / shown.per_load);
+        let rows = [shown.payload(), shown.lifting / shown.per_load];
+        let Quantity { value, std } = self.scale.payload();
+        // What the ground carries a part of is not known.
+        let is_known = !motion.open && !(rests && value < -std);
+        let known = is_known.then_some(value);
+        if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
+            self.changed.step(step, shown.empty / shown.per_load, rests);
         }
     }
 
@@ -401,7 +404,7 @@ impl LiftWitness {
             self.scale.stop();
             return;
         }
-        let moves = motion.lifting || sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        let moves = motion.lifting || drives(sample);
         if self.saturation.see(head, moves, dt) {
             return;
         }
@@ -524,6 +527,11 @@ impl LiftWitness {
             silent: false,
         }
     }
+}
+
+/// The machine drives.
+fn drives(sample: &Sample) -> bool {
+    sample.speed.is_some_and(|v| v.abs() > DRIVING)
 }
 
 #[cfg(test)]
