@@ -18,8 +18,6 @@ const MEMORY: f64 = 3.0;
 const FIRST: f64 = 0.05;
 /// The level after a step is the mean from here to there [s]: rocking has gone round once, and no bucket is filled by then.
 const AFTER: [f64; 2] = [0.2, 0.8];
-/// A step back by this share of it undoes it.
-const UNDOING: f64 = 0.5;
 /// How far the levels may differ by another amount than the step, as a share of it.
 const ALIKE: f64 = 0.4;
 /// An angle steps by more than this, and more than joints turn in the time [rad], [rad/s]: a tilt cylinder dumps in half a second.
@@ -144,7 +142,7 @@ impl MomentSteps {
         }
         let step = self.step.as_mut()?;
         step.age += dt;
-        if by * step.by < -UNDOING * step.by * step.by {
+        if square > usual && by * step.by < 0.0 {
             self.step = None;
             return None;
         }
