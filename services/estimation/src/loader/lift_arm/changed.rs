@@ -218,7 +218,9 @@ mod tests {
     /// After three loads of a sound machine.
     fn sound() -> Changed {
         let mut changed = Changed::default();
-        [30.0, -10.0, 20.0].map(|shown| dump(&mut changed, 1000.0, shown));
+        for shown in [30.0, -10.0, 20.0] {
+            dump(&mut changed, 1000.0, shown);
+        }
         assert_eq!(changed.probability(), 0.0);
         changed
     }
@@ -254,7 +256,9 @@ mod tests {
         dump(&mut less, 1000.0, -300.0);
         assert!(less.probability() > DOUBTED, "nothing weighs so");
         let mut parts = sound();
-        [200.0, 500.0, 20.0, 350.0].map(|shown| dump(&mut parts, 1000.0, shown));
+        for shown in [200.0, 500.0, 20.0, 350.0] {
+            dump(&mut parts, 1000.0, shown);
+        }
         assert!(parts.probability() < DOUBTED);
     }
 

@@ -231,7 +231,9 @@ mod tests {
         steps.see(1.31, 0.01);
         assert!(steps.has_stepped(), "it was still for long");
         let mut spike = AngleSteps::default();
-        [0.2, 0.9, 0.2].map(|angle| spike.see(angle, 0.01));
+        for angle in [0.2, 0.9, 0.2] {
+            spike.see(angle, 0.01);
+        }
         assert!(!spike.has_stepped());
     }
 }
