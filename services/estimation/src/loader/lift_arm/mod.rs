@@ -18,6 +18,7 @@
 //! | `saturation` | a pressure sensor at its end |
 //! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
+//! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
@@ -38,6 +39,7 @@
 //! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: arm and bucket away from there | -, m |
 
 mod below;
+mod changed;
 mod content;
 mod doubt;
 mod drawing;
@@ -52,6 +54,7 @@ mod scale;
 mod seals;
 mod signals;
 mod silence;
+mod steps;
 mod stops;
 mod tare;
 mod turn;
@@ -62,8 +65,9 @@ use super::physics::cg_model::Loading;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
-use crate::math::norm;
+use crate::math::{norm, sqrt};
 use below::Below;
+use changed::{Bucket, Changed, DOUBTED};
 use content::{Content, Motion};
 use doubt::Doubts;
 use drawing::Drawing;
@@ -77,6 +81,7 @@ use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
 use signals::{Now, Signals};
+use steps::{AngleSteps, MomentSteps};
 use stops::{End, Stops};
 use tare::Emptied;
 use turn::Turn;
@@ -124,6 +129,10 @@ pub(super) struct LiftWitness {
     doubts: Doubts,
     emptied: Emptied,
     below: Below,
+    /// Steps of the angles of arm and bucket, and of the moment.
+    angle_steps: [AngleSteps; 2],
+    moment_steps: MomentSteps,
+    changed: Changed,
     answer: Option<Weighed>,
 }
 
@@ -182,6 +191,9 @@ impl LiftWitness {
             doubts: Doubts::default(),
             emptied: Emptied::default(),
             below: Below::default(),
+            angle_steps: [AngleSteps::default(); 2],
+            moment_steps: MomentSteps::NEW,
+            changed: Changed::default(),
             answer: None,
         })
     }
@@ -214,6 +226,10 @@ impl LiftWitness {
         };
         let since = sample.time - core::mem::replace(&mut self.seen, sample.time);
         self.watch([head, lift], sample, since);
+        self.angle_steps[0].see(lift, since);
+        if let Some(tilt) = tilt {
+            self.angle_steps[1].see(tilt, since);
+        }
         if let (Some(speed), Some(tilt)) = (sample.speed, tilt) {
             self.carriage.see(speed, [lift, tilt], since);
         }
@@ -239,6 +255,8 @@ impl LiftWitness {
                 self.doubts.forget();
             }
             self.seals.forget();
+            self.moment_steps.gap();
+            self.angle_steps.iter_mut().for_each(AngleSteps::gap);
             self.angles = Some([lift, bucket]);
             self.rates = [0.0; 2];
             self.last_time = sample.time;
@@ -259,7 +277,7 @@ impl LiftWitness {
 
     /// Counts how long signals stand still while the machine moves.
     fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
-        let driving = sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        let driving = drives(sample);
         for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
             // The same bits: a sensor that lives has noise, or a machine that shakes it.
             if *held != new {
@@ -311,7 +329,8 @@ impl LiftWitness {
             ..*posture
         };
         let shown = drawing.shown(values, &stance, &posture);
-        if !drawing.carries_itself(&shown) {
+        self.watch_steps(&shown, &motion, low && !drives(sample), dt);
+        if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
         self.take(&shown, posture.head, sample, &motion, dt);
@@ -343,14 +362,36 @@ impl LiftWitness {
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, hangs, capacity);
         self.doubts.empty(tare);
+        let bucket = Bucket {
+            shown: payload,
+            drawn: self.doubts.shown(),
+            motion: &motion,
+            in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
+            is_empty: tare.is_some_and(|tare| tare.at_dump),
+            capacity,
+        };
+        self.changed.see(&bucket, dt);
         if !motion.open {
             // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-            let rests = low && !sample.speed.is_some_and(|v| v.abs() > DRIVING);
+            let rests = low && !drives(sample);
             self.below.see(shown, empty.most(), rests, dt);
         }
         let answer = self.answer(&empty, &empty, payload, motion.open);
         self.answer = Some(answer);
         answer
+    }
+
+    /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it.
+    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, rests: bool, dt: f64) {
+        let acts = motion.turning || self.drive.pushes() || self.stops.carry();
+        let rows = [shown.payload(), shown.lifting / shown.per_load];
+        let Quantity { value, std } = self.scale.payload();
+        // What the ground carries a part of is not known.
+        let is_known = !motion.open && !(rests && value < -std);
+        let known = is_known.then_some(value);
+        if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
+            self.changed.step(step, shown.empty / shown.per_load, rests);
+        }
     }
 
     /// The payload by this row, as far as no stop and no ground carries.
@@ -363,7 +404,7 @@ impl LiftWitness {
             self.scale.stop();
             return;
         }
-        let moves = motion.lifting || sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        let moves = motion.lifting || drives(sample);
         if self.saturation.see(head, moves, dt) {
             return;
         }
@@ -400,6 +441,20 @@ impl LiftWitness {
         let seals = friction * shown.lever / shown.per_load;
         let off = self.doubts.off();
         payload - off.value < -CARRIED * norm(&[seals, off.std])
+    }
+
+    /// How probable it is that a sensor shows otherwise than it did.
+    fn changed(&self) -> f64 {
+        if self.angle_steps.iter().any(AngleSteps::has_stepped) {
+            1.0
+        } else {
+            self.changed.probability()
+        }
+    }
+
+    /// What the bucket may hold if that is so: anything [kg].
+    fn changed_std(&self) -> f64 {
+        sqrt(self.changed()) * self.drawing.capacity
     }
 
     /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
@@ -439,7 +494,7 @@ impl LiftWitness {
         let centre = machine.with(payload.value);
         // No emptied bucket tells the gain of a pressure that it has not.
         let gain_left = drawing.gain_left_std * payload.value.max(0.0);
-        let std = norm(&[payload.std, gain_left]);
+        let std = norm(&[payload.std, gain_left, self.changed_std()]);
         let more = moved.with(payload.value + std);
         let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self
@@ -468,10 +523,15 @@ impl LiftWitness {
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
             open,
-            wrong: self.below.is_wrong(),
+            wrong: self.below.is_wrong() || self.changed() > DOUBTED,
             silent: false,
         }
     }
+}
+
+/// The machine drives.
+fn drives(sample: &Sample) -> bool {
+    sample.speed.is_some_and(|v| v.abs() > DRIVING)
 }
 
 #[cfg(test)]

@@ -276,7 +276,7 @@ impl Scale {
         let usual = HEAVING_LEFT * heaves * square
             + NOISE_LEFT * noise * noise
             + UNEXPLAINED * UNEXPLAINED * square;
-        self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
+        self.fast * self.fast * square > JUMPS * JUMPS * (predicted + usual)
     }
 
     /// The rest of friction is more than that of any seals.

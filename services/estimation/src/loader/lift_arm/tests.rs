@@ -738,3 +738,36 @@ fn a_load_is_not_trusted_while_its_tilt_cylinder_may_be_in_either_place() {
     let light = weighed(None, 7e6);
     assert!(light.trusted_payload, "{light:?}");
 }
+
+/// A load that is filled, carried and dumped twice, and the head pressure as the sensor shows it by the row of 100 in a second; what is said at
+/// the end of each second.
+fn carried_twice(sensor: &dyn Fn(u32, f64) -> f64) -> Vec<Weighed> {
+    let (work, _) = loading(2, [1.0, 1.0]);
+    let row = core::cell::Cell::new(0);
+    let shown = |_: f64, head: f64| {
+        row.set(row.get() + 1);
+        sensor(row.get(), head)
+    };
+    run_shown(&work, &shown).into_iter().flatten().collect()
+}
+
+#[test]
+fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_believed() {
+    // The first load is carried from the sixth to the tenth second on.
+    for gain in [0.8, 1.25, 2.0] {
+        let said = carried_twice(&|row, head| if row > 820 { gain * head } else { head });
+        let (before, after) = (&said[7], &said[9]);
+        assert!(!before.wrong && after.wrong, "{gain}");
+        let away = (after.payload.value - 3600.0).abs();
+        assert!(away < 1.96 * after.payload.std, "{gain}: {after:?}");
+        assert!(said[10..].iter().all(|said| said.wrong), "{gain}");
+    }
+    let blow = carried_twice(&|row, head| {
+        if (820..830).contains(&row) {
+            1.5 * head
+        } else {
+            head
+        }
+    });
+    assert!(blow.iter().all(|said| !said.wrong));
+}

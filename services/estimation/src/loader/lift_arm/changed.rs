@@ -1,0 +1,272 @@
+//! How probable it is that a sensor of the arm shows otherwise than it did.
+//!
+//! Two hypotheses, weighed by Bayes' rule wherever a step of the moment stays (`steps`) and wherever a bucket has been emptied and shows x:
+//! ```text
+//! step that stays:   o += CHANGES/BLOWS
+//! emptied bucket:    o = [o/2 max N(x; c, S) + (T/T_c)/C] / [(1 - p) N(x; t, S) + p/C]
+//! ```
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | o | odds that a sensor has changed, q/(1 - q) | 1 |
+//! | t | what emptied buckets showed before, 0 where none did | kg |
+//! | c | what they show if a sensor has changed: as foretold by the step, as a zero or as a scale, or as the last one did | kg |
+//! | S | variance of what rows, what sticks and what is known of t or c leave open | kg^2 |
+//! | p | share of the tipped buckets that keep a part of their load, any; below t none does | 1 |
+//! | T, T_c | time since the last emptied bucket, and between two changes of a sensor | s |
+//! | C | what the bucket may carry | kg |
+//!
+//! So one emptied bucket that weighs what it did takes a blow back. One that weighs what the step foretold confirms it. Where no step was seen, the
+//! second emptied bucket that shows the same wrong weight tells. What neither hypothesis tells apart fades by a half with each emptied bucket.
+
+use super::content::Motion;
+use super::steps::Stepped;
+use crate::Quantity;
+use crate::math::{exp, norm, sqrt};
+
+/// Blows that look like a change of a sensor are as frequent as such changes.
+const CHANGES_OVER_BLOWS: f64 = 1.0;
+/// A low bucket of a standing machine that shows less than nothing since was let down at once, this much likelier.
+const CHANGES_OVER_LANDINGS: f64 = 0.04;
+/// Time between two changes of a sensor: a hundred hours of work [s].
+const BETWEEN_CHANGES: f64 = 3.6e5;
+/// Share of the tipped buckets that keep a part of their load: frozen, sticky.
+const PARTS: f64 = 0.03;
+/// What sticks in an emptied bucket, standard deviation as a share of the capacity.
+const STICKS: f64 = 0.03;
+/// What rows may leave open of a bucket that tells, as a share of the capacity.
+const TOLD: f64 = 0.05;
+/// From this share of the capacity on a bucket holds a load.
+const LOADED: f64 = 0.2;
+/// A bucket that turned so far below the horizontal, in the air, was tipped: loose material slides from half a radian on [rad].
+const TIPPED: f64 = -0.5;
+/// Square of the standard deviations within which an emptied bucket weighs what it did.
+const ALIKE: f64 = 4.0;
+/// Probability beyond which the sensor is not believed.
+pub(super) const DOUBTED: f64 = 0.05;
+/// Share of the changed sensors that show an emptied bucket as neither a zero nor a scale foretells.
+const OTHERWISE: f64 = 0.5;
+/// Odds beyond which nothing is more certain.
+const MOST: f64 = 1e6;
+
+/// Memory of the sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Changed {
+    odds: f64,
+    /// What emptied buckets show as long as nothing has changed, once one did [kg].
+    tare: Option<Quantity>,
+    /// What they show if something has [kg].
+    others: [f64; 2],
+    /// It held a load, and was tipped since.
+    loaded: bool,
+    tipped: bool,
+    /// Time since the last emptied bucket [s].
+    since: f64,
+}
+
+/// What is seen of a bucket in a row.
+pub(super) struct Bucket<'a> {
+    /// What the rows show of its content [kg].
+    pub shown: Quantity,
+    /// By how much the drawing may be off [kg].
+    pub drawn: f64,
+    pub motion: &'a Motion,
+    /// Its angle to the horizontal where it is in the air [rad].
+    pub in_the_air: Option<f64>,
+    /// It was emptied in another way.
+    pub is_empty: bool,
+    /// What it may carry [kg].
+    pub capacity: f64,
+}
+
+impl Changed {
+    /// A step has stayed; `empty` is what the cylinders carry of arm and bucket alone [kg]. `rests`: the ground may carry a part of it.
+    pub fn step(&mut self, step: Stepped, empty: f64, rests: bool) {
+        if self.odds == 0.0 {
+            self.others = [self.tare.map_or(0.0, |tare| tare.value); 2];
+        }
+        self.odds = if rests && step.level < 0.0 {
+            self.odds.max(CHANGES_OVER_LANDINGS)
+        } else {
+            (self.odds + CHANGES_OVER_BLOWS).min(MOST)
+        };
+        self.others[0] += step.by;
+        self.others[1] += step.share * empty;
+    }
+
+    /// Takes a row, `dt` after the last.
+    pub fn see(&mut self, bucket: &Bucket<'_>, dt: f64) {
+        self.since += dt;
+        let Bucket {
+            shown,
+            motion,
+            capacity,
+            ..
+        } = *bucket;
+        if motion.held {
+            self.tipped = false;
+        }
+        self.tipped |= self.loaded && bucket.in_the_air.is_some_and(|angle| angle < TIPPED);
+        if motion.open || motion.changing > 0.0 || shown.std > TOLD * capacity {
+            return;
+        }
+        if self.tipped || self.loaded && bucket.is_empty {
+            (self.loaded, self.tipped) = (false, false);
+            self.emptied(shown, bucket.drawn, capacity);
+        } else {
+            self.loaded |= shown.value > LOADED * capacity;
+        }
+    }
+
+    /// An emptied bucket shows this.
+    fn emptied(&mut self, shown: Quantity, drawn: f64, capacity: f64) {
+        let rows = norm(&[shown.std, STICKS * capacity]);
+        let before = self.tare.unwrap_or(Quantity {
+            value: 0.0,
+            std: drawn,
+        });
+        let density = |mean: f64, std: f64| {
+            let z = (shown.value - mean) / std;
+            exp(-0.5 * z * z) / (2.5 * std)
+        };
+        let known = norm(&[rows, before.std]);
+        // Nothing weighs less than nothing: what is left is more.
+        let parts = if shown.value > before.value {
+            PARTS / capacity
+        } else {
+            0.0
+        };
+        let same = (1.0 - PARTS) * density(before.value, known) + parts;
+        let as_foretold = self.others.map(|other| density(other, known));
+        let changed = OTHERWISE * self.odds * as_foretold[0].max(as_foretold[1]);
+        let anew = core::mem::take(&mut self.since) / BETWEEN_CHANGES / capacity;
+        self.odds = ((changed + anew) / same.max(f64::MIN_POSITIVE)).min(MOST);
+        if anew > changed {
+            self.others = [shown.value; 2];
+        }
+        let away = (shown.value - before.value) / known;
+        if !self.is_doubted() && away * away < ALIKE {
+            self.odds = 0.0;
+            let gain = before.std * before.std / (known * known);
+            self.tare = Some(Quantity {
+                value: before.value + gain * (shown.value - before.value),
+                std: sqrt(1.0 - gain) * before.std,
+            });
+        }
+    }
+
+    /// Probability that a sensor has changed.
+    pub fn probability(&self) -> f64 {
+        self.odds / (1.0 + self.odds)
+    }
+
+    /// It is too probable to be believed.
+    pub fn is_doubted(&self) -> bool {
+        self.probability() > DOUBTED
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAPACITY: f64 = 1500.0;
+    /// What the cylinders carry of arm and bucket [kg].
+    const EMPTY: f64 = 600.0;
+
+    /// A load of this weight, tipped; what the emptied bucket shows [kg].
+    fn dump(changed: &mut Changed, load: f64, shown: f64) {
+        let motion = |open| Motion {
+            turning: open,
+            changing: f64::from(open),
+            lifting: false,
+            settling: false,
+            held: false,
+            open,
+        };
+        for (value, angle, open) in [(load, 0.8, false), (load, -0.7, true), (shown, -0.7, false)] {
+            let bucket = Bucket {
+                shown: Quantity { value, std: 40.0 },
+                drawn: 60.0,
+                motion: &motion(open),
+                in_the_air: Some(angle),
+                is_empty: false,
+                capacity: CAPACITY,
+            };
+            changed.see(&bucket, 10.0);
+        }
+    }
+
+    fn stepped(by: f64, share: f64) -> Stepped {
+        Stepped {
+            by,
+            share,
+            level: by,
+        }
+    }
+
+    #[test]
+    fn a_bucket_that_is_let_down_at_once_is_no_sensors() {
+        let mut landed = sound();
+        (0..5).for_each(|_| landed.step(stepped(-500.0, -0.8), EMPTY, true));
+        assert!(landed.probability() < DOUBTED);
+        let mut in_the_air = sound();
+        in_the_air.step(stepped(-500.0, -0.8), EMPTY, false);
+        assert!(in_the_air.probability() > DOUBTED);
+    }
+
+    /// After three loads of a sound machine.
+    fn sound() -> Changed {
+        let mut changed = Changed::default();
+        for shown in [30.0, -10.0, 20.0] {
+            dump(&mut changed, 1000.0, shown);
+        }
+        assert_eq!(changed.probability(), 0.0);
+        changed
+    }
+
+    #[test]
+    fn a_step_is_doubted_until_an_emptied_bucket_tells_whose_it_was() {
+        for share in [-0.4, 1.0] {
+            let step = stepped(share * (1000.0 + EMPTY), share);
+            let mut blow = sound();
+            blow.step(step, EMPTY, false);
+            assert!(blow.probability() > DOUBTED);
+            dump(&mut blow, 1000.0, 15.0);
+            assert_eq!(blow.probability(), 0.0, "it weighs what it did");
+            for shown in [share * EMPTY, step.by] {
+                let mut sensor = sound();
+                sensor.step(step, EMPTY, false);
+                dump(&mut sensor, 1000.0, shown);
+                assert!(sensor.probability() > 0.9, "{share} {shown}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_second_emptied_bucket_with_the_same_wrong_weight_tells_without_a_step() {
+        let mut changed = sound();
+        dump(&mut changed, 1000.0, 600.0);
+        assert!(changed.probability() < DOUBTED, "a part of a load");
+        dump(&mut changed, 1000.0, 600.0);
+        assert!(changed.probability() > DOUBTED);
+        (0..2).for_each(|_| dump(&mut changed, 1000.0, 10.0));
+        assert_eq!(changed.probability(), 0.0, "it was mended");
+        let mut less = sound();
+        dump(&mut less, 1000.0, -300.0);
+        assert!(less.probability() > DOUBTED, "nothing weighs so");
+        let mut parts = sound();
+        for shown in [200.0, 500.0, 20.0, 350.0] {
+            dump(&mut parts, 1000.0, shown);
+        }
+        assert!(parts.probability() < DOUBTED);
+    }
+
+    #[test]
+    fn what_no_emptied_bucket_tells_fades() {
+        let mut changed = sound();
+        changed.step(stepped(40.0, 0.04), EMPTY, false);
+        (0..8).for_each(|_| dump(&mut changed, 1000.0, 15.0));
+        assert_eq!(changed.probability(), 0.0);
+    }
+}
