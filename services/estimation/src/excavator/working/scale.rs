@@ -3,7 +3,11 @@
 //! Where torque and load contradict each other, the filter of both is wrong, and which of them is nobody knows. Then this one answers: the
 //! torque, which is the one that mostly errs, has never touched it. In [`ERRS`] of such cases the pressures err, and the bucket may hold
 //! anything. A load that no bucket holds tells that they do (Bayes): sensors on the wrong side of a load-holding valve weigh less
-//! than nothing.
+//! than nothing. So does an emptied bucket that weighs something, for which pressures that err are so much likelier:
+//! ```text
+//! p(z | they err)/p(z | they do not) = exp(z^2/2v)/sqrt(1 + A/v)
+//! ```
+//! with z what its first blocks differ by from what is expected, v its variance, A that of anything in the bucket.
 //!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
@@ -13,10 +17,15 @@ use super::super::size::Sticking;
 use super::filter::{Filter, GAIN, Input, M, SLOPE};
 use super::weigh::{LASTS, Weigh, fits};
 use crate::excavator::geometry::Inertia;
-use crate::math::exp;
+use crate::kalman::Innovation;
+use crate::math::{exp, sqrt};
 
-/// Probability that the pressures are wrong where torque and load contradict each other.
+/// Probability that the pressures are wrong where torque and load contradict each other, and nothing else tells; odds of it.
 const ERRS: f64 = 0.1;
+const LEAST_ODDS: f64 = ERRS / (1.0 - ERRS);
+const MOST_ODDS: f64 = 1e3;
+/// One emptied bucket says no more than this (logarithm).
+const SAYS: f64 = 12.0;
 
 /// A filter without motion.
 #[derive(Debug, Clone)]
@@ -24,6 +33,10 @@ const ERRS: f64 = 0.1;
 pub(super) struct Scale {
     pub(super) filter: Filter,
     strange: u32,
+    /// Odds that the pressures err.
+    errs: f64,
+    /// The bucket is emptied, and nothing has weighed it since.
+    asked: bool,
 }
 
 impl Scale {
@@ -32,6 +45,8 @@ impl Scale {
         let mut scale = Self {
             filter: filter.clone(),
             strange: 0,
+            errs: LEAST_ODDS,
+            asked: false,
         };
         scale.has_no_torque();
         scale
@@ -48,10 +63,11 @@ impl Scale {
         self.filter.set(GAIN, 0.0, 0.0, &mut None);
     }
 
-    /// The bucket holds this from now on [kg].
-    pub(super) fn hold(&mut self, value: f64, std: f64) {
+    /// The bucket holds this from now on \[kg\]; whether it is emptied.
+    pub(super) fn hold(&mut self, (value, std): (f64, f64), is_emptied: bool) {
         self.filter.set(M, value, std * std, &mut None);
         self.strange = 0;
+        self.asked = is_emptied;
     }
 
     /// Part of the load leaves.
@@ -79,14 +95,27 @@ impl Scale {
         anything: f64,
     ) {
         let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
-        if moment.touches || fits(said) {
+        let any_moment = anything * moment.per_payload * moment.per_payload;
+        if moment.touches {
             self.strange = 0;
-            return;
+        } else if fits(said) {
+            self.strange = 0;
+            self.judge(said, any_moment);
+        } else {
+            self.strange += 1;
+            if self.strange == LASTS {
+                self.judge(said, any_moment);
+                self.filter.p[M][M] += anything;
+                self.strange = 0;
+            }
         }
-        self.strange += 1;
-        if self.strange == LASTS {
-            self.filter.p[M][M] += anything;
-            self.strange = 0;
+    }
+
+    /// What an emptied bucket says of the pressures, once; `anything`: variance of what any content would add.
+    fn judge(&mut self, said: Innovation, anything: f64) {
+        if core::mem::take(&mut self.asked) {
+            let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
+            self.errs = (self.errs * likelier).clamp(LEAST_ODDS, MOST_ODDS);
         }
     }
 
@@ -109,10 +138,10 @@ impl Scale {
         let [left, variance] = filter.variances(now, sticks);
         let payload = weight.clamp(least, most);
         let (beyond, middle, width) = (weight - payload, 0.5 * (least + most), most - least);
-        let right = (1.0 - ERRS) * exp(-0.5 * beyond * beyond / left.max(1.0));
+        let right = exp(-0.5 * beyond * beyond / left.max(1.0));
         // Uniform in its range, about the estimate.
         let anything = width * width / 12.0 + (payload - middle) * (payload - middle);
-        let wrong = ERRS / (ERRS + right) * anything;
+        let wrong = self.errs / (self.errs + right) * anything;
         let g = now.per_payload;
         [
             (payload, left + wrong),
@@ -172,7 +201,7 @@ mod tests {
         let mut std = [0.0; N];
         std[M] = 50.0;
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
-        scale.hold(700.0, 50.0);
+        scale.hold((700.0, 50.0), false);
         let now = Inertia {
             empty: 40e3,
             per_payload: 30.0,
@@ -181,13 +210,32 @@ mod tests {
         let range = [0.0, 1500.0];
         let anything = range[1] * range[1] / 12.0 + 50.0 * 50.0;
         let [payload, inertia] = scale.answer(&Sticking::default(), &now, range);
-        assert_eq!(payload, (700.0, 2500.0 + ERRS * anything));
-        assert_eq!(inertia, (61e3, 900.0 * payload.1));
+        assert!((payload.1 / (2500.0 + ERRS * anything) - 1.0).abs() < 1e-12);
+        assert_eq!((payload.0, inertia), (700.0, (61e3, 900.0 * payload.1)));
         // What no bucket holds it may not hold: then the pressures err.
-        scale.hold(-400.0, 50.0);
+        scale.hold((-400.0, 50.0), false);
         let [payload, _] = scale.answer(&Sticking::default(), &now, range);
         let anything = range[1] * range[1] / 12.0 + 750.0 * 750.0;
         assert_eq!(payload.0, 0.0);
         assert!((payload.1 / (2500.0 + anything) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_emptied_bucket_that_weighs_something_tells_that_the_pressures_err() {
+        let mut std = [0.0; N];
+        std[M] = 30.0;
+        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+        let mut empty = |load: f64| {
+            scale.hold((0.0, 30.0), true);
+            weigh(&mut scale, load, 2 * LASTS);
+            scale.errs
+        };
+        assert_eq!(empty(0.0), LEAST_ODDS);
+        assert!(empty(300.0) > 9.0);
+        // They show nothing again.
+        for _ in 0..20 {
+            empty(0.0);
+        }
+        assert_eq!(empty(0.0), LEAST_ODDS);
     }
 }

@@ -50,7 +50,7 @@ impl Working {
         }
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
-            self.scale.hold(value, std);
+            self.scale.hold((value, std), content == Content::Emptied);
         }
         self.true_mass = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let holds = (value, std * std);

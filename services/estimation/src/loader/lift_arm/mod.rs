@@ -387,7 +387,7 @@ impl LiftWitness {
         let rows = [shown.payload(), shown.lifting / shown.per_load];
         let Quantity { value, std } = self.scale.payload();
         // What the ground carries a part of is not known.
-        let is_known = !motion.open && !(rests && value < -std);
+        let is_known = !(motion.open || rests && value < -std);
         let known = is_known.then_some(value);
         if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
             self.changed.step(step, shown.empty / shown.per_load, rests);
