@@ -147,3 +147,83 @@ fn a_machine_that_stands_with_its_engine_on_is_trusted_when_it_works_again() {
         assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
     }
 }
+
+/// Work before a fault, the fault, and the work after it that is judged once five minutes have passed, in rows.
+const BEFORE: usize = 60_000;
+const FAULT: usize = 18_000;
+const AFTER: usize = 90_000;
+
+/// A row of a machine with a sensor that is wrong.
+type Fault = fn(&mut Row);
+
+const FAULTS: [(&str, bool, Fault); 4] = [
+    ("torque x 1.25", false, |row| {
+        row.swing_torque = row.swing_torque.map(|torque| 1.25 * torque);
+    }),
+    ("torque x .8", true, |row| {
+        row.swing_torque = row.swing_torque.map(|torque| 0.8 * torque);
+    }),
+    ("velocity x 1.2", false, |row| {
+        row.swing_velocity = row.swing_velocity.map(|velocity| 1.2 * velocity);
+    }),
+    ("head pressure x 1.5", true, |row| {
+        row.pressures[0] = row.pressures[0].map(|pressure| 1.5 * pressure);
+    }),
+];
+
+/// What is said of the work while a sensor is wrong, and after that.
+fn with_fault(size: Size, seed: u64, has_pressures: bool, fault: Fault) -> [Tally; 2] {
+    let mut work = Work::new(size, Effects::default(), seed);
+    if has_pressures {
+        work = work.with_gauges(seed);
+    }
+    let mut description = described(&work);
+    describe_boom_cylinder(&mut description, &work);
+    let settings = Settings::of(&description);
+    let mut estimator =
+        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
+    let mut tallies = [Tally::default(), Tally::default()];
+    for (n, mut row) in work.take(BEFORE + FAULT + AFTER).enumerate() {
+        let is_wrong = (BEFORE..BEFORE + FAULT).contains(&n);
+        if is_wrong {
+            fault(&mut row);
+        }
+        let [head, rod, ..] = row.pressures;
+        let estimate = estimator.step(&Sample {
+            time: row.time,
+            velocity: row.swing_velocity,
+            torque: row.swing_torque,
+            posture: row.posture,
+            boom_head_pressure: head,
+            boom_rod_pressure: rod,
+            ..Sample::default()
+        });
+        let judged = JudgedRow {
+            truth: row.truth.inertia,
+            estimate: estimate.inertia,
+            std: estimate.inertia_std,
+            trusted: estimate.flags.trusted(),
+            moving: row.truth.velocity.abs() > 0.05,
+            reason: "",
+        };
+        if is_wrong {
+            tallies[0].push(&judged);
+        } else if n > BEFORE + FAULT + SHIFT {
+            tallies[1].push(&judged);
+        }
+    }
+    tallies
+}
+
+#[test]
+fn a_fault_that_passes_does_not_end_trust() {
+    for (name, has_pressures, fault) in FAULTS {
+        for (size, seed) in [Size::t13(), Size::t22(), Size::t36()].into_iter().zip(1..) {
+            let [during, after] = with_fault(size, seed, has_pressures, fault);
+            let said = format!("{name}, seed {seed}: {during:?}, {after:?}");
+            assert!(during.trusted() * during.wrong() < 0.1, "{said}");
+            assert!(after.trusted() > 0.8, "{said}");
+            assert!(after.wrong() <= 0.05 && after.covered() > 0.93, "{said}");
+        }
+    }
+}

@@ -28,9 +28,10 @@ pub(super) struct Recall {
     confirmed: Option<Filter>,
     /// The same of an emptied bucket since: a sensor that breaks may be believed for a while.
     candidate: Option<Filter>,
-    /// Time in motion since then, or since it was recalled; since the candidate's \[s\].
-    age: f64,
-    candidate_age: f64,
+    /// Time in motion; when it was confirmed, or recalled, and when the candidate was \[s\].
+    time: f64,
+    confirmed_at: f64,
+    candidate_at: f64,
 }
 
 impl Recall {
@@ -41,17 +42,16 @@ impl Recall {
 
     /// Time in motion passes.
     pub(super) fn ages(&mut self, period: f64) {
-        self.age += period;
-        self.candidate_age += period;
+        self.time += period;
     }
 
     /// An emptied bucket weighs nothing, and nothing is contradicted.
     fn confirm(&mut self, filter: &Filter) {
-        if self.candidate.is_some() && self.candidate_age < UNNOTICED {
+        if self.candidate.is_some() && self.time < self.candidate_at + UNNOTICED {
             return;
         }
         self.confirmed = self.candidate.replace(filter.clone());
-        self.age = core::mem::take(&mut self.candidate_age);
+        self.confirmed_at = core::mem::replace(&mut self.candidate_at, self.time);
     }
 
     /// Something else is known from now on, which motion did not tell.
@@ -82,13 +82,14 @@ impl Filter {
 impl Working {
     /// The content is another one: what was told before is kept, or where it is contradicted not believed.
     pub(super) fn recall(&mut self, settings: &Settings) {
-        if !self.contradiction.is_open() {
+        if !self.is_contradicted() {
             if self.contradiction.has_agreed() {
                 self.recall.confirm(&self.filter);
             }
             return;
         }
-        if self.recall.age <= 0.0 {
+        let age = self.recall.time - self.recall.confirmed_at;
+        if age <= 0.0 {
             return;
         }
         self.recall.candidate = None;
@@ -96,7 +97,7 @@ impl Working {
         let Some(known) = &mut self.recall.confirmed else {
             return;
         };
-        let age = core::mem::take(&mut self.recall.age);
+        self.recall.confirmed_at = self.recall.time;
         known.fade(&described, exp(-age / LASTS));
         for i in [FRICTION, DAMPING] {
             known.p[i][i] += self.stated[i] * self.stated[i] * age / super::WARMING;

@@ -95,28 +95,26 @@ impl Scale {
         anything: f64,
     ) {
         let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
-        let any_moment = anything * moment.per_payload * moment.per_payload;
-        if moment.touches {
+        if moment.touches || fits(said) {
             self.strange = 0;
-        } else if fits(said) {
-            self.strange = 0;
-            self.judge(said, any_moment);
         } else {
             self.strange += 1;
-            if self.strange == LASTS {
-                self.judge(said, any_moment);
-                self.filter.p[M][M] += anything;
-                self.strange = 0;
-            }
+        }
+        let lasts = self.strange == LASTS;
+        if self.asked && !moment.touches && (lasts || self.strange == 0) {
+            self.asked = false;
+            self.judge(said, anything * moment.per_payload * moment.per_payload);
+        }
+        if lasts {
+            self.filter.p[M][M] += anything;
+            self.strange = 0;
         }
     }
 
-    /// What an emptied bucket says of the pressures, once; `anything`: variance of what any content would add.
+    /// What an emptied bucket says of the pressures; `anything`: variance of what any content would add.
     fn judge(&mut self, said: Innovation, anything: f64) {
-        if core::mem::take(&mut self.asked) {
-            let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
-            self.errs = (self.errs * likelier).clamp(LEAST_ODDS, MOST_ODDS);
-        }
+        let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
+        self.errs = (self.errs * likelier).clamp(LEAST_ODDS, MOST_ODDS);
     }
 
     /// An emptied bucket holds nothing, with this variance [kg^2].

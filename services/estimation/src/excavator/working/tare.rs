@@ -158,9 +158,11 @@ impl Working {
         if !apart && !close {
             return;
         }
-        let explained = !self.changed && !self.noise.is_unexplained();
-        if !apart && explained && self.is_foreseen((variance, std * std), now) {
-            self.contradiction.agrees();
+        if !apart && !self.changed && !self.contradiction.has_agreed() {
+            let explained = !self.noise.is_unexplained();
+            if explained && self.is_foreseen((variance, std * std), now) {
+                self.contradiction.agrees();
+            }
         }
         if !self.tared {
             self.is_emptied();

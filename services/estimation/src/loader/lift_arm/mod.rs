@@ -452,9 +452,9 @@ impl LiftWitness {
         }
     }
 
-    /// What the bucket may hold if that is so: anything [kg].
-    fn changed_std(&self) -> f64 {
-        sqrt(self.changed()) * self.drawing.capacity
+    /// If that is so the bucket may hold anything: variance that this adds [kg^2].
+    fn changed_variance(&self) -> f64 {
+        self.changed() * self.drawing.capacity * self.drawing.capacity
     }
 
     /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
@@ -494,7 +494,8 @@ impl LiftWitness {
         let centre = machine.with(payload.value);
         // No emptied bucket tells the gain of a pressure that it has not.
         let gain_left = drawing.gain_left_std * payload.value.max(0.0);
-        let std = norm(&[payload.std, gain_left, self.changed_std()]);
+        let square = gain_left * gain_left + self.changed_variance();
+        let std = sqrt(payload.std * payload.std + square);
         let more = moved.with(payload.value + std);
         let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self

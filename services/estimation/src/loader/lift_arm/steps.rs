@@ -39,6 +39,7 @@ pub(super) struct AngleSteps {
 
 impl AngleSteps {
     /// Takes an angle [rad], `dt` after the last.
+    #[inline(always)]
     pub fn see(&mut self, angle: f64, dt: f64) {
         self.age += dt;
         let Some(last) = self.last else {
@@ -129,8 +130,25 @@ impl MomentSteps {
         let share = by / carried.abs().max((carried - by).abs());
         let usual = (STEPS * STEPS * self.square).max(LEAST * LEAST);
         let square = share * share;
+        let steps = square > usual;
         self.square += (dt / MEMORY).min(1.0) * (square.min(usual) - self.square);
-        if square > usual && dt <= SHARP && self.step.is_none() {
+        match &self.step {
+            None if !steps => None,
+            _ => self.follow([shown, carried], by, known, steps, dt),
+        }
+    }
+
+    /// What becomes of a step, where there is one now or was.
+    #[cold]
+    fn follow(
+        &mut self,
+        [shown, carried]: [f64; 2],
+        by: f64,
+        known: Option<f64>,
+        steps: bool,
+        dt: f64,
+    ) -> Option<Stepped> {
+        if steps && dt <= SHARP && self.step.is_none() {
             self.step = known.map(|before| Step {
                 before,
                 by,
@@ -142,7 +160,7 @@ impl MomentSteps {
         }
         let step = self.step.as_mut()?;
         step.age += dt;
-        if square > usual && by * step.by < 0.0 {
+        if steps && by * step.by < 0.0 {
             self.step = None;
             return None;
         }
@@ -163,6 +181,7 @@ impl MomentSteps {
 }
 
 impl Step {
+    #[cold]
     fn stayed(self) -> Option<Stepped> {
         let by = self.sum / self.rows.max(1.0) - self.before;
         let alike = (by - self.by).abs() < ALIKE * self.by.abs();
