@@ -28,8 +28,9 @@ pub(super) struct Recall {
     confirmed: Option<Filter>,
     /// The same of an emptied bucket since: a sensor that breaks may be believed for a while.
     candidate: Option<Filter>,
-    /// Time in motion; when it was confirmed, or recalled, and when the candidate was \[s\].
+    /// Time in motion; when the content was seen to be another one, when knowledge was confirmed or recalled, and the candidate was \[s\].
     time: f64,
+    seen_at: f64,
     confirmed_at: f64,
     candidate_at: f64,
 }
@@ -82,14 +83,14 @@ impl Filter {
 impl Working {
     /// The content is another one: what was told before is kept, or where it is contradicted not believed.
     pub(super) fn recall(&mut self, settings: &Settings) {
+        let time = self.recall.time;
+        if core::mem::replace(&mut self.recall.seen_at, time) == time {
+            return;
+        }
         if !self.is_contradicted() {
             if self.contradiction.has_agreed() {
                 self.recall.confirm(&self.filter);
             }
-            return;
-        }
-        let age = self.recall.time - self.recall.confirmed_at;
-        if age <= 0.0 {
             return;
         }
         self.recall.candidate = None;
@@ -97,7 +98,7 @@ impl Working {
         let Some(known) = &mut self.recall.confirmed else {
             return;
         };
-        self.recall.confirmed_at = self.recall.time;
+        let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
         known.fade(&described, exp(-age / LASTS));
         for i in [FRICTION, DAMPING] {
             known.p[i][i] += self.stated[i] * self.stated[i] * age / super::WARMING;
