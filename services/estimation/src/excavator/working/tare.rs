@@ -171,9 +171,13 @@ impl Working {
         }
     }
 
-    /// Whether an emptied bucket has been weighed, and what turns is as was known before the contradiction; without such
-    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2].
+    /// Whether a torque has weighed an emptied bucket, and what turns is as was known before the contradiction; without such
+    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2]. Pressures alone do not tell
+    /// that they agree.
     fn is_foreseen(&self, (variance, expected): (f64, f64), now: &Inertia) -> bool {
+        if !self.parallel.is_driven() {
+            return false;
+        }
         let limit = KNOWN_STD_SHARE * self.rated;
         let confirmed = self.recall.confirmed();
         match confirmed.filter(|_| self.contradiction.is_open()) {
