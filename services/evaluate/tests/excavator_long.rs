@@ -1,4 +1,5 @@
-//! An excavator works for an hour and a half, or stands for a while: what was trusted in the first minutes is trusted in the last ones.
+//! An excavator works for an hour and a half, stands for a while, or has a fault that passes: what was trusted in the first minutes is
+//! trusted in the last ones.
 
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use evaluate::excavator::honesty_lines::{describe_boom_cylinder, described};
@@ -12,26 +13,25 @@ const COLUMNS: Columns = Columns {
     torque: true,
     posture: true,
 };
-/// Rows of the work, and how many of them are judged at the end.
-const ROWS: usize = 540_000;
-const LAST: usize = 120_000;
+/// Machines and their seeds.
+const MACHINES: [(fn() -> Size, u64); 3] = [(Size::t13, 1), (Size::t22, 2), (Size::t36, 3)];
 
-/// What is said of the last rows.
-fn last(size: Size, seed: u64, has_pressures: bool) -> Tally {
-    let mut work = Work::new(size, Effects::default(), seed);
-    if has_pressures {
-        work = work.with_gauges(seed);
+/// An estimator that knows of a machine what a competent user states.
+struct Estimator(SwingEstimator);
+
+impl Estimator {
+    fn of(work: &Work) -> Self {
+        let mut description = described(work);
+        describe_boom_cylinder(&mut description, work);
+        let settings = Settings::of(&description);
+        Self(SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator"))
     }
-    let mut description = described(&work);
-    describe_boom_cylinder(&mut description, &work);
-    let settings = Settings::of(&description);
-    let mut estimator =
-        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
-    let mut tally = Tally::default();
-    for (n, row) in work.take(ROWS).enumerate() {
+
+    /// Takes a row at this time \[s\].
+    fn step(&mut self, time: f64, row: &Row) -> JudgedRow {
         let [head, rod, ..] = row.pressures;
-        let estimate = estimator.step(&Sample {
-            time: row.time,
+        let estimate = self.0.step(&Sample {
+            time,
             velocity: row.swing_velocity,
             torque: row.swing_torque,
             posture: row.posture,
@@ -39,28 +39,50 @@ fn last(size: Size, seed: u64, has_pressures: bool) -> Tally {
             boom_rod_pressure: rod,
             ..Sample::default()
         });
-        if n >= ROWS - LAST {
-            tally.push(&JudgedRow {
-                truth: row.truth.inertia,
-                estimate: estimate.inertia,
-                std: estimate.inertia_std,
-                trusted: estimate.flags.trusted(),
-                moving: row.truth.velocity.abs() > 0.05,
-                reason: "",
-            });
+        JudgedRow {
+            truth: row.truth.inertia,
+            estimate: estimate.inertia,
+            std: estimate.inertia_std,
+            trusted: estimate.flags.trusted(),
+            moving: row.truth.velocity.abs() > 0.05,
+            reason: "",
         }
     }
-    tally
 }
+
+fn working(size: Size, seed: u64, has_pressures: bool) -> Work {
+    let work = Work::new(size, Effects::default(), seed);
+    if has_pressures {
+        work.with_gauges(seed)
+    } else {
+        work
+    }
+}
+
+fn assert_is_trusted(tally: &Tally, said: &str) {
+    assert!(tally.trusted() > 0.8, "{said}");
+    assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
+}
+
+/// Rows of the work, and how many of them are judged at the end.
+const ROWS: usize = 540_000;
+const LAST: usize = 120_000;
 
 #[test]
 fn what_was_learnt_of_the_machine_does_not_wander_off_in_hours() {
     for has_pressures in [false, true] {
-        for (size, seed) in [Size::t13(), Size::t22(), Size::t36()].into_iter().zip(1..) {
-            let tally = last(size, seed, has_pressures);
+        for (size, seed) in MACHINES {
+            let work = working(size(), seed, has_pressures);
+            let mut estimator = Estimator::of(&work);
+            let mut tally = Tally::default();
+            for (n, row) in work.take(ROWS).enumerate() {
+                let judged = estimator.step(row.time, &row);
+                if n >= ROWS - LAST {
+                    tally.push(&judged);
+                }
+            }
             let said = format!("seed {seed}, pressures {has_pressures}: {tally:?}");
-            assert!(tally.trusted() > 0.8, "{said}");
-            assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
+            assert_is_trusted(&tally, &said);
         }
     }
 }
@@ -87,75 +109,52 @@ fn stands(work: &Work, row: &Row, noise: &mut Noise) -> Row {
 
 /// What is said of work with pressures after a stand.
 fn after_a_stand(size: Size, seed: u64) -> Tally {
-    let work = Work::new(size, Effects::default(), seed).with_gauges(seed);
-    let mut description = described(&work);
-    describe_boom_cylinder(&mut description, &work);
-    let settings = Settings::of(&description);
-    let mut estimator =
-        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
-    let mut step = |n: usize, row: &Row| {
-        let [head, rod, ..] = row.pressures;
-        estimator.step(&Sample {
-            time: n as f64 * 0.01,
-            velocity: row.swing_velocity,
-            torque: row.swing_torque,
-            posture: row.posture,
-            boom_head_pressure: head,
-            boom_rod_pressure: rod,
-            ..Sample::default()
-        })
+    let work = working(size, seed, true);
+    let mut estimator = Estimator::of(&work);
+    let mut n = 0;
+    let mut step = |row: &Row| {
+        let judged = estimator.step(n as f64 * 0.01, row);
+        n += 1;
+        (n, judged)
     };
     let mut rows = work.clone();
     let is_at_rest =
         |row: &Row| row.truth.velocity == 0.0 && row.truth.payload < 0.1 * work.size().rated;
-    let mut last = None;
-    let mut n = 0;
-    while n < SHIFT || !last.is_some_and(|row| is_at_rest(&row)) {
-        last = rows.next();
-        if let Some(row) = &last {
-            step(n, row);
+    let held = loop {
+        let row = rows.next().expect("a row");
+        let (n, _) = step(&row);
+        if n >= SHIFT && is_at_rest(&row) {
+            break row;
         }
-        n += 1;
-    }
-    let (held, mut noise) = (last.expect("a row"), Noise::new(seed));
+    };
+    let mut noise = Noise::new(seed);
     for _ in 0..STAND {
-        step(n, &stands(&work, &held, &mut noise));
-        n += 1;
+        step(&stands(&work, &held, &mut noise));
     }
     let mut tally = Tally::default();
     for row in rows.take(SHIFT) {
-        let estimate = step(n, &row);
-        n += 1;
-        tally.push(&JudgedRow {
-            truth: row.truth.inertia,
-            estimate: estimate.inertia,
-            std: estimate.inertia_std,
-            trusted: estimate.flags.trusted(),
-            moving: row.truth.velocity.abs() > 0.05,
-            reason: "",
-        });
+        tally.push(&step(&row).1);
     }
     tally
 }
 
 #[test]
 fn a_machine_that_stands_with_its_engine_on_is_trusted_when_it_works_again() {
-    for (size, seed) in [Size::t13(), Size::t22(), Size::t36()].into_iter().zip(1..) {
-        let tally = after_a_stand(size, seed);
-        let said = format!("seed {seed}: {tally:?}");
-        assert!(tally.trusted() > 0.8, "{said}");
-        assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
+    for (size, seed) in MACHINES {
+        let tally = after_a_stand(size(), seed);
+        assert_is_trusted(&tally, &format!("seed {seed}: {tally:?}"));
     }
 }
 
-/// Work before a fault, the fault, and the work after it that is judged once five minutes have passed, in rows.
+/// Work before a fault, the fault, and the work after it, of which what follows after [`SHIFT`] is judged, in rows.
 const BEFORE: usize = 60_000;
 const FAULT: usize = 18_000;
 const AFTER: usize = 90_000;
 
-/// A row of a machine with a sensor that is wrong.
+/// A sensor is wrong in a row.
 type Fault = fn(&mut Row);
 
+/// Faults, and whether the machine has pressures.
 const FAULTS: [(&str, bool, Fault); 4] = [
     ("torque x 1.25", false, |row| {
         row.swing_torque = row.swing_torque.map(|torque| 1.25 * torque);
@@ -172,58 +171,33 @@ const FAULTS: [(&str, bool, Fault); 4] = [
 ];
 
 /// What is said of the work while a sensor is wrong, and after that.
-fn with_fault(size: Size, seed: u64, has_pressures: bool, fault: Fault) -> [Tally; 2] {
-    let mut work = Work::new(size, Effects::default(), seed);
-    if has_pressures {
-        work = work.with_gauges(seed);
-    }
-    let mut description = described(&work);
-    describe_boom_cylinder(&mut description, &work);
-    let settings = Settings::of(&description);
-    let mut estimator =
-        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
-    let mut tallies = [Tally::default(), Tally::default()];
+fn with_fault(work: Work, fault: Fault) -> [Tally; 2] {
+    let mut estimator = Estimator::of(&work);
+    let [mut during, mut after] = [Tally::default(), Tally::default()];
     for (n, mut row) in work.take(BEFORE + FAULT + AFTER).enumerate() {
         let is_wrong = (BEFORE..BEFORE + FAULT).contains(&n);
         if is_wrong {
             fault(&mut row);
         }
-        let [head, rod, ..] = row.pressures;
-        let estimate = estimator.step(&Sample {
-            time: row.time,
-            velocity: row.swing_velocity,
-            torque: row.swing_torque,
-            posture: row.posture,
-            boom_head_pressure: head,
-            boom_rod_pressure: rod,
-            ..Sample::default()
-        });
-        let judged = JudgedRow {
-            truth: row.truth.inertia,
-            estimate: estimate.inertia,
-            std: estimate.inertia_std,
-            trusted: estimate.flags.trusted(),
-            moving: row.truth.velocity.abs() > 0.05,
-            reason: "",
-        };
+        let judged = estimator.step(row.time, &row);
         if is_wrong {
-            tallies[0].push(&judged);
+            during.push(&judged);
         } else if n > BEFORE + FAULT + SHIFT {
-            tallies[1].push(&judged);
+            after.push(&judged);
         }
     }
-    tallies
+    [during, after]
 }
 
 #[test]
 fn a_fault_that_passes_does_not_end_trust() {
     for (name, has_pressures, fault) in FAULTS {
-        for (size, seed) in [Size::t13(), Size::t22(), Size::t36()].into_iter().zip(1..) {
-            let [during, after] = with_fault(size, seed, has_pressures, fault);
+        for (size, seed) in MACHINES {
+            let work = working(size(), seed, has_pressures);
+            let [during, after] = with_fault(work, fault);
             let said = format!("{name}, seed {seed}: {during:?}, {after:?}");
             assert!(during.trusted() * during.wrong() < 0.1, "{said}");
-            assert!(after.trusted() > 0.8, "{said}");
-            assert!(after.wrong() <= 0.05 && after.covered() > 0.93, "{said}");
+            assert_is_trusted(&after, &said);
         }
     }
 }

@@ -94,12 +94,11 @@ impl Working {
             return;
         }
         self.recall.candidate = None;
-        let described = self.described(settings);
-        let Some(known) = &mut self.recall.confirmed else {
+        let Some(mut known) = self.recall.confirmed.take() else {
             return;
         };
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
-        known.fade(&described, exp(-age / LASTS));
+        known.fade(&self.described(settings), exp(-age / LASTS));
         for i in [FRICTION, DAMPING] {
             known.p[i][i] += self.stated[i] * self.stated[i] * age / super::WARMING;
         }
@@ -111,6 +110,7 @@ impl Working {
         self.filter.set(W, velocity.0, velocity.1, &mut None);
         self.scale.knows(&self.filter);
         self.parallel.begins(&self.filter);
+        self.recall.confirmed = Some(known);
         self.anew = true;
     }
 }

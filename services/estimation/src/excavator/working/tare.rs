@@ -93,6 +93,12 @@ impl Working {
         0.25 * self.rated * self.rated
     }
 
+    /// Variance of a payload below which an empty bucket can be told from a loaded one [kg^2].
+    fn known_variance(&self) -> f64 {
+        let limit = KNOWN_STD_SHARE * self.rated;
+        limit * limit
+    }
+
     /// What sticks, as it differs from load to load \[kg\].
     pub(super) fn sticking(&self) -> f64 {
         STICKING[0] * self.rated
@@ -100,11 +106,10 @@ impl Working {
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
     pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
-        let limit = KNOWN_STD_SHARE * self.rated;
         if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
             self.weighs_less_than_nothing(gate, now, trail);
         }
-        if self.content_variance() > limit * limit {
+        if self.content_variance() > self.known_variance() {
             return;
         }
         if !self.changed {
@@ -171,18 +176,13 @@ impl Working {
         }
     }
 
-    /// Whether a torque has weighed an emptied bucket, and what turns is as was known before the contradiction; without such
-    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2]. Pressures alone do not tell
-    /// that they agree.
+    /// Whether an emptied bucket has been weighed, and what turns is as was known before the contradiction; without such
+    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2].
     fn is_foreseen(&self, (variance, expected): (f64, f64), now: &Inertia) -> bool {
-        if !self.parallel.is_driven() {
-            return false;
-        }
-        let limit = KNOWN_STD_SHARE * self.rated;
         let confirmed = self.recall.confirmed();
         match confirmed.filter(|_| self.contradiction.is_open()) {
             Some(known) => known.foresees(&self.filter, expected, now),
-            None => (1.0 / variance - 1.0 / expected) * limit * limit > 1.0,
+            None => (1.0 / variance - 1.0 / expected) * self.known_variance() > 1.0,
         }
     }
 

@@ -80,8 +80,7 @@ pub(super) struct Bucket<'a> {
 }
 
 impl Changed {
-    /// A step has stayed, which is rare; `empty` is what the cylinders carry of arm and bucket alone [kg]. `rests`: the ground may carry a part of it.
-    #[cold]
+    /// A step has stayed; `empty` is what the cylinders carry of arm and bucket alone [kg]. `rests`: the ground may carry a part of it.
     pub fn step(&mut self, step: Stepped, empty: f64, rests: bool) {
         if self.odds == 0.0 {
             self.others = [self.tare.map_or(0.0, |tare| tare.value); 2];
@@ -96,7 +95,6 @@ impl Changed {
     }
 
     /// Takes a row, `dt` after the last.
-    #[inline(always)]
     pub fn see(&mut self, bucket: &Bucket<'_>, dt: f64) {
         self.since += dt;
         let Bucket {
@@ -121,7 +119,6 @@ impl Changed {
     }
 
     /// An emptied bucket shows this.
-    #[cold]
     fn emptied(&mut self, shown: Quantity, drawn: f64, capacity: f64) {
         let rows = norm(&[shown.std, STICKS * capacity]);
         let before = self.tare.unwrap_or(Quantity {

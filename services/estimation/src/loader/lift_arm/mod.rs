@@ -452,11 +452,6 @@ impl LiftWitness {
         }
     }
 
-    /// If that is so the bucket may hold anything: variance that this adds [kg^2].
-    fn changed_variance(&self) -> f64 {
-        self.changed() * self.drawing.capacity * self.drawing.capacity
-    }
-
     /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
     fn learn(&mut self, posture: &Posture, motion: &Motion) {
         let (Some(linkage), Some(angles)) = (&mut self.linkage, self.angles) else {
@@ -494,8 +489,10 @@ impl LiftWitness {
         let centre = machine.with(payload.value);
         // No emptied bucket tells the gain of a pressure that it has not.
         let gain_left = drawing.gain_left_std * payload.value.max(0.0);
-        let square = gain_left * gain_left + self.changed_variance();
-        let std = sqrt(payload.std * payload.std + square);
+        // With a sensor that has changed it may hold anything.
+        let changed = self.changed();
+        let anything = sqrt(changed) * drawing.capacity;
+        let std = norm(&[payload.std, gain_left, anything]);
         let more = moved.with(payload.value + std);
         let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
         let shown = self
@@ -524,7 +521,7 @@ impl LiftWitness {
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
             open,
-            wrong: self.below.is_wrong() || self.changed() > DOUBTED,
+            wrong: self.below.is_wrong() || changed > DOUBTED,
             silent: false,
         }
     }

@@ -39,7 +39,6 @@ pub(super) struct AngleSteps {
 
 impl AngleSteps {
     /// Takes an angle [rad], `dt` after the last.
-    #[inline(always)]
     pub fn see(&mut self, angle: f64, dt: f64) {
         self.age += dt;
         let Some(last) = self.last else {
@@ -130,24 +129,8 @@ impl MomentSteps {
         let share = by / carried.abs().max((carried - by).abs());
         let usual = (STEPS * STEPS * self.square).max(LEAST * LEAST);
         let square = share * share;
-        let steps = square > usual;
         self.square += (dt / MEMORY).min(1.0) * (square.min(usual) - self.square);
-        match &self.step {
-            None if !steps => None,
-            _ => self.follow([shown, carried], by, known, steps, dt),
-        }
-    }
-
-    /// What becomes of a step, where there is one now or was.
-    #[cold]
-    fn follow(
-        &mut self,
-        [shown, carried]: [f64; 2],
-        by: f64,
-        known: Option<f64>,
-        steps: bool,
-        dt: f64,
-    ) -> Option<Stepped> {
+        let steps = square > usual;
         if steps && dt <= SHARP && self.step.is_none() {
             self.step = known.map(|before| Step {
                 before,
@@ -181,7 +164,6 @@ impl MomentSteps {
 }
 
 impl Step {
-    #[cold]
     fn stayed(self) -> Option<Stepped> {
         let by = self.sum / self.rows.max(1.0) - self.before;
         let alike = (by - self.by).abs() < ALIKE * self.by.abs();
