@@ -45,6 +45,7 @@ pub use self::trail::Trail;
 use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
+use super::measurements::boom_moment::FADING;
 use super::settings::Settings;
 use super::size::Sticking;
 use super::standstill::{Phase, released_variance};
@@ -336,7 +337,13 @@ impl Working {
         let opens = self.bucket.is_open() || self.bucket.is_settling();
         let moment = weigh.step(settings, drive, motion, (content, opens));
         self.begin_weighing(drive, trail);
-        let (Some(moment), Some(weigh)) = (moment, &mut self.weigh) else {
+        let Some(moment) = moment else {
+            return false;
+        };
+        if moment.stood < FADING && !self.parallel.is_driven() {
+            self.fade_alone(settings, moment.period, trail);
+        }
+        let Some(weigh) = &mut self.weigh else {
             return false;
         };
         let parallel = &mut self.parallel.filter;

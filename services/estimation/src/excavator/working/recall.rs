@@ -7,6 +7,7 @@
 //! It ages meanwhile: it fades towards the description ([`super::fading`]), oil warms up, and the ground may be another one.
 
 use super::Working;
+use super::fading::CONSTANTS;
 use super::filter::{BUCKET, DAMPING, FRICTION, Filter, GAIN, LINKS, M, SLOPE, UPPER, W};
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
@@ -98,7 +99,7 @@ impl Working {
             return;
         };
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
-        known.fade(&self.described(settings), exp(-age / LASTS));
+        known.fade(&self.described(settings), exp(-age / LASTS), &CONSTANTS);
         for i in [FRICTION, DAMPING] {
             known.p[i][i] += self.stated[i] * self.stated[i] * age / super::WARMING;
         }

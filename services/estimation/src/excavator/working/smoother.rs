@@ -13,7 +13,6 @@
 
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
-use super::fading::CONSTANTS;
 use super::filter::{Filter, N, Vector, dot};
 use super::trail::{Act, Trail};
 use crate::excavator::state::State;
@@ -92,7 +91,7 @@ impl Smoother {
         for act in trail.acts[..trail.count].iter().rev().flatten() {
             match act {
                 Act::Row(i, row) => self.transition(*i, row),
-                Act::Faded(kept) => self.fade(*kept),
+                Act::Faded(states, kept) => self.fade(states, *kept),
                 Act::Measured {
                     row,
                     gain,
@@ -171,8 +170,8 @@ impl Smoother {
     }
 
     /// The constants had been further from their description.
-    fn fade(&mut self, kept: f64) {
-        for i in CONSTANTS {
+    fn fade(&mut self, states: &[usize], kept: f64) {
+        for &i in states {
             self.lambda[i] *= kept;
             for j in 0..N {
                 self.curvature[i][j] *= kept;

@@ -13,8 +13,8 @@ const MOST: usize = 12;
 pub(super) enum Act {
     /// State `i` became `row x`.
     Row(usize, Vector),
-    /// This share of what was told of the constants is kept.
-    Faded(f64),
+    /// This share of what was told of these states is kept.
+    Faded(&'static [usize], f64),
     /// A measurement of `row x` with its gain, innovation and variance.
     Measured {
         row: Vector,
@@ -90,9 +90,9 @@ impl Trail {
         }
     }
 
-    /// What was told of the constants fades.
-    pub(super) fn fade(&mut self, kept: f64) {
-        self.push(Act::Faded(kept));
+    /// What was told of these states fades.
+    pub(super) fn fade(&mut self, states: &'static [usize], kept: f64) {
+        self.push(Act::Faded(states, kept));
     }
 
     /// State `i` is a new one, independent of all.
