@@ -9,7 +9,7 @@
 //! ([`super::filter`]).
 //!
 //! Pressures alone are told the same by the drawing's errors in each cycle of digging and dumping, and no swing contradicts them. So
-//! what they tell counts for half a cycle; that of the slope too, which they tell from the same postures.
+//! what they tell counts for a cycle; that of the slope too, which they tell from the same postures.
 
 use super::Working;
 use super::correlations::correlate;
@@ -23,9 +23,9 @@ use crate::math::exp;
 const LASTS: f64 = 300.0;
 /// Between two times that it fades, in motion [s]: little fades in between.
 const EVERY: f64 = 20.0;
-/// The same of what pressures alone tell [s]: cycles of an excavator last 15 to 25 s. From 5 to 40 s no sound machine is trusted wrongly;
+/// The same of what pressures alone tell [s]: a cycle of an excavator lasts 15 to 25 s. From 5 to 40 s no sound machine is trusted wrongly;
 /// with 300 s the inertia is a tenth too small after half an hour, for each of four simulated machines.
-const LASTS_ALONE: f64 = 10.0;
+const LASTS_ALONE: f64 = 20.0;
 const EVERY_ALONE: f64 = 2.0;
 /// Constants that grow together and leave every motion as it is.
 pub(super) const CONSTANTS: [usize; 5] = [GAIN, UPPER, BUCKET, LINKS, SPAN];
