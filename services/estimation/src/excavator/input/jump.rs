@@ -3,6 +3,9 @@
 //! A joint moves on by its rate; what steps further between two values, and does not step back, is not the joint:
 //! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then. One that only
 //! repeats a single value until it steps back to where the joint may have moved was a bus that dropped out.
+//!
+//! One whose values came late for a while steps twice, by what the joint moved in that time, and is right afterwards. So one that has
+//! stayed for long may be admitted again, by who can tell otherwise whether it is right ([`Jump::admit`]).
 
 use crate::excavator::joints::turned;
 use crate::math::sqrt;
@@ -24,6 +27,9 @@ const ACCELERATION: f64 = 3.0;
 /// it was not heard, and the joint moved on [s].
 const FLICKERS: f64 = 10.0;
 
+/// One that has not stepped for so long stays as it is [s].
+const STAYS: f64 = 60.0;
+
 /// One angle.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -39,9 +45,10 @@ pub(in crate::excavator) struct Jump {
     flickers: f64,
     /// Mean square of the second differences, six times the variance of the noise [rad^2].
     rough: f64,
-    /// Sum of the steps that no joint makes [rad].
+    /// Sum of the steps that no joint makes [rad]; it counts all the same.
     displaced: f64,
-    /// The last angle before it was displaced, the time since then [s], and whether it has said a single value since.
+    admitted: bool,
+    /// The last angle before it was displaced, the time since its last such step [s], and whether it has said a single value since.
     before: f64,
     away: f64,
     single: bool,
@@ -96,6 +103,7 @@ impl Jump {
             return;
         }
         self.single = !self.has_jumped();
+        (self.admitted, self.away) = (false, 0.0);
         self.displaced = turned(self.displaced + step);
         if self.displaced.abs() <= possible {
             self.displaced = 0.0;
@@ -110,7 +118,17 @@ impl Jump {
 
     /// Whether it says something else than the joint.
     pub(in crate::excavator) fn has_jumped(&self) -> bool {
-        self.displaced != 0.0
+        self.displaced != 0.0 && !self.admitted
+    }
+
+    /// Whether it has, and stays there.
+    pub(in crate::excavator) fn stays(&self) -> bool {
+        self.has_jumped() && self.away > STAYS
+    }
+
+    /// It counts as it is, until it steps again.
+    pub(in crate::excavator) fn admit(&mut self) {
+        self.admitted = self.displaced != 0.0;
     }
 }
 
@@ -119,6 +137,7 @@ mod tests {
     use core::f64::consts::{PI, TAU};
 
     use super::*;
+    use crate::math::sin_cos;
 
     /// Values at 100 Hz of a joint that moves by `rate`, changed by `wrong`; how many pass, and whether it has jumped.
     fn passed(rate: f64, wrong: impl Fn(u32, f64) -> Option<f64>) -> (usize, bool) {
@@ -156,6 +175,26 @@ mod tests {
             });
             assert_eq!(spikes, (380, true), "{rate}: the last one is a spike");
         }
+    }
+
+    #[test]
+    fn one_that_came_late_for_a_while_may_be_admitted_once_it_stays() {
+        let mut jump = Jump::default();
+        // Late by .2 s from 20 to 40 s.
+        for k in 0..9_000_u32 {
+            let late = if (2_000..4_000).contains(&k) { 20 } else { 0 };
+            let value = sin_cos(0.01 * f64::from(k - k.min(late))).0;
+            let passes = jump.pass(Some(value), 0.01).is_some();
+            assert_eq!(passes, k < 2_000, "{k}");
+            assert!(!jump.stays(), "{k}");
+        }
+        for k in 9_000..10_100_u32 {
+            jump.pass(Some(sin_cos(0.01 * f64::from(k)).0), 0.01);
+        }
+        assert!(jump.stays());
+        jump.admit();
+        assert!(jump.pass(Some(sin_cos(101.0).0), 0.01).is_some());
+        assert!(jump.pass(Some(1.3), 0.01).is_none(), "a step");
     }
 
     #[test]

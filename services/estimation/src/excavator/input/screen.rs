@@ -145,6 +145,17 @@ impl Screen {
         self.jumps.iter().any(Jump::has_jumped)
     }
 
+    /// Whether those that have stay where they are.
+    pub(in crate::excavator) fn jumps_stay(&self) -> bool {
+        let mut jumped = self.jumps.iter().filter(|jump| jump.has_jumped());
+        jumped.all(Jump::stays)
+    }
+
+    /// They count as they are.
+    pub(in crate::excavator) fn admit_jumps(&mut self) {
+        self.jumps.iter_mut().for_each(Jump::admit);
+    }
+
     /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
     pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
         self.quantisation.variance(self.velocity_std)

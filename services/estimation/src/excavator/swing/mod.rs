@@ -14,6 +14,7 @@ use super::estimate::{Columns, Estimate, Flags, Method, Sample};
 use super::grid::{Grid, PERIOD, Tick};
 use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
+use super::reason::Reason;
 use super::screen::Screen;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
@@ -183,8 +184,20 @@ impl SwingEstimator {
             }
         }
         let answer = self.estimate(&sample, reset);
+        if answer.reason == Reason::Jump {
+            self.admit_jumps();
+        }
         self.last = answer;
         answer
+    }
+
+    /// Angles that have jumped, and stay where they are, count again where an emptied bucket can tell whether they are right.
+    #[cold]
+    fn admit_jumps(&mut self) {
+        let working = self.core.working();
+        if self.screen.jumps_stay() && working.is_some_and(Working::puts_to_the_test) {
+            self.screen.admit_jumps();
+        }
     }
 
     /// Keeps what each tick does for [`Self::step_with`]; false where this method has nothing to keep.

@@ -82,6 +82,15 @@ impl Filter {
 }
 
 impl Working {
+    /// A sensor is contradicted until emptied buckets agree with what was known before; false where that tells nothing of it.
+    pub(in crate::excavator) fn puts_to_the_test(&mut self) -> bool {
+        let told = self.recall.confirmed.is_some() && self.parallel.is_driven();
+        if told {
+            self.contradiction.outright();
+        }
+        told
+    }
+
     /// The content is another one: what was told before is kept, or where it is contradicted not believed.
     pub(super) fn recall(&mut self, settings: &Settings) {
         let time = self.recall.time;
