@@ -126,6 +126,11 @@ impl Jump {
         self.has_jumped() && self.away > STAYS
     }
 
+    /// How far \[rad\].
+    pub(in crate::excavator) fn by(&self) -> f64 {
+        self.displaced
+    }
+
     /// It counts as it is, until it steps again.
     pub(in crate::excavator) fn admit(&mut self) {
         self.admitted = self.displaced != 0.0;

@@ -145,10 +145,16 @@ impl Screen {
         self.jumps.iter().any(Jump::has_jumped)
     }
 
-    /// Whether those that have stay where they are.
-    pub(in crate::excavator) fn jumps_stay(&self) -> bool {
+    /// Whether one has, and has not jumped back.
+    pub(in crate::excavator) fn is_displaced(&self) -> bool {
+        self.jumps.iter().any(|jump| jump.by() != 0.0)
+    }
+
+    /// How far joint angles have jumped [rad], where there are such that do not count, and those stay where they are.
+    pub(in crate::excavator) fn jumps_that_stay(&self) -> Option<[f64; 3]> {
         let mut jumped = self.jumps.iter().filter(|jump| jump.has_jumped());
-        jumped.all(Jump::stays)
+        let stay = self.has_jumped() && jumped.all(Jump::stays);
+        stay.then(|| self.jumps.map(|jump| jump.by()))
     }
 
     /// They count as they are.

@@ -51,6 +51,8 @@ pub struct SwingEstimator {
     presence_checked: bool,
     reading: Option<Reading>,
     trailing: bool,
+    /// Joint angles that have jumped count, and are put to the test.
+    tests_jumps: bool,
     last: Estimate,
 }
 
@@ -92,6 +94,7 @@ impl SwingEstimator {
             presence_checked: !auto,
             reading: None,
             trailing: false,
+            tests_jumps: false,
             last: Estimate {
                 inertia: settings.prior.inertia,
                 inertia_std: settings.prior.inertia_std,
@@ -184,8 +187,8 @@ impl SwingEstimator {
             }
         }
         let answer = self.estimate(&sample, reset);
-        if answer.reason == Reason::Jump {
-            self.admit_jumps();
+        if answer.reason == Reason::Jump || self.tests_jumps {
+            self.test_jumps();
         }
         self.last = answer;
         answer
@@ -193,10 +196,18 @@ impl SwingEstimator {
 
     /// Angles that have jumped, and stay where they are, count again where an emptied bucket can tell whether they are right.
     #[cold]
-    fn admit_jumps(&mut self) {
-        let working = self.core.working();
-        if self.screen.jumps_stay() && working.is_some_and(Working::puts_to_the_test) {
+    fn test_jumps(&mut self) {
+        let Some(working) = self.core.working() else {
+            return;
+        };
+        if !self.screen.is_displaced() {
+            working.ends_the_test();
+            self.tests_jumps = false;
+        } else if let Some(jumps) = self.screen.jumps_that_stay()
+            && working.puts_to_the_test(jumps, &self.settings)
+        {
             self.screen.admit_jumps();
+            self.tests_jumps = true;
         }
     }
 

@@ -507,7 +507,7 @@ impl Working {
             self.sway
                 .push(drive.torque, velocity, &drive.now, drive.period);
         }
-        self.tare(gate, &drive.now, trail);
+        self.tare(s, drive, trail);
         if !self.pushed {
             self.watch_pushes(s, no_payload, trail);
         }
@@ -605,7 +605,7 @@ impl Working {
         self.filter.leave(&input, trail);
         self.parallel.filter.leave(&input, &mut None);
         self.scale.leave(&input);
-        self.tare(s.estimator.gate, &drive.now, trail);
+        self.tare(s, drive, trail);
         Innovation::default()
     }
 

@@ -9,7 +9,7 @@ use super::bucket::Content;
 use super::filter::{BUCKET, Filter, M};
 use super::trail::Trail;
 use super::weigh::Weigh;
-use crate::excavator::geometry::Inertia;
+use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
 use crate::math::ln;
@@ -105,7 +105,8 @@ impl Working {
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
-    pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
+    pub(super) fn tare(&mut self, settings: &Settings, drive: &Drive, trail: &mut Option<Trail>) {
+        let (gate, now) = (settings.estimator.gate, &drive.now);
         if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
             self.weighs_less_than_nothing(gate, now, trail);
         }
@@ -165,7 +166,13 @@ impl Working {
         }
         if !apart && !self.changed && !self.contradiction.has_agreed() {
             let explained = !self.noise.is_unexplained();
-            if explained && self.is_foreseen((variance, std * std), now) {
+            // Without such knowledge it agrees where it is weighed well enough.
+            let weighed = (1.0 / variance - 1.0 / (std * std)) * self.known_variance() > 1.0;
+            if explained
+                && self
+                    .agrees_with_before(std * std, settings, drive)
+                    .unwrap_or(weighed)
+            {
                 self.contradiction.agrees();
             }
         }
@@ -173,16 +180,6 @@ impl Working {
             self.is_emptied();
             self.attachment.is_known();
             self.holds_nothing(std * std, gate, trail);
-        }
-    }
-
-    /// Whether an emptied bucket has been weighed, and what turns is as was known before the contradiction; without such
-    /// knowledge: whether it is weighed well enough. Variances of its weight now, and as expected [kg^2].
-    fn is_foreseen(&self, (variance, expected): (f64, f64), now: &Inertia) -> bool {
-        let confirmed = self.recall.confirmed();
-        match confirmed.filter(|_| self.contradiction.is_open()) {
-            Some(known) => known.foresees(&self.filter, expected, now),
-            None => (1.0 / variance - 1.0 / expected) * self.known_variance() > 1.0,
         }
     }
 
