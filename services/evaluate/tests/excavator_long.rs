@@ -1,8 +1,6 @@
 //! An excavator works for an hour and a half, stands for a while, or has a fault that passes: what was trusted in the first minutes is
 //! trusted in the last ones.
 
-use std::collections::VecDeque;
-
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use evaluate::excavator::honesty_lines::{describe_boom_cylinder, described};
 use sim::excavator::{Effects, Row, Size, Work};
@@ -153,22 +151,21 @@ const BEFORE: usize = 60_000;
 const FAULT: usize = 18_000;
 const AFTER: usize = 90_000;
 
-/// A sensor is wrong in a row; the one of .2 s ago.
-type Fault = fn(&mut Row, &Row);
-const LATE: usize = 20;
+/// A sensor is wrong in a row.
+type Fault = fn(&mut Row);
 
 /// Faults, and whether the machine has pressures.
-const FAULTS: [(&str, bool, Fault); 5] = [
-    ("torque x 1.25", false, |row, _| {
+const FAULTS: [(&str, bool, Fault); 4] = [
+    ("torque x 1.25", false, |row| {
         row.swing_torque = row.swing_torque.map(|torque| 1.25 * torque);
     }),
-    ("torque x .8", true, |row, _| {
+    ("torque x .8", true, |row| {
         row.swing_torque = row.swing_torque.map(|torque| 0.8 * torque);
     }),
-    ("velocity x 1.2", false, |row, _| {
+    ("velocity x 1.2", false, |row| {
         row.swing_velocity = row.swing_velocity.map(|velocity| 1.2 * velocity);
     }),
-    ("head pressure x 1.5", true, |row, _| {
+    ("head pressure x 1.5", true, |row| {
         row.pressures[0] = row.pressures[0].map(|pressure| 1.5 * pressure);
     }),
 ];
@@ -177,15 +174,10 @@ const FAULTS: [(&str, bool, Fault); 5] = [
 fn with_fault(work: Work, fault: Fault) -> [Tally; 2] {
     let mut estimator = Estimator::of(&work);
     let [mut during, mut after] = [Tally::default(), Tally::default()];
-    let mut passed = VecDeque::new();
     for (n, mut row) in work.take(BEFORE + FAULT + AFTER).enumerate() {
-        passed.push_back(row);
-        if passed.len() > LATE {
-            passed.pop_front();
-        }
         let is_wrong = (BEFORE..BEFORE + FAULT).contains(&n);
         if is_wrong {
-            fault(&mut row, &passed[0]);
+            fault(&mut row);
         }
         let judged = estimator.step(row.time, &row);
         if is_wrong {

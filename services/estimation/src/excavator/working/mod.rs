@@ -23,6 +23,7 @@ mod sway;
 mod tail;
 mod tare;
 mod trail;
+mod trial;
 mod verdict;
 mod weigh;
 

@@ -4,15 +4,12 @@
 //! bucket weighs nothing any more, however sound the sensor is by then. So what was known when emptied buckets weighed nothing
 //! is kept, and while something is contradicted each new content is weighed by that alone. A fault that lasts contradicts it again.
 //!
-//! The same tells whether joint angles that have jumped are right again ([`super::super::jump`]). What an emptied bucket moves what turns
-//! by is 0 then, and otherwise d, by which the angles without their jumps make it another one. The odds grow by the ratio of the likelihoods
-//! (Bayes), N(m; 0, v)/N(m; d v/V, v), of m with variance v of V told.
-//!
 //! It ages meanwhile: it fades towards the description ([`super::fading`]), oil warms up, and the ground may be another one.
 
 use super::Working;
 use super::fading::CONSTANTS;
 use super::filter::{BUCKET, DAMPING, FRICTION, Filter, GAIN, LINKS, M, SLOPE, UPPER, W};
+use super::trial::Trial;
 use crate::excavator::drive::Drive;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
@@ -26,17 +23,6 @@ const LASTS: f64 = 3600.0;
 const TOLD: f64 = 0.5;
 /// Within so many standard deviations it is as foreseen.
 const AGREES: f64 = 2.0;
-/// A jump that changes the inertia of the empty machine by less than this share, in none of these postures, is no matter [rad].
-const SLIGHT: f64 = 0.02;
-const BOOM: [f64; 3] = [0.0, 0.5, 1.0];
-const ARM: [f64; 3] = [-0.8, -1.6, -2.4];
-const BUCKET_ANGLE: f64 = -1.0;
-/// Logarithm of the odds that an angle which has jumped is right, beforehand (one such step in ten is that of a bus that was late), and
-/// with which it is believed. One emptied bucket says no more than this.
-const LATE: f64 = -2.3;
-const RIGHT: f64 = 4.6;
-const SAYS: f64 = 4.0;
-
 /// Knowledge that an emptied bucket has confirmed.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,18 +35,8 @@ pub(super) struct Recall {
     seen_at: f64,
     confirmed_at: f64,
     candidate_at: f64,
-    trial: Option<Trial>,
-}
-
-/// Joint angles that have jumped are put to the test.
-#[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Trial {
-    /// How far they have jumped [rad].
-    jumps: [f64; 3],
-    /// Logarithm of the odds that they are right all the same, and what the present content says of it.
-    odds: f64,
-    says: f64,
+    /// Joint angles that have jumped are put to the test.
+    pub(super) trial: Option<Trial>,
 }
 
 impl Recall {
@@ -80,48 +56,24 @@ impl Recall {
         }
     }
 
+    /// Whether anything has been confirmed.
+    pub(super) fn is_there(&self) -> bool {
+        self.confirmed.is_some()
+    }
+
     /// Something else is known from now on, which motion did not tell.
     pub(super) fn forget(&mut self) {
         (self.confirmed, self.candidate) = (None, None);
     }
 }
 
-impl Trial {
-    /// Of angles that have jumped so far [rad]; none where that matters in no posture of work.
-    fn new(jumps: [f64; 3], settings: &Settings) -> Option<Self> {
-        let mut postures = BOOM
-            .iter()
-            .flat_map(|boom| ARM.map(|arm| [*boom, arm, BUCKET_ANGLE]));
-        let matters = postures.any(|posture| {
-            let other = core::array::from_fn(|i| posture[i] + jumps[i]);
-            let [here, there] = [posture, other].map(|q| settings.geometry.inertia(q).empty);
-            (there - here).abs() > SLIGHT * here
-        });
-        matters.then_some(Self {
-            jumps,
-            odds: LATE,
-            says: 0.0,
-        })
-    }
-
-    /// Whether the angles are right, by what an emptied bucket has moved.
-    fn is_passed(&mut self, moved: &Moved, settings: &Settings, drive: &Drive) -> bool {
-        let before = core::array::from_fn(|i| drive.posture[i] - self.jumps[i]);
-        let apart = settings.geometry.inertia(before).empty - drive.now.empty;
-        // As much of it has been told as of the variance.
-        let told = apart / moved.variance;
-        let says = told * (0.5 * told * moved.lost - moved.by);
-        self.says = says.clamp(-SAYS, SAYS);
-        self.odds + self.says > RIGHT
-    }
-}
-
 /// What motion has told of what turns per measured torque: by how much it has moved [kg m^2], and how much variance it has lost, from
 /// how much [(kg m^2)^2].
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Moved {
-    by: f64,
-    lost: f64,
-    variance: f64,
+    pub(super) by: f64,
+    pub(super) lost: f64,
+    pub(super) variance: f64,
 }
 
 impl Moved {
@@ -153,26 +105,6 @@ impl Filter {
 }
 
 impl Working {
-    /// Joint angles that have jumped by so much [rad] are contradicted until emptied buckets agree with what was known before; false
-    /// where nothing was.
-    pub(in crate::excavator) fn puts_to_the_test(
-        &mut self,
-        jumps: [f64; 3],
-        settings: &Settings,
-    ) -> bool {
-        let told = self.recall.confirmed.is_some() && self.parallel.is_driven();
-        if told {
-            self.recall.trial = Trial::new(jumps, settings);
-            self.contradiction.outright();
-        }
-        told
-    }
-
-    /// They have jumped back.
-    pub(in crate::excavator) fn ends_the_test(&mut self) {
-        self.recall.trial = None;
-    }
-
     /// Whether an emptied bucket tells what turns as was known before something was contradicted; none where nothing was known. Variance of
     /// an empty bucket's content [kg^2].
     pub(super) fn agrees_with_before(
@@ -198,7 +130,7 @@ impl Working {
             return;
         }
         if let Some(trial) = &mut self.recall.trial {
-            trial.odds += core::mem::take(&mut trial.says);
+            trial.content_is_over();
         }
         if !self.is_contradicted() {
             self.recall.trial = None;
@@ -230,12 +162,12 @@ impl Working {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::excavator::keys::Description;
 
     /// By what an emptied bucket moves what swings have told of what turns, when the torque is `wrong` by a factor; with the posture.
-    fn moved(settings: &Settings, wrong: f64) -> (Moved, Drive) {
+    pub(in super::super) fn moved(settings: &Settings, wrong: f64) -> (Moved, Drive) {
         let working = Working::new(settings, &settings.doubts.expect("doubts"));
         let posture = [0.6, -1.8, -1.5];
         let now = settings.geometry.inertia(posture);
@@ -273,33 +205,6 @@ mod tests {
             let (moved, _) = moved(&settings, wrong);
             assert_eq!(moved.is_foreseen(), agrees, "{wrong}");
         }
-    }
-
-    #[test]
-    fn an_angle_that_has_jumped_is_right_once_emptied_buckets_speak_against_its_jump() {
-        let settings = Settings::of(&Description::default());
-        let (sound, drive) = moved(&settings, 1.0);
-        let displaced = |jump: f64| {
-            let posture = [0.6, -1.8 - jump, -1.5];
-            settings.geometry.inertia(posture).empty / drive.now.empty
-        };
-        // Emptied buckets until it is believed.
-        let buckets = |jump: f64, moved: &Moved| {
-            let mut trial = Trial::new([0.0, jump, 0.0], &settings).expect("one that matters");
-            (1..=20).find(|_| {
-                let passed = trial.is_passed(moved, &settings, &drive);
-                trial.odds += trial.says;
-                passed
-            })
-        };
-        for jump in [-0.3, 0.3] {
-            assert!(buckets(jump, &sound).is_some_and(|n| n <= 6), "{jump}");
-            let (other, _) = moved(&settings, displaced(jump));
-            assert_eq!(buckets(jump, &other), None, "{jump}");
-        }
-        // One that is hardly noticed is not told within 20, and one that no posture shows is none.
-        assert_eq!(buckets(0.06, &sound), None);
-        assert!(Trial::new([0.01, 0.01, 0.05], &settings).is_none());
     }
 
     #[test]
