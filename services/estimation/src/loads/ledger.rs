@@ -207,10 +207,15 @@ impl Ledger {
         if let Some(left) = self.leaving() {
             self.dump(left, None, events);
         }
+        self.take_leaving(level, row, row.time);
+    }
+
+    /// This load was in the bucket, and has begun to leave.
+    fn take_leaving(&mut self, level: Level, row: &Row, leaving: f64) {
         let is_weighed = self.is_weighed(level.weight.quantity());
         self.content.take(level, row, is_weighed);
         self.held = Some(Held {
-            leaving: Some(row.time),
+            leaving: Some(leaving),
             ..Held::since(level.left)
         });
     }
@@ -222,6 +227,11 @@ impl Ledger {
 
     /// The content is weighed.
     fn weigh(&mut self, row: &Row, value: Quantity, events: &mut Events) {
+        if self.held.is_none()
+            && let Some((load, left)) = self.content.left_unseen(value)
+        {
+            self.take_leaving(load, row, left);
+        }
         let carries = Carries {
             a_load: self.held.is_some(),
             leaving: self.leaving().is_some(),
