@@ -260,6 +260,47 @@ fn the_next_load_is_seen_beside_a_surer_empty_bucket() {
     assert_eq!(site.loads().len(), 3);
 }
 
+/// Swings one way with a load that hangs, and stands.
+fn swing_hanging(site: &mut Site, speed: f64) {
+    for i in 0..1000 {
+        site.time += DT;
+        let swings = i < 400;
+        let row = Row {
+            time: site.time,
+            payload: Some(Quantity {
+                value: 100.0,
+                std: 2.0 * RATED,
+            }),
+            speed: if swings { speed } else { 0.0 },
+            hangs: swings,
+            ..Row::default()
+        };
+        let events = site.ledger.step(&row);
+        site.note(events);
+    }
+}
+
+#[test]
+fn a_load_that_hangs_has_a_row_where_it_is_set_down_and_what_swings_on_the_way_back_has_none() {
+    let mut site = Site::new(None);
+    for speed in [0.5, -0.5, 0.5, -0.5, 0.5] {
+        swing_hanging(&mut site, speed);
+    }
+    let loads = site.loads();
+    assert_eq!(loads.len(), 3, "{loads:?}");
+    let is_unweighed = |load: &Load| load.witness == Witness::Nothing && !load.trusted;
+    assert!(loads.iter().all(is_unweighed));
+    assert!(
+        (loads[0].dumped.unwrap_or(0.0) - 4.0).abs() < 0.1,
+        "{loads:?}"
+    );
+    let all = site.ledger.all();
+    assert!(
+        (all.kg - 1800.0).abs() < 60.0 && all.std() > 1100.0,
+        "{all:?}"
+    );
+}
+
 #[test]
 fn an_empty_bucket_that_opens_is_no_load() {
     let mut site = Site::new(None);

@@ -248,12 +248,24 @@ impl Content {
     pub fn leaves(&self, row: &Row, left: bool) -> Option<Level> {
         let is_back = |open: &Open| open.has_come_back(row.time, row.witness);
         let content = if left {
-            self.rough.filter(|_| self.open.as_ref().is_some_and(is_back))
+            self.rough
+                .filter(|_| self.open.as_ref().is_some_and(is_back))
         } else {
             self.rough.or(self.level)
         };
         let may_leave = |level: &Level| self.odds(level.weight.quantity()) > -OPENED_FOR_A_LOAD;
         content.filter(|level| self.opening >= CHANGING && may_leave(level))
+    }
+
+    /// What hung since then, if that is a load more likely than not.
+    pub fn hung(&self, row: &Row, since: f64) -> Option<Level> {
+        let any = Quantity {
+            std: UNKNOWN * self.rated,
+            ..self.any_load()
+        };
+        let seen = self.rough.or(self.level);
+        let hung = seen.unwrap_or(Level::new(row, any, any.std, since));
+        (self.odds(hung.weight.quantity()) > -OPENED_FOR_A_LOAD).then_some(hung)
     }
 
     /// A load that was seen while the machine moved and that has left since then, with when: what is weighed now is an empty bucket,

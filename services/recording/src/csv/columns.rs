@@ -610,10 +610,10 @@ pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
             "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
-            if names == ["t"] {
-                ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz"
-            } else {
-                ""
+            match names {
+                ["t"] => ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz".to_owned(),
+                [one] => format!(", and {one} = \"none\" there says that the machine has no such sensor"),
+                _ => String::new(),
             },
             listed(header)
         ),

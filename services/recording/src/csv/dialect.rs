@@ -58,7 +58,6 @@ impl Dialect {
         let number = plain.parse().ok().filter(|_| plain != text);
         number.or_else(|| with_decimal_comma(&plain))
     }
-
 }
 
 fn with_decimal_comma(text: &str) -> Option<f64> {

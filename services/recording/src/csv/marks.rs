@@ -54,9 +54,8 @@ pub(super) fn unclear(columns: &[Marks], separator: u8) -> Option<(usize, char)>
     (0..MARKS.len()).find_map(|mark| {
         let is_other_decimal = has(1 - mark);
         let may_group = |column: &Marks| column.either[mark] && !column.decimal[mark];
-        let tells = |column: &&Marks| {
-            is_other_decimal || separator != MARKS[1] && column.is_grouped()
-        };
+        let tells =
+            |column: &&Marks| is_other_decimal || separator != MARKS[1] && column.is_grouped();
         let is_quoted = |column: &Marks| {
             MARKS[mark] == separator && (column.either[mark] || column.decimal[mark])
         };

@@ -17,7 +17,8 @@ const LOW: [f64; 2] = [1e5, 3.5e6];
 /// One row in so many may be a disturbance.
 const DISTURBED: u32 = 100;
 
-const REMEDY: &str = "check the unit of both in the signal map (psi that are read as kPa are 6.9 times too small)";
+const REMEDY: &str =
+    "check the unit of both in the signal map (psi that are read as kPa are 6.9 times too small)";
 
 /// Looks at the pressures of swinging rows.
 pub(super) struct Carries {
@@ -124,7 +125,10 @@ mod tests {
             assert_eq!(said(1.0, is_described), "");
             assert!(said(psi_as_kpa, is_described).contains("psi that are read as kPa"));
         }
-        assert!(said(psi_as_kpa, true).starts_with("boom_head_pressure and boom_rod_pressure carry 17 %"));
+        assert!(
+            said(psi_as_kpa, true)
+                .starts_with("boom_head_pressure and boom_rod_pressure carry 17 %")
+        );
         // A sensor that shows nothing is another fault.
         assert_eq!(said(1e9, false), "");
     }
