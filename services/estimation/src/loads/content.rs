@@ -111,7 +111,16 @@ impl Content {
         } else {
             0.0
         };
+        let moved = self.moving(row.time);
+        if !row.moves() && moved > 0.0 && moved < SETTLED {
+            // A bucket that digs shakes the machine, and nothing is carried.
+            let is_of_it = |rough: &Level| rough.from >= row.time - moved;
+            self.rough = self.rough.filter(|rough| !is_of_it(rough));
+        }
         self.moving_since = row.moves().then(|| self.moving_since.unwrap_or(row.time));
+        if let Some(open) = self.open.as_mut().filter(|_| self.opening >= CHANGING) {
+            open.by_standing = true;
+        }
     }
 
     /// The content may be another than before; for how long it has been seen `changing` in this `dt`.
@@ -133,7 +142,11 @@ impl Content {
             return Shown::Nothing;
         };
         let left = carries.leaving && self.may_have_returned(row);
-        let odds = self.open.map_or(-DECIDED, |_| self.exchanged(value));
+        let opened = self.open.is_some_and(|open| open.by_standing) && carries.a_load;
+        let prior = if opened { OPENED_FOR_A_LOAD } else { 0.0 };
+        let odds = self
+            .open
+            .map_or(-DECIDED, |_| self.exchanged(value) + prior);
         if level.holds(value, floor) && !left && odds < DECIDED {
             let is_telling = odds <= -DECIDED && self.is_telling(value, carries.a_load);
             if self.open.is_some() && !is_telling {
@@ -234,11 +247,10 @@ impl Content {
         // It has stood since then, and moves again.
         let is_old = |best: &Level| best.is_over && self.moving_since.is_some_and(|t| t > best.to);
         self.rough = self.rough.filter(|best| !is_old(best));
-        let is_under_way = self.moving(row.time) >= SETTLED;
         match &mut self.rough {
             Some(best) if opened(*best) => best.is_over = true,
             Some(best) if !best.is_over && row.moves() => best.join(row, value, common),
-            _ if is_under_way => self.rough = Some(Level::new(row, value, common, row.time)),
+            _ if row.moves() => self.rough = Some(Level::new(row, value, common, row.time)),
             _ => {}
         }
     }

@@ -263,7 +263,7 @@ impl Ledger {
             leaving: self.leaving().is_some(),
         };
         match self.content.weigh(row, value, carries) {
-            Shown::Nothing => {}
+            Shown::Nothing => self.content.notice(row, value),
             Shown::Same => self.take_back(events),
             Shown::Another(next) => self.move_to(next, events),
         }

@@ -17,6 +17,8 @@ pub(super) struct Open {
     /// For how long the estimator has seen it change, and since when [s].
     changing: f64,
     pub changed: Option<f64>,
+    /// A standing machine has opened its bucket.
+    pub by_standing: bool,
     /// Where the machine is, and the ends of where it has been since then [rad or m].
     at: f64,
     ends: [f64; 2],
@@ -31,6 +33,7 @@ impl Open {
             since: row.time - if dt > GAP { dt } else { 0.0 },
             changing: 0.0,
             changed: None,
+            by_standing: false,
             at: 0.0,
             ends: [0.0; 2],
             back: [0.0; 2],
