@@ -40,7 +40,7 @@ impl Look for Fits {
             angles: Angles::new(["boom_angle", "arm_angle", "bucket_angle"]),
             speed: Speed::new(geometry),
             cylinders: ["boom", "arm"].map(Cylinder::new),
-            carries: Carries::new(described),
+            carries: Carries::default(),
             postures: Postures::default(),
             boom: Boom::default(),
             ground: Ground::default(),
