@@ -1,6 +1,7 @@
 //! Loads: what was filled, carried and dumped, from the estimates of either machine.
 
 use estimation::Quantity;
+use estimation::excavator::Reason;
 use estimation::loads::{Ledger, Load, LoadReport, Row, Settings, Witness};
 
 use crate::table::present;
@@ -52,17 +53,20 @@ impl Loads {
     pub(crate) fn step(&mut self, row: &LoadsRow) -> LoadReport {
         let payload = present(row.payload).zip(present(row.payload_std));
         let witness = usize::try_from(row.witness).ok();
+        let witness = witness.and_then(|i| Witness::ALL.get(i).copied());
+        let witness = witness.unwrap_or_default();
+        // Reasons are those of the machine, and its own motion weighs an excavator's load alone.
+        let is_excavator = matches!(witness, Witness::Motion | Witness::Both);
         let events = self.ledger.step(&Row {
             time: row.t,
             payload: payload.map(|(value, std)| Quantity { value, std }),
             common_std: None,
             speed: present(row.speed).unwrap_or_default(),
             changing: row.changing != 0,
+            hangs: is_excavator && row.reason == Reason::Hanging as u32,
             trusted: row.trusted != 0,
             why: row.reason,
-            witness: witness
-                .and_then(|i| Witness::ALL.get(i).copied())
-                .unwrap_or_default(),
+            witness,
             truck: present(row.truck),
         });
         self.last = events.load.or(self.last);

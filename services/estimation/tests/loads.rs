@@ -209,6 +209,99 @@ fn a_load_that_is_changing_all_the_way_to_the_truck_is_dumped_there() {
 }
 
 #[test]
+fn a_swing_that_goes_on_one_way_brings_no_second_load() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    for _ in 0..100 {
+        site.row((800.0, 100.0), 0.5, false);
+    }
+    // A load that hangs: the estimator says that the content changes, until it is dumped.
+    for _ in 0..400 {
+        site.row((900.0, 300.0), 0.4, true);
+    }
+    site.open();
+    site.stand(0.5, PRIOR);
+    site.swing(20.0);
+    let loads = site.loads();
+    assert_eq!(loads.len(), 1, "{loads:?}");
+}
+
+#[test]
+fn a_load_that_nothing_weighs_counts_too_where_it_leaves_in_the_swing() {
+    let mut site = Site::new(None);
+    for kg in [700.0, 800.0] {
+        site.stand(3.0, PRIOR);
+        swing_vaguely(&mut site, (kg, 280.0));
+        // The estimator sees it go, and knows the emptied bucket.
+        for i in 0..80 {
+            let left = 1.0 - f64::from(i) / 80.0;
+            site.row((kg * left + 20.0, 60.0 + 200.0 * left), 0.4, true);
+        }
+        site.stand(0.6, (20.0, 60.0));
+        site.swing(20.0);
+    }
+    let loads = site.loads();
+    assert_eq!(loads.len(), 2, "{loads:?}");
+    assert!(loads.iter().all(|load| load.carry_back_weighed));
+}
+
+#[test]
+fn the_next_load_is_seen_beside_a_surer_empty_bucket() {
+    let mut site = Site::new(None);
+    for _ in 0..3 {
+        site.stand(3.0, PRIOR);
+        swing_vaguely(&mut site, (600.0, 330.0));
+        site.open();
+        site.stand(0.5, PRIOR);
+        for _ in 0..300 {
+            site.row((30.0, 280.0), -0.5, false);
+        }
+    }
+    assert_eq!(site.loads().len(), 3);
+}
+
+/// Swings one way with a load that hangs, and stands.
+fn swing_hanging(site: &mut Site, speed: f64) {
+    for i in 0..1000 {
+        site.time += DT;
+        let swings = i < 400;
+        let row = Row {
+            time: site.time,
+            payload: Some(Quantity {
+                value: 100.0,
+                std: 2.0 * RATED,
+            }),
+            speed: if swings { speed } else { 0.0 },
+            hangs: swings,
+            ..Row::default()
+        };
+        let events = site.ledger.step(&row);
+        site.note(events);
+    }
+}
+
+#[test]
+fn a_load_that_hangs_has_a_row_where_it_is_set_down_and_what_swings_on_the_way_back_has_none() {
+    let mut site = Site::new(None);
+    for speed in [0.5, -0.5, 0.5, -0.5, 0.5] {
+        swing_hanging(&mut site, speed);
+    }
+    let loads = site.loads();
+    assert_eq!(loads.len(), 3, "{loads:?}");
+    let is_unweighed = |load: &Load| load.witness == Witness::Nothing && !load.trusted;
+    assert!(loads.iter().all(is_unweighed));
+    assert!(
+        (loads[0].dumped.unwrap_or(0.0) - 4.0).abs() < 0.1,
+        "{loads:?}"
+    );
+    let all = site.ledger.all();
+    assert!(
+        (all.kg - 1800.0).abs() < 60.0 && all.std() > 1100.0,
+        "{all:?}"
+    );
+}
+
+#[test]
 fn an_empty_bucket_that_opens_is_no_load() {
     let mut site = Site::new(None);
     site.cycle(900.0, 20.0);

@@ -18,7 +18,7 @@ pub use estimate::{Cell, Codes, Column, Estimate, EstimateRows, EstimateWriter, 
 pub(crate) use estimate::{Values as EstimateValues, columns, count, estimate_of};
 pub use export::{export, is_export};
 pub(crate) use front::{Front, Line, Lines, MOST_ABOVE, comment, is_by_blanks};
-pub(crate) use header::{check_units, fill, header};
+pub(crate) use header::{check_units, header};
 pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 

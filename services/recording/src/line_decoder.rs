@@ -186,10 +186,9 @@ impl<S: Sensors> LineDecoder<S> {
         lack.map_or(Ok(()), Err)
     }
 
-    /// Begins a table with this header; where it has no name, that of the groups above counts.
+    /// Begins a table with this header, whose names are told by those of the groups above.
     fn begin(&mut self, line: &[u8], dialect: Dialect, groups: &[String]) -> Result<(), Error> {
-        let (cells, mut header) = head(line, dialect, &self.input)?;
-        csv::fill(&mut header, groups);
+        let (cells, header) = head(line, groups, dialect, &self.input)?;
         let columns = Columns::choose(header, dialect, self.map.as_ref(), &self.input)?;
         self.kind = Kind::Table(Box::new(columns), Box::new(cells));
         Ok(())
@@ -349,11 +348,18 @@ fn check_text(line: &[u8], input: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// The cells of a header, and the names in it.
-fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String>), Error> {
+/// The cells of a header, and the names in it, told by those of `groups` above.
+fn head(
+    line: &[u8],
+    groups: &[String],
+    dialect: Dialect,
+    input: &str,
+) -> Result<(Cells, Vec<String>), Error> {
     check_text(line, input)?;
     let mut cells = Cells::new(dialect);
-    let header = csv::header(cells.split(line), dialect, input, || input.to_owned())?;
+    let header = csv::header(cells.split(line), groups, dialect, input, || {
+        input.to_owned()
+    })?;
     Ok((cells, header))
 }
 
@@ -435,7 +441,7 @@ impl NameColumn {
     }
 
     fn find(&mut self, header: &[u8], dialect: Dialect) -> Result<(), Error> {
-        let (cells, names) = head(header, dialect, &self.input)?;
+        let (cells, names) = head(header, &[], dialect, &self.input)?;
         let at = names.iter().position(|n| n == self.name).ok_or_else(|| {
             let what = format!("there is no column {}", self.name);
             let remedy = match names.len() {

@@ -353,6 +353,30 @@ mod tests {
     }
 
     #[test]
+    fn names_that_repeat_below_groups_are_told_by_them_in_the_map_and_in_the_rows() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let names = ";Swing;;Front;;;Boom cylinder;;Arm cylinder;\n\
+                     Time;Speed;Torque;Boom;Arm;Bucket;Head;Rod;Head;Rod\n\
+                     [s];[deg/s];[kNm];[deg];[deg];[deg];[bar];[bar];[bar];[bar]\n";
+        let rows = "0;1;2;3;4;5;60;7;8;9\n1;1;2;3;4;5;60;7;8;9\n";
+        std::fs::write(&file, format!("{names}{rows}")).expect("writable");
+        let said = suggest(&file, &[], Some(Machine::Excavator)).expect("a table");
+        assert!(said.missing.is_empty(), "{}", said.text);
+        let line = "arm_head_pressure = { column = \"Arm cylinder Head\", unit = \"bar\" }";
+        assert!(said.text.contains(line), "{}", said.text);
+        let map = dir.path().join("x.toml");
+        std::fs::write(&map, said.text).expect("writable");
+        let map = crate::Map::read(&map).expect("a map");
+        let rows = crate::csv::read::<messages::ExcavatorSensors>(&file, Some(&map));
+        let first = rows.expect("rows")[0].0;
+        assert_eq!(
+            [first.boom_head_pressure, first.arm_head_pressure],
+            [60e5, 8e5]
+        );
+    }
+
+    #[test]
     fn what_no_name_fits_is_offered_by_its_unit_and_a_motor_by_its_ports() {
         let dir = tempfile::tempdir().expect("a folder");
         let file = dir.path().join("x.csv");

@@ -254,6 +254,7 @@ impl LoadCounter {
             common_std: None,
             speed: m.velocity,
             changing: flag(excavator_bits::CHANGING),
+            hangs: m.reason == estimation::excavator::Reason::Hanging as u32,
             trusted,
             why: why(m.reason, m.flags, trusted),
             witness: if self.has_pressure() {
@@ -292,6 +293,7 @@ impl LoadCounter {
                 Some(_) => m.reason == Reason::Load as u32,
                 None => scale.is_some_and(|shown| shown.changing),
             },
+            hangs: false,
             trusted,
             why: why(m.reason, m.flags, trusted),
             witness: if weighed.is_some() {

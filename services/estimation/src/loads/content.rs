@@ -43,10 +43,15 @@ pub(super) struct Content {
     pub open: Option<Open>,
     /// The best that was seen of a content which is not weighed, while the machine moved.
     rough: Option<Level>,
+    /// The same from before the estimator saw it change.
+    unchanged: Option<Level>,
     pub empty: Quantity,
     /// The level is the first one, or lower than the one before.
     may_be_empty: bool,
     moving_since: Option<f64>,
+    /// The estimator sees it change, and did not in the row before.
+    begins_to_change: bool,
+    changes: bool,
     /// For how long the content has been seen to change now, while the machine stands [s].
     opening: f64,
 }
@@ -78,12 +83,15 @@ impl Content {
             next: None,
             open: None,
             rough: None,
+            unchanged: None,
             empty: Quantity {
                 value: 0.0,
                 std: EMPTY_STD * rated,
             },
             may_be_empty: true,
             moving_since: None,
+            begins_to_change: false,
+            changes: false,
             opening: 0.0,
         }
     }
@@ -91,17 +99,28 @@ impl Content {
     /// What was seen is of another time; of the empty bucket it is not.
     pub fn forget(&mut self) {
         (self.level, self.next, self.open, self.moving_since) = (None, None, None, None);
-        self.rough = None;
+        (self.rough, self.unchanged) = (None, None);
     }
 
     /// Notes whether the machine moves, and whether it stands and opens its bucket.
     pub fn follow(&mut self, row: &Row, dt: f64) {
+        self.begins_to_change = row.changing && !self.changes;
+        self.changes = row.changing;
         self.opening = if row.changing && !row.moves() {
             self.opening + dt
         } else {
             0.0
         };
+        let moved = self.moving(row.time);
+        if !row.moves() && moved > 0.0 && moved < SETTLED {
+            // A bucket that digs shakes the machine, and nothing is carried.
+            let is_of_it = |rough: &Level| rough.from >= row.time - moved;
+            self.rough = self.rough.filter(|rough| !is_of_it(rough));
+        }
         self.moving_since = row.moves().then(|| self.moving_since.unwrap_or(row.time));
+        if let Some(open) = self.open.as_mut().filter(|_| self.opening >= CHANGING) {
+            open.by_standing = true;
+        }
     }
 
     /// The content may be another than before; for how long it has been seen `changing` in this `dt`.
@@ -123,7 +142,11 @@ impl Content {
             return Shown::Nothing;
         };
         let left = carries.leaving && self.may_have_returned(row);
-        let odds = self.open.map_or(-DECIDED, |_| self.exchanged(value));
+        let opened = self.open.is_some_and(|open| open.by_standing) && carries.a_load;
+        let prior = if opened { OPENED_FOR_A_LOAD } else { 0.0 };
+        let odds = self
+            .open
+            .map_or(-DECIDED, |_| self.exchanged(value) + prior);
         if level.holds(value, floor) && !left && odds < DECIDED {
             let is_telling = odds <= -DECIDED && self.is_telling(value, carries.a_load);
             if self.open.is_some() && !is_telling {
@@ -132,7 +155,8 @@ impl Content {
             if let Some(level) = &mut self.level {
                 level.join(row, value, common);
             }
-            (self.next, self.open, self.rough) = (None, None, None);
+            (self.next, self.open) = (None, None);
+            (self.rough, self.unchanged) = (None, None);
             return Shown::Same;
         }
         match &mut self.next {
@@ -208,7 +232,8 @@ impl Content {
             left: self.filled(&next),
             ..next
         });
-        (self.next, self.open, self.rough) = (None, None, None);
+        (self.next, self.open) = (None, None);
+        (self.rough, self.unchanged) = (None, None);
     }
 
     /// Notes a content that is not weighed, while the machine moves: what a load that leaves has been at best.
@@ -216,6 +241,12 @@ impl Content {
         let common = common(row, value);
         let opened =
             |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
+        if self.begins_to_change {
+            self.unchanged = self.rough;
+        }
+        // It has stood since then, and moves again.
+        let is_old = |best: &Level| best.is_over && self.moving_since.is_some_and(|t| t > best.to);
+        self.rough = self.rough.filter(|best| !is_old(best));
         match &mut self.rough {
             Some(best) if opened(*best) => best.is_over = true,
             Some(best) if !best.is_over && row.moves() => best.join(row, value, common),
@@ -227,13 +258,41 @@ impl Content {
     /// The content that leaves where a standing machine opens its bucket, if that is a load more likely than not. With a load
     /// that `left` before, it is one that has come since then.
     pub fn leaves(&self, row: &Row, left: bool) -> Option<Level> {
+        let is_back = |open: &Open| open.has_come_back(row.time, row.witness);
         let content = if left {
-            self.rough.filter(|_| self.may_have_returned(row))
+            self.rough
+                .filter(|_| self.open.as_ref().is_some_and(is_back))
         } else {
             self.rough.or(self.level)
         };
         let may_leave = |level: &Level| self.odds(level.weight.quantity()) > -OPENED_FOR_A_LOAD;
         content.filter(|level| self.opening >= CHANGING && may_leave(level))
+    }
+
+    /// What hung since then, if that is a load more likely than not.
+    pub fn hung(&self, row: &Row, since: f64) -> Option<Level> {
+        let any = Quantity {
+            std: UNKNOWN * self.rated,
+            ..self.any_load()
+        };
+        let seen = self.rough.or(self.level);
+        let hung = seen.unwrap_or(Level::new(row, any, any.std, since));
+        (self.odds(hung.weight.quantity()) > -OPENED_FOR_A_LOAD).then_some(hung)
+    }
+
+    /// A load that was seen while the machine moved and that has left since then, with when: what is weighed now is an empty bucket,
+    /// and rather that than the same content.
+    pub fn left_unseen(&self, value: Quantity) -> Option<(Level, f64)> {
+        let open = self.open.filter(Open::has_changed)?;
+        let load = self.unchanged?;
+        let before = Self {
+            level: Some(load),
+            ..*self
+        };
+        let has_left = self.odds(load.weight.quantity()) > DECIDED
+            && !self.is_likely(value)
+            && before.exchanged(value) > DECIDED;
+        Some((load, open.changed?)).filter(|_| has_left)
     }
 
     /// It was in the bucket, and leaves.
@@ -244,7 +303,8 @@ impl Content {
                 std: UNKNOWN * self.rated,
             });
         }
-        (self.level, self.rough, self.next) = (Some(level), None, None);
+        (self.level, self.next) = (Some(level), None);
+        (self.rough, self.unchanged) = (None, None);
         self.open = Some(Open::from(row, 0.0));
     }
 

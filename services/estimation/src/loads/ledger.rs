@@ -7,6 +7,7 @@
 //! | it is weighed lower after that | the load is dumped, and this stays in the bucket |
 //! | it is weighed as before, and the machine has not moved meanwhile | the load never left |
 //! | the machine has moved as far as from a truck to a pile | it was dumped, and this is the next one |
+//! | it hung in a swing, and the machine stops for a while | it is set down |
 //! | it is weighed higher, and the machine has not moved meanwhile | one more scoop |
 
 use super::accounts::Accounts;
@@ -14,6 +15,7 @@ use super::book::{Day, Truck};
 use super::clock::{Clock, Tick};
 use super::content::{Carries, Content, SETTLED, Shown};
 use super::events::Events;
+use super::hook::Hook;
 use super::level::Level;
 use super::load::{Load, Stage, Weight};
 use super::now::{Holding, Now};
@@ -61,6 +63,7 @@ pub struct Ledger {
     common: CommonError,
     holding: Holding,
     content: Content,
+    hook: Hook,
     held: Option<Held>,
     accounts: Accounts,
 }
@@ -76,6 +79,7 @@ impl Ledger {
             common: settings.common,
             holding: Holding::new(rated),
             content: Content::new(rated),
+            hook: Hook::default(),
             held: None,
             accounts: Accounts::new(settings),
         }
@@ -98,6 +102,7 @@ impl Ledger {
                 0.0
             }
         };
+        let before = (self.leaving(), self.accounts.loads);
         if let Some(signal) = row.truck.filter(|s| s.is_finite()) {
             self.accounts.call_truck(signal, &mut events);
         }
@@ -112,6 +117,12 @@ impl Ledger {
         match weighed {
             Some(value) => self.weigh(row, value, &mut events),
             None => self.doubt(row, if row.changing { dt } else { 0.0 }, dt, &mut events),
+        }
+        if let Some([since, stopped]) = self.hook.step(row, dt) {
+            self.set_down(row, since, stopped, &mut events);
+        }
+        if (self.leaving(), self.accounts.loads) != before {
+            self.hook.left(row);
         }
         self.find(row, &mut events);
         events
@@ -207,10 +218,30 @@ impl Ledger {
         if let Some(left) = self.leaving() {
             self.dump(left, None, events);
         }
+        self.take_leaving(level, row, row.time);
+    }
+
+    /// A load has hung since then, and is set down where the machine stopped; one that is held, or left after it began to hang, is it.
+    fn set_down(&mut self, row: &Row, since: f64, stopped: f64, events: &mut Events) {
+        let is_it = |held: Held| held.leaving.is_none_or(|left| left >= since);
+        if self.held.is_some_and(is_it) {
+            return;
+        }
+        let Some(level) = self.content.hung(row, since) else {
+            return;
+        };
+        if let Some(left) = self.leaving() {
+            self.dump(left, None, events);
+        }
+        self.take_leaving(level, row, stopped);
+    }
+
+    /// This load was in the bucket, and has begun to leave.
+    fn take_leaving(&mut self, level: Level, row: &Row, leaving: f64) {
         let is_weighed = self.is_weighed(level.weight.quantity());
         self.content.take(level, row, is_weighed);
         self.held = Some(Held {
-            leaving: Some(row.time),
+            leaving: Some(leaving),
             ..Held::since(level.left)
         });
     }
@@ -222,12 +253,17 @@ impl Ledger {
 
     /// The content is weighed.
     fn weigh(&mut self, row: &Row, value: Quantity, events: &mut Events) {
+        if self.held.is_none()
+            && let Some((load, left)) = self.content.left_unseen(value)
+        {
+            self.take_leaving(load, row, left);
+        }
         let carries = Carries {
             a_load: self.held.is_some(),
             leaving: self.leaving().is_some(),
         };
         match self.content.weigh(row, value, carries) {
-            Shown::Nothing => {}
+            Shown::Nothing => self.content.notice(row, value),
             Shown::Same => self.take_back(events),
             Shown::Another(next) => self.move_to(next, events),
         }

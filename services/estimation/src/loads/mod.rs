@@ -10,6 +10,7 @@
 //! | `clock` | which rows are in time |
 //! | `level` | a content of the bucket that stays: the best estimate of it |
 //! | `open` | a content that is not known for a while |
+//! | `hook` | a load that hangs: when it is set down |
 //! | `content` | what the bucket holds from row to row, and the empty bucket |
 //! | `ledger` | from levels to loads: filled, carried, dumped, weighed empty again |
 //! | `accounts` | what was dumped, and to which truck and day it goes |
@@ -44,6 +45,7 @@ mod book;
 mod clock;
 mod content;
 mod events;
+mod hook;
 mod ledger;
 mod level;
 mod load;

@@ -70,6 +70,8 @@ pub struct Row {
     pub speed: f64,
     /// The content is changing.
     pub changing: bool,
+    /// The load hangs and swings: it is a pendulum, which no bucket drops.
+    pub hangs: bool,
     /// The estimate may be believed.
     pub trusted: bool,
     /// Why not, in a code of whoever hands the row in; carried along.

@@ -80,7 +80,8 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
          heft map data.csv -o map.toml                  a first signal map: check it\n  \
          heft loads data.csv --machine excavator --map map.toml --class 21t\n  \
          heft estimate data.csv --machine excavator --map map.toml --class 21t -o out.csv --report out.html\n\
-         docs/sensors.md says which sensors, docs/your-data.md how to map them, and which six numbers to state beside the class."
+         21t stands for the operating mass of your machine. docs/sensors.md says which sensors, docs/your-data.md how to map them, and\n\
+         which six numbers to state beside the class."
     );
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod boom;
 mod calibrate;
+mod carries;
 mod figures;
 mod fits;
 mod ground;

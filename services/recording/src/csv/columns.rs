@@ -25,7 +25,7 @@ pub(crate) struct Columns<S: Sensors> {
     builder: Builder<S>,
     values: Vec<f64>,
     rows: u64,
-    /// Of the columns, where commas do not separate.
+    /// Of the columns.
     marks: Vec<Marks>,
     dates: Dates,
     counter: Counter,
@@ -242,7 +242,7 @@ impl<S: Sensors> Columns<S> {
     /// # Errors
     /// One had none in any row, or is unclear.
     pub(crate) fn check_values(&self, file: &str) -> Result<(), Error> {
-        if let Some((at, mark)) = marks::unclear(&self.marks) {
+        if let Some((at, mark)) = marks::unclear(&self.marks, self.dialect.separator) {
             let column = &self.header[at];
             return Err(Error::new(
                 format!(
@@ -368,9 +368,7 @@ impl<S: Sensors> Columns<S> {
                             let cell = record.get(*at).unwrap_or_default();
                             match self.dialect.number(cell) {
                                 Some(x) if !(line.is_time && time::is_compact(cell)) => {
-                                    if self.dialect.separator != b',' {
-                                        self.marks[*at].see(cell);
-                                    }
+                                    self.marks[*at].see(cell);
                                     let x = match line.is_time && line.parts.len() == 1 {
                                         true => self.counter.count(x),
                                         false => x,
@@ -612,10 +610,10 @@ pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) ->
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
             "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
-            if names == ["t"] {
-                ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz"
-            } else {
-                ""
+            match names {
+                ["t"] => ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz".to_owned(),
+                [one] => format!(", and {one} = \"none\" there says that the machine has no such sensor"),
+                _ => String::new(),
             },
             listed(header)
         ),

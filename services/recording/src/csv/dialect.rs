@@ -33,22 +33,22 @@ impl Dialect {
         }
     }
 
-    /// The number in a cell, NaN where it is empty or says that there is none; `None` where it is text. Where commas do
-    /// not separate, they may be the decimal mark.
+    /// The number in a cell, NaN where it is empty or says that there is none; `None` where it is text. A comma in it may be the
+    /// decimal mark: where commas separate it stood in quotes, and [`super::marks`] says what the whole table makes of it.
     pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
         if cell.is_empty() {
             return Some(f64::NAN);
         }
         // Reads bytes as the standard library reads text, of which a cell need not be.
         let number = fast_float2::parse(cell).ok();
-        let number = number.or_else(|| self.as_typeset(std::str::from_utf8(cell).ok()?));
+        let number = number.or_else(|| Self::as_typeset(std::str::from_utf8(cell).ok()?));
         number.or_else(|| is_missing(cell).then_some(f64::NAN))
     }
 
     /// A number as sheets show it: a decimal comma, a minus sign that is no hyphen, thousands grouped by thin blanks or
     /// apostrophes, `="1.5"` for a number that a sheet shall not turn; and as Fortran prints it, `1.5D-3`. A mark of the
     /// encoding stands before the first number of a file that was joined to another.
-    fn as_typeset(self, text: &str) -> Option<f64> {
+    fn as_typeset(text: &str) -> Option<f64> {
         let formula = text.strip_prefix("=\"").and_then(|t| t.strip_suffix('"'));
         let groups = [
             '\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}', '\u{feff}',
@@ -56,16 +56,16 @@ impl Dialect {
         let plain = formula.unwrap_or(text).replace(groups, "");
         let plain = with_e(plain.replace('\u{2212}', "-"));
         let number = plain.parse().ok().filter(|_| plain != text);
-        number.or_else(|| self.with_decimal_comma(&plain))
+        number.or_else(|| with_decimal_comma(&plain))
     }
+}
 
-    fn with_decimal_comma(self, text: &str) -> Option<f64> {
-        let (whole, fraction) = text.rsplit_once(',').filter(|_| self.separator != b',')?;
-        let has_point = whole.contains(',') || fraction.contains('.');
-        // A point before the comma groups thousands.
-        let whole = whole.replace('.', "");
-        (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
-    }
+fn with_decimal_comma(text: &str) -> Option<f64> {
+    let (whole, fraction) = text.rsplit_once(',')?;
+    let has_point = whole.contains(',') || fraction.contains('.');
+    // A point before the comma groups thousands.
+    let whole = whole.replace('.', "");
+    (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
 }
 
 /// A number whose exponent of double precision begins with a `D`, with an `E`. Without a decimal mark it may be hexadecimal.
@@ -236,14 +236,17 @@ mod tests {
     }
 
     #[test]
-    fn a_comma_is_a_decimal_mark_only_where_it_does_not_separate() {
+    fn a_comma_within_a_cell_is_a_decimal_mark() {
         let (german, english) = (Dialect { separator: b';' }, Dialect { separator: b',' });
         assert_eq!(german.number(b"1,5"), Some(1.5));
         assert_eq!(german.number(b"-1.234,5e-3"), Some(-1.2345));
         assert_eq!(german.number(b"1.5"), Some(1.5));
         assert_eq!(german.number(b"1,234,5"), None);
         assert_eq!(german.number(b"1,234.5"), None);
-        assert_eq!(english.number(b"1,5"), None);
+        // In quotes; what the other numbers make of it is told by the marks of the table.
+        assert_eq!(english.number(b"1,5"), Some(1.5));
+        assert_eq!(english.number(b"1,234.5"), None);
+        assert_eq!(english.number(b"1,234,567"), None);
     }
 
     #[test]
@@ -323,8 +326,6 @@ mod tests {
         assert_eq!(english.number(b"=\"-1.5\""), Some(-1.5));
         assert_eq!(english.number("\u{feff}1.5".as_bytes()), Some(1.5));
         assert_eq!(english.number(b"1D5"), None, "hexadecimal");
-        // Between comma and comma it may be either mark.
-        assert_eq!(english.number(b"12,345"), None);
         assert_eq!(english.number(b"12 345"), None);
     }
 

@@ -297,8 +297,10 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
         .windows(2)
         .find(|two| several_units(&cells(two[0].1, dialect), two[1].1, dialect).is_some());
     if let Some([names, _]) = over_units {
-        // Kinds of numbers stand below the names, and repeat.
-        let are_kinds = repeats(&cells(names.1, dialect)) && !repeats(&cells(first, dialect));
+        // Kinds of numbers stand below the names, and repeat; so do names below those of groups, which have gaps.
+        let [of_first, of_names] = [first, names.1].map(|line| cells(line, dialect));
+        let are_kinds =
+            repeats(&of_names) && !repeats(&of_first) && !is_padded(&of_first, &of_names);
         return (!are_kinds).then_some(names.0);
     }
     let names = above
@@ -307,12 +309,16 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
         .unwrap_or(last);
     let (of_first, of_names) = (cells(first, dialect), cells(names.1, dialect));
     // A group is written once, or above each of its columns.
-    let mut pairs = of_first.iter().zip(of_names.iter());
-    let is_padded = pairs.any(|(first, name)| first.is_empty() && !name.is_empty());
     let repeats_alone = repeats(&of_first) && !repeats(&of_names);
     let is_name = |cell: &[u8]| cell.first().is_some_and(u8::is_ascii_alphabetic);
     let is_pair = of_names.len() == 2 && !above.is_empty() && of_names.iter().all(is_name);
-    (is_padded || repeats_alone || is_pair).then_some(names.0)
+    (is_padded(&of_first, &of_names) || repeats_alone || is_pair).then_some(names.0)
+}
+
+/// Whether a line has an empty cell above a name.
+fn is_padded(first: &Record, names: &Record) -> bool {
+    let mut pairs = first.iter().zip(names.iter());
+    pairs.any(|(first, name)| first.is_empty() && !name.is_empty())
 }
 
 /// Whether two cells say the same.

@@ -10,14 +10,16 @@ use crate::signal::Sensors;
 use crate::suggest::names::fitting;
 use crate::unit;
 
-/// The names in the header of a table, which numbers are not.
+/// The names in the header of a table, which numbers are not, told by the names `above` them.
 pub(crate) fn header(
     record: &Record,
+    above: &[String],
     dialect: Dialect,
     file: &str,
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
-    let header = names(record, file)?;
+    let header = told(record.iter().map(dialect::name).collect(), above);
+    check_names(&header, file)?;
     // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
     let zeros = record.iter().flatten().filter(|b| **b == 0).count();
     let length: usize = record.iter().map(<[u8]>::len).sum();
@@ -39,13 +41,24 @@ pub(crate) fn header(
     Ok(header)
 }
 
-/// Takes the names of the row above where the header has none.
-pub(crate) fn fill(header: &mut [String], above: &[String]) {
-    for (at, above) in above.iter().enumerate() {
-        if header[at].is_empty() && !header.contains(above) {
-            header[at].clone_from(above);
+/// Names that are told from each other: those of the row above where the header has none, and those of the group above, which stands
+/// once over the first of its columns, before one that stands several times.
+fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
+    let mut group = "";
+    let above = above.iter().map(String::as_str);
+    let named = names.iter().zip(above.chain(std::iter::repeat("")));
+    let named = named.map(|(name, above)| {
+        group = if above.is_empty() { group } else { above };
+        let is_twice = names.iter().filter(|other| *other == name).count() > 1;
+        match (name.as_str(), group) {
+            ("", _) if !names.iter().any(|other| other == above) => above.to_owned(),
+            (name, group) if is_twice && !name.is_empty() && !group.is_empty() => {
+                format!("{group} {name}")
+            }
+            (name, _) => name.to_owned(),
         }
-    }
+    });
+    named.collect()
 }
 
 /// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
@@ -76,13 +89,12 @@ pub(crate) fn check_units<S: Sensors>(
     Ok(())
 }
 
-/// The names in a header: UTF-8, or else Latin-1; none twice.
-fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
-    let names: Vec<String> = header.iter().map(dialect::name).collect();
+/// Whether no name stands twice.
+fn check_names(names: &[String], file: &str) -> Result<(), Error> {
     let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {
         if !name.is_empty() && !seen.insert(name) {
-            let remedy = match fitting("t", &[name], &[]) {
+            let remedy = match fitting("t", &[name.as_str()], &[]) {
                 Some(_) => {
                     "if each has the times of its own columns, write all signals at one rate; else rename one of them"
                 }
@@ -95,5 +107,5 @@ fn names(header: &Record, file: &str) -> Result<Vec<String>, Error> {
             ));
         }
     }
-    Ok(names)
+    Ok(())
 }

@@ -47,13 +47,22 @@ impl Marks {
 }
 
 /// The first column whose numbers cannot be told, with the mark in them: its marks may stand between thousands, and the table
-/// has the other mark for decimals, or only what is larger than a thousand has one.
-pub(super) fn unclear(columns: &[Marks]) -> Option<(usize, char)> {
+/// has the other mark for decimals, or only what is larger than a thousand has one. Commas in quotes between commas are decimal
+/// marks only where some of them can be nothing else, and no number has a point.
+pub(super) fn unclear(columns: &[Marks], separator: u8) -> Option<(usize, char)> {
+    let has = |mark: usize| columns.iter().any(|column| column.decimal[mark]);
     (0..MARKS.len()).find_map(|mark| {
-        let is_other_decimal = columns.iter().any(|column| column.decimal[1 - mark]);
+        let is_other_decimal = has(1 - mark);
         let may_group = |column: &Marks| column.either[mark] && !column.decimal[mark];
-        let tells = |column: &&Marks| is_other_decimal || column.is_grouped();
-        let is_unclear = |column: &Marks| may_group(column) && tells(&column);
+        let tells =
+            |column: &&Marks| is_other_decimal || separator != MARKS[1] && column.is_grouped();
+        let is_quoted = |column: &Marks| {
+            MARKS[mark] == separator && (column.either[mark] || column.decimal[mark])
+        };
+        let is_unclear = |column: &Marks| match is_quoted(column) {
+            true => is_other_decimal || !has(mark),
+            false => may_group(column) && tells(&column),
+        };
         let at = columns.iter().position(is_unclear)?;
         Some((at, char::from(MARKS[mark])))
     })
@@ -68,7 +77,7 @@ mod tests {
         let of = |text: fn(i32) -> String| {
             let mut marks = Marks::default();
             (0..200).for_each(|i| marks.see(text(i).as_bytes()));
-            unclear(&[marks])
+            unclear(&[marks], b';')
         };
         let grouped = |i: i32| match 13 * i {
             x if x < 1000 => x.to_string(),
@@ -87,7 +96,7 @@ mod tests {
                 cells.iter().for_each(|cell| marks.see(cell.as_bytes()));
                 marks
             });
-            unclear(&marks.collect::<Vec<_>>())
+            unclear(&marks.collect::<Vec<_>>(), b';')
         };
         assert_eq!(of(&[&["0,5"], &["987", "-12.345"]]), Some((1, '.')));
         assert_eq!(of(&[&["12.345", "9.876,5"]]), Some((0, '.')));
@@ -102,5 +111,26 @@ mod tests {
         ] {
             assert_eq!(of(columns), None, "{columns:?}");
         }
+    }
+    #[test]
+    fn commas_in_quotes_are_decimal_marks_where_the_table_shows_it() {
+        let of = |columns: &[&[&str]]| {
+            let marks = columns.iter().map(|cells| {
+                let mut marks = Marks::default();
+                cells.iter().for_each(|cell| marks.see(cell.as_bytes()));
+                marks
+            });
+            unclear(&marks.collect::<Vec<_>>(), b',')
+        };
+        for columns in [
+            &[&["0,5"][..], &["12,345"]][..],
+            &[&["0"], &["1,25", "7"]],
+            &[&["0.5"], &["12.345"]],
+        ] {
+            assert_eq!(of(columns), None, "{columns:?}");
+        }
+        // Thousands, two numbers in one cell.
+        assert_eq!(of(&[&["1"], &["12,345"]]), Some((1, ',')));
+        assert_eq!(of(&[&["0.5"], &["1,5"]]), Some((1, ',')));
     }
 }

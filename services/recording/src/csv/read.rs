@@ -6,7 +6,7 @@ use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent, listed};
 use super::dialect::Dialect;
 use super::front::Front;
-use super::header::{check_units, fill, header};
+use super::header::{check_units, header};
 use crate::Error;
 use crate::kind;
 use crate::map::Map;
@@ -163,8 +163,13 @@ impl Table {
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
-        let mut header = header(records.record(), self.dialect, &self.file, place)?;
-        fill(&mut header, &self.above);
+        let mut header = header(
+            records.record(),
+            &self.above,
+            self.dialect,
+            &self.file,
+            place,
+        )?;
         if self.has_row_names {
             header.insert(0, String::new());
         }

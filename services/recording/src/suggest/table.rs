@@ -78,7 +78,7 @@ fn grouped(look: &Look) -> Vec<String> {
         }
         match group {
             "" => name.clone(),
-            group if group == name => name.clone(),
+            group if name.starts_with(group) => name.clone(),
             group => format!("{group} {name}"),
         }
     });

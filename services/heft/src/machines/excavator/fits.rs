@@ -4,6 +4,7 @@ use estimation::excavator::{Geometry, Mismatch, Plausible, joint, largest};
 use messages::ExcavatorSensors;
 
 use super::boom::Boom;
+use super::carries::Carries;
 use super::ground::Ground;
 use super::postures::Postures;
 use super::speed::Speed;
@@ -21,6 +22,7 @@ pub(in crate::machines) struct Fits {
     angles: Angles<3>,
     speed: Speed,
     cylinders: [Cylinder; 2],
+    carries: Carries,
     postures: Postures,
     boom: Boom,
     ground: Ground,
@@ -38,6 +40,7 @@ impl Look for Fits {
             angles: Angles::new(["boom_angle", "arm_angle", "bucket_angle"]),
             speed: Speed::new(geometry),
             cylinders: ["boom", "arm"].map(Cylinder::new),
+            carries: Carries::default(),
             postures: Postures::default(),
             boom: Boom::default(),
             ground: Ground::default(),
@@ -53,6 +56,7 @@ impl Look for Fits {
     fn add(&mut self, s: &ExcavatorSensors) {
         let sample = steps::excavator::sample(s);
         self.boom.add(s);
+        self.carries.see(&sample);
         self.plausible.push(&sample);
         self.speed.see(&sample);
         self.ground.see(&sample);
@@ -74,7 +78,8 @@ impl Look for Fits {
             return Some(said);
         }
         let Some(mismatch) = self.plausible.mismatch() else {
-            return self.boom.fault().or_else(|| self.ground.fault());
+            let of_signs = self.boom.fault().or_else(|| self.ground.fault());
+            return of_signs.or_else(|| self.carries.fault());
         };
         let remedy = remedy(mismatch, self.mass);
         Some(format!("{mismatch}\n  what to do: {remedy}"))

@@ -23,6 +23,9 @@ const TOGETHER: f64 = 0.4;
 /// The torques and a slope that is meant: .83 to 1.33 with correlations above this one; with -.29 at the least.
 const ABOUT: f64 = 1.4;
 const SURELY: f64 = 0.6;
+/// The accelerometer's c1 where the sensor does not follow the acceleration: another unit of the slope leaves it. On nearly level
+/// ground a sensor that follows it leaves .25 to .80, and a c2 of 1.8 to 7.
+const UNMOVED: f64 = 1.1;
 /// Per cent in a radian of a small slope.
 const PERCENT: f64 = 100.0;
 
@@ -48,26 +51,31 @@ impl Grade {
         self.torque.see([speed.signum(), gain, fall, torque]);
     }
 
-    /// How much of the slope that is sent the others show, and what may be its unit; none where they do not tell.
-    fn share(&self) -> Option<(f64, &'static [Unit])> {
+    /// How much of it the torques show.
+    fn by_torque(&self) -> f64 {
+        let [gain, share] = self.torque.coefficients();
+        share / gain
+    }
+
+    /// How much of the slope that is sent the others show, within which factor, and what may be its unit; none where they do not tell.
+    fn share(&self) -> Option<(f64, f64, &'static [Unit])> {
         let belongs = |r: &Regression, least: f64| r.correlation().abs() > least;
         if self.acceleration.rows >= ENOUGH && belongs(&self.acceleration, TOGETHER) {
             let [gain, share] = self.acceleration.coefficients();
-            return Some((share * gain.signum(), &UNITS));
+            let share = share * gain.signum();
+            let units = match about(gain.abs(), UNMOVED) {
+                true => &UNITS[..],
+                false => &UNITS[..FAR],
+            };
+            return Some((share, ALIKE, units));
         }
         let tells = self.torque.rows >= ENOUGH && belongs(&self.torque, SURELY);
-        let [gain, share] = self.torque.coefficients();
-        tells.then_some((share / gain, &UNITS[..BY_TORQUE]))
+        tells.then_some((self.by_torque(), ABOUT, &UNITS[..FAR]))
     }
 
     /// What the slope is, and what to do.
     pub(super) fn fault(&self) -> Option<String> {
-        let (share, units) = self.share()?;
-        let factor = if units.len() == UNITS.len() {
-            ALIKE
-        } else {
-            ABOUT
-        };
+        let (share, factor, units) = self.share()?;
         let (.., what, remedy) = units
             .iter()
             .find(|(unit, ..)| about(share * unit, factor))?;
@@ -80,8 +88,9 @@ impl Grade {
 /// A slope that is so many times the one that is meant, what it seems, and what to do.
 type Unit = (f64, &'static str, &'static str);
 
-/// Those that the torques tell come first: of a load on the machine they know nothing.
-const BY_TORQUE: usize = 3;
+/// Those that are far from the right one come first. The torques tell no others, as of a load on the machine they know nothing;
+/// nor does a sensor that follows the acceleration, which on level ground shows little else.
+const FAR: usize = 3;
 const UNITS: [Unit; 5] = [
     (
         -1.0,
@@ -143,5 +152,27 @@ mod tests {
         // A load of half the machine is no other unit, and level ground tells nothing.
         assert_eq!(said(0.67, false, 0.08), "");
         assert_eq!(said(-1.0, true, 1e-5), "");
+    }
+
+    #[test]
+    fn a_sensor_that_follows_the_acceleration_on_level_ground_is_in_no_other_unit() {
+        // Of level ground, and of the acceleration a moment ago.
+        let said = |follows: f64| {
+            let mut grade = Grade::default();
+            for k in 0..400 {
+                let time = 0.2 * f64::from(k);
+                let (speed, gain) = (3.0 + time.sin(), time.cos());
+                let slope = 0.02 * (0.05 * time).sin();
+                let sent = slope + follows / GRAVITY * (time - 0.6).cos();
+                let force = gain + GRAVITY * slope;
+                grade.see(speed, gain, sent, force, 7e3 * (force + 0.2));
+            }
+            let [gain, share] = grade.acceleration.coefficients();
+            (gain, share, grade.fault())
+        };
+        for follows in [0.1, 0.2, 0.3, 0.4] {
+            let (gain, share, said) = said(follows);
+            assert_eq!(said, None, "{follows}: {gain} {share}");
+        }
     }
 }
