@@ -395,18 +395,19 @@ impl LiftWitness {
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, hangs, capacity);
         self.doubts.empty(tare);
+        // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
+        let rests = low && !drives(sample);
         let bucket = Bucket {
             shown: payload,
             drawn: self.doubts.shown(),
             motion: &motion,
             in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
             is_empty: tare.is_some_and(|tare| tare.at_dump),
+            rests,
             capacity,
         };
         self.changed.see(&bucket, dt);
         if !motion.open {
-            // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-            let rests = low && !drives(sample);
             self.below.see(shown, empty.most(), rests, dt);
         }
         self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
@@ -414,7 +415,9 @@ impl LiftWitness {
 
     /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it.
     fn watch_steps(&mut self, shown: &Shown, motion: &Motion, rests: bool, dt: f64) {
-        let acts = motion.turning || self.drive.pushes() || self.stops.carry();
+        let acts = motion.turning
+            || self.drive.pushes()
+            || self.stops.carry() && !self.moment_steps.is_stepping();
         let rows = [shown.payload(), shown.lifting / shown.per_load];
         let Quantity { value, std } = self.scale.payload();
         // What the ground carries a part of is not known.
