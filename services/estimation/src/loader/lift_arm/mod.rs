@@ -295,7 +295,7 @@ impl LiftWitness {
         self.follow([lift, bucket], dt);
         let angles = self.angles.unwrap_or_default();
         let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
-        self.weigh(&posture, sample, dt);
+        self.weigh(posture, sample, dt);
         self.answer.as_ref().map(Said::Weighed)
     }
 
@@ -344,31 +344,27 @@ impl LiftWitness {
         }
     }
 
-    fn weigh(&mut self, posture: &Posture, sample: &Sample, dt: f64) {
-        let stance = self.drawing.stance(&self.drawing.values, posture);
+    fn weigh(&mut self, mut posture: Posture, sample: &Sample, dt: f64) {
+        let stance = self.drawing.stance(&self.drawing.values, &posture);
         self.seals.take(stance.rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
         let mut motion =
             self.content
                 .motion(self.rates, [low, self.drive.pushes()], sample.speed, dt);
-        self.learn(posture, &motion);
+        self.learn(&posture, &motion);
         let (drawing, values) = (&self.drawing, &self.drawing.values);
-        let posture = Posture {
-            seals: self.seals.share(),
-            ..*posture
-        };
+        posture.seals = self.seals.share();
         let shown = drawing.shown(values, &stance, &posture);
-        self.watch_steps(&shown, &motion, low && !drives(sample), dt);
+        // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
+        let rests = low && !drives(sample);
+        self.watch_steps(&shown, &motion, rests, dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
         self.take(&shown, posture.head, sample, &motion, dt);
         // What swings is not known, whatever comes of it.
         motion.open |= self.scale.swings();
-        let posture = Posture {
-            rest: self.scale.rest(),
-            ..posture
-        };
+        posture.rest = self.scale.rest();
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         let shown = Shown {
             lifting: drawing.lifted(values, shown.lever, &posture),
@@ -388,18 +384,17 @@ impl LiftWitness {
             [shown.payload(), payload.value],
             &empty,
         );
-        let std = norm(&[payload.std, self.doubts.shown()]);
+        let drawn = self.doubts.shown();
+        let std = norm(&[payload.std, drawn]);
         let shown = Quantity { std, ..payload };
         // The ground may carry a low bucket.
         let hangs = !low && self.below.explains(shown);
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, hangs, capacity);
         self.doubts.empty(tare);
-        // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-        let rests = low && !drives(sample);
         let bucket = Bucket {
             shown: payload,
-            drawn: self.doubts.shown(),
+            drawn,
             motion: &motion,
             in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
             is_empty: tare.is_some_and(|tare| tare.at_dump),

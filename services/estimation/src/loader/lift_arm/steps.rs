@@ -69,6 +69,17 @@ impl Default for AngleSteps {
 /// Least and greatest of nothing.
 const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
+/// A range with this angle.
+#[inline]
+fn widen([least, greatest]: &mut [f64; 2], angle: f64) {
+    if angle < *least {
+        *least = angle;
+    }
+    if angle > *greatest {
+        *greatest = angle;
+    }
+}
+
 impl AngleSteps {
     /// Takes an angle [rad], `dt` after the last.
     pub fn see(&mut self, angle: f64, dt: f64) {
@@ -86,22 +97,23 @@ impl AngleSteps {
             (self.since, self.strokes) = (NOWHERE, 0);
         }
         (self.last, self.age) = (Some(angle), 0.0);
-        let stepped = self.has_stepped();
-        let [least, greatest] = if stepped {
-            &mut self.since
+        if self.has_stepped() {
+            self.watch(angle);
         } else {
-            &mut self.ends
-        };
-        *least = least.min(angle);
-        *greatest = greatest.max(angle);
-        if stepped {
-            let rises = angle - self.since[0] > STROKE;
-            let begins = rises && !self.rises;
-            self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
-            self.rises = rises;
-            if self.is_back(angle) {
-                self.sum = 0.0;
-            }
+            widen(&mut self.ends, angle);
+        }
+    }
+
+    /// Takes an angle after a step.
+    #[cold]
+    fn watch(&mut self, angle: f64) {
+        widen(&mut self.since, angle);
+        let rises = angle - self.since[0] > STROKE;
+        let begins = rises && !self.rises;
+        self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
+        self.rises = rises;
+        if self.is_back(angle) {
+            self.sum = 0.0;
         }
     }
 
