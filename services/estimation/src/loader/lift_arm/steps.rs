@@ -27,14 +27,14 @@ const FASTEST: f64 = 3.0;
 const UNDONE: f64 = 0.03;
 /// A joint that has come back by so much has been at the end of a stroke [rad].
 const STROKE: f64 = 0.2;
-/// After so many strokes that end where the old range did, and leave it nowhere, it is the old angle: who works goes as far as before.
+/// After so many strokes that end where the old range did it may be the old angle: who works goes as far as before.
 const STROKES: u32 = 4;
 
 /// Steps of an angle, summed: a spike goes back.
 ///
-/// One that goes back unseen, in a gap, shows at the end of a stroke: an angle that shows too much reaches the least one of before no more,
-/// one that shows too little the greatest. One that was off little by little and steps back has widened the range before: there some strokes
-/// tell.
+/// One that goes back unseen, in a gap, shows at the ends of its strokes: an angle that shows too much reaches the least one of before no more,
+/// one that shows too little the greatest. One that was off little by little and steps back has widened the range before: there its
+/// strokes never leave it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct AngleSteps {
@@ -112,7 +112,7 @@ impl AngleSteps {
         let begins = rises && !self.rises;
         self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
         self.rises = rises;
-        if self.is_back(angle) {
+        if self.is_back() {
             self.sum = 0.0;
         }
     }
@@ -122,15 +122,11 @@ impl AngleSteps {
         (self.since[end] - self.ends[end]).abs() < UNDONE
     }
 
-    /// It has come back from the end of a stroke that it could not reach if it were still off, or goes as far as before.
-    fn is_back(&self, angle: f64) -> bool {
-        let came_back = if self.sum > 0.0 {
-            angle - self.since[0] > STROKE && self.ends_as_before(0)
-        } else {
-            self.since[1] - angle > STROKE && self.ends_as_before(1)
-        };
+    /// Its strokes end where they could not if it were still off, or go as far as before.
+    fn is_back(&self) -> bool {
+        let telling = usize::from(self.sum < 0.0);
         let within = self.since[0] > self.ends[0] - UNDONE && self.since[1] < self.ends[1] + UNDONE;
-        came_back || within && self.strokes >= STROKES
+        self.strokes >= STROKES && (within || self.ends_as_before(telling))
     }
 
     /// Nothing is known of what was done meanwhile; what has stepped has.
@@ -335,7 +331,7 @@ mod tests {
             (0..9).for_each(|_| stroke(&mut steps, off));
             assert!(steps.has_stepped(), "it is still off");
             steps.gap();
-            (0..2).for_each(|_| stroke(&mut steps, 0.0));
+            (0..5).for_each(|_| stroke(&mut steps, 0.0));
             assert!(!steps.has_stepped(), "{off}");
             // Off little by little, and back at once.
             (0..200).for_each(|k| steps.see(-0.2 + 0.005 * off * f64::from(k), 0.01));
