@@ -108,7 +108,8 @@ impl AngleSteps {
     #[cold]
     fn watch(&mut self, angle: f64) {
         widen(&mut self.since, angle);
-        let rises = angle - self.since[0] > STROKE;
+        let beyond = if self.rises { 0.5 * STROKE } else { STROKE };
+        let rises = angle - self.ends[0] > beyond;
         let begins = rises && !self.rises;
         self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
         self.rises = rises;
