@@ -25,7 +25,7 @@ const ANGLE: f64 = 0.05;
 const FASTEST: f64 = 3.0;
 /// Steps that sum to less are undone [rad].
 const UNDONE: f64 = 0.03;
-/// A joint that has come back by so much has been at the end of a stroke [rad].
+/// A stroke goes by so much through the middle of the range [rad].
 const STROKE: f64 = 0.2;
 /// After so many strokes that end where the old range did it may be the old angle: who works goes as far as before.
 const STROKES: u32 = 4;
@@ -46,7 +46,7 @@ pub(super) struct AngleSteps {
     /// Least and greatest angle before it stepped, and since [rad].
     ends: [f64; 2],
     since: [f64; 2],
-    /// Strokes up from the least angle since, and whether one is on.
+    /// Strokes up through the middle of the range since, and whether it is above.
     strokes: u32,
     rises: bool,
 }
@@ -108,8 +108,9 @@ impl AngleSteps {
     #[cold]
     fn watch(&mut self, angle: f64) {
         widen(&mut self.since, angle);
-        let beyond = if self.rises { 0.5 * STROKE } else { STROKE };
-        let rises = angle - self.ends[0] > beyond;
+        let [least, greatest] = self.since;
+        let beyond = if self.rises { -0.5 } else { 0.5 } * STROKE;
+        let rises = angle - 0.5 * (least + greatest) > beyond;
         let begins = rises && !self.rises;
         self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
         self.rises = rises;
