@@ -4,7 +4,7 @@ use super::answer::answer;
 use super::doubts::witnesses::Witnesses;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
-use super::lift_arm::{LiftWitness, Weighed};
+use super::lift_arm::{LiftWitness, Said};
 use super::load::payload::Payload;
 #[cfg(not(feature = "every-method"))]
 use super::settings::MustBe;
@@ -134,15 +134,13 @@ impl CgEstimator {
     /// Takes one row and answers.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let machine = &self.settings.machine;
-        let sample = sample.plausible(machine.mass, machine.wheel_radius);
-        // A row that the clock refuses changes nothing.
-        let weighed = if self.refuses(sample.time) {
-            None
-        } else {
-            self.weigh(&sample)
-        };
+        let mut sample = sample.plausible(machine.mass, machine.wheel_radius);
         let (settings, method) = (&self.settings, self.method);
-        let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
+        // A row that the clock refuses changes nothing.
+        let refused = self.refuses(sample.time);
+        let lift = self.lift.as_mut().filter(|_| !refused);
+        let weighed = lift.and_then(|lift| weigh(lift, &mut self.filter, settings, &sample));
+        let mut answer = each!(&mut self.filter, f => step(f, settings, method, &mut sample));
         if answer.status == Status::Refused {
             self.refused += 1;
             self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
@@ -163,26 +161,12 @@ impl CgEstimator {
         }
         answer.refused = self.refused;
         self.last = answer;
-        answer
+        self.last
     }
 
     /// Whether the clock will refuse a row of this time; asked where a lift arm takes rows beside the filter.
     fn refuses(&self, time: f64) -> bool {
         self.lift.is_some() && each!(&self.filter, f => f.refuses(&self.settings, time))
-    }
-
-    /// What the lift pressure says of a plausible row that the clock will take.
-    fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
-        let lift = self.lift.as_mut()?;
-        let settings = &self.settings;
-        // What is reported is more than what may be.
-        let counts = |weighed: &Weighed| {
-            !weighed.silent || !each!(&self.filter, f => f.known_load.is_reported())
-        };
-        let weighed = lift.step(sample, settings.estimator.fresh).filter(counts);
-        let empty = lift.empty();
-        each!(&mut self.filter, f => f.set_weighed(settings, weighed, empty));
-        weighed
     }
 
     /// The last answer to a row that was refused; believed only as long as inputs count as fresh.
@@ -260,11 +244,29 @@ fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, Sett
     })
 }
 
+/// What the lift pressure says of a plausible row that the clock will take.
+fn weigh<'a>(
+    lift: &'a mut LiftWitness,
+    filter: &mut Filter,
+    settings: &Settings,
+    sample: &Sample,
+) -> Option<Said<'a>> {
+    let empty = lift.empty();
+    let weighed = lift.step(sample, settings.estimator.fresh);
+    // What is reported is more than what may be.
+    let counts =
+        |said: &Said<'_>| !said.silent || !each!(&*filter, f => f.known_load.is_reported());
+    let weighed = weighed.filter(counts);
+    let carried = weighed.as_ref().map(|said| said.carried);
+    each!(filter, f => f.set_weighed(settings, carried, empty));
+    weighed
+}
+
 fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &mut CgFilter<N, M, B>,
     settings: &Settings,
     method: Method,
-    sample: Sample,
+    sample: &mut Sample,
 ) -> Estimate {
     let row = filter.step(settings, sample);
     answer(filter, settings, method, &row)

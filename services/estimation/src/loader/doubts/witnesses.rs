@@ -43,7 +43,7 @@ impl Witnesses {
         dt: f64,
     ) {
         let slips = [answer.cg_ratio, answer.cg_height];
-        if answer.trusted_ratio && !weighed.open {
+        if answer.trusted_ratio && !weighed.carried.open {
             self.compare(slips[0], weighed.ratio, dt);
         }
         let differ = self.apart > DIFFER || weighed.wrong;
@@ -67,7 +67,7 @@ impl Witnesses {
         let (ratio, height) = (answer.cg_ratio, answer.cg_height);
         answer.converged_ratio = ratio.std <= limits.converged_ratio * ratio.value.abs();
         answer.converged_height = height.std <= limits.converged_height;
-        let believed = !weighed.open && !differ && answer.status != Status::Diverged;
+        let believed = !weighed.carried.open && !differ && answer.status != Status::Diverged;
         if by_weight || differ {
             (answer.excited_ratio, answer.identifiable_ratio) = (true, true);
             answer.trusted_ratio = believed && answer.converged_ratio;
@@ -80,7 +80,7 @@ impl Witnesses {
             // What the slips lack is no matter of the weight.
             (answer.fresh, answer.consistent, answer.reason) = (true, true, Reason::None);
         }
-        let known = KNOWN_PAYLOAD * weighed.mass;
+        let known = KNOWN_PAYLOAD * weighed.carried.mass;
         // The interval holds the gain at a load. No work tells it, so trust in what the work tells does not ask for it.
         let (std, gain) = (weighed.payload.std, weighed.gain_left);
         let is_told = std * std - gain * gain <= known * known;
@@ -92,7 +92,7 @@ impl Witnesses {
                 Reason::Disagreement
             };
             (answer.consistent, answer.reason) = (false, reason);
-        } else if weighed.open {
+        } else if weighed.carried.open {
             answer.reason = Reason::Load;
         }
         if weighed.silent {

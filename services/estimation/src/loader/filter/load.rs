@@ -2,7 +2,7 @@
 
 use super::{Belief, CgFilter};
 use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
-use crate::loader::lift_arm::Weighed;
+use crate::loader::lift_arm::Carried;
 use crate::loader::load::mass_step::Centre;
 use crate::loader::physics::cg_model::Loading;
 use crate::loader::settings::Settings;
@@ -15,7 +15,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub(in crate::loader) fn set_weighed(
         &mut self,
         settings: &Settings,
-        weighed: Option<Weighed>,
+        weighed: Option<Carried>,
         empty: Each<(f64, f64)>,
     ) {
         let prior = &settings.prior;

@@ -230,26 +230,26 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.clock.refuses(time, settings.gap().min(LONGEST_STEP))
     }
 
-    /// Takes one plausible row.
-    pub fn step(&mut self, settings: &Settings, mut sample: Sample) -> RowReport<M> {
-        Self::correct(settings, &mut sample);
+    /// Takes one plausible row, and what is no measurement out of it.
+    pub fn step(&mut self, settings: &Settings, sample: &mut Sample) -> RowReport<M> {
+        Self::correct(settings, sample);
         let gap = settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
             Tick::First => {
-                self.level(settings, &mut sample, 0.0);
-                return self.first(&sample);
+                self.level(settings, sample, 0.0);
+                return self.first(sample);
             }
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
-            Tick::SetBack => return self.set_back(settings, &sample),
+            Tick::SetBack => return self.set_back(settings, sample),
         };
         let at_work = settings.at_work();
         if at_work {
-            self.drop_leaps(&settings.machine, &mut sample, dt);
-            self.drop_stuck(settings, &mut sample, dt);
+            self.drop_leaps(&settings.machine, sample, dt);
+            self.drop_stuck(settings, sample, dt);
         }
-        self.level(settings, &mut sample, dt);
-        let sample = &sample;
+        self.level(settings, sample, dt);
+        let sample = &*sample;
         let midpoint = settings.estimator.inputs != Driven::Hold;
         let step = self.hold.advance(sample, midpoint, at_work);
         self.note(settings, sample, &step, dt);

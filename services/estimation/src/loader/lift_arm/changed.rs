@@ -15,6 +15,9 @@
 //! | T, T_c | time since the last emptied bucket, and between two changes of a sensor | s |
 //! | C | what the bucket may carry | kg |
 //!
+//! A bucket that is tipped in the air holds nothing then, whatever it showed before. It tells once, by its sharpest row until it turns again.
+//! S is smaller for one that weighs less than before: no more can be gone than what stuck in it.
+//!
 //! So one emptied bucket that weighs what it did takes a blow back. One that weighs what the step foretold confirms it. Where no step was seen, the
 //! second emptied bucket that shows the same wrong weight tells. What neither hypothesis tells apart fades by a half with each emptied bucket.
 
@@ -33,8 +36,11 @@ const BETWEEN_CHANGES: f64 = 3.6e5;
 const PARTS: f64 = 0.03;
 /// What sticks in an emptied bucket, standard deviation as a share of the capacity.
 const STICKS: f64 = 0.03;
-/// What rows may leave open of a bucket that tells, as a share of the capacity.
+/// The same below what it weighed before: no more than what stuck in it then can be gone.
+const STUCK_BEFORE: f64 = 0.015;
+/// What rows may leave open of a bucket that tells, as a share of the capacity: at most, and where no further row is waited for.
 const TOLD: f64 = 0.05;
+const SHARP: f64 = 0.02;
 /// From this share of the capacity on a bucket holds a load.
 const LOADED: f64 = 0.2;
 /// A bucket that turned so far below the horizontal, in the air, was tipped: loose material slides from half a radian on [rad].
@@ -57,9 +63,13 @@ pub(super) struct Changed {
     tare: Option<Quantity>,
     /// What they show if something has [kg].
     others: [f64; 2],
-    /// It held a load, and was tipped since.
+    /// It held a load, and was emptied since.
     loaded: bool,
     tipped: bool,
+    /// It is tipped now.
+    down: bool,
+    /// The sharpest that rows have shown of it since [kg].
+    sharpest: Option<Quantity>,
     /// Time since the last emptied bucket [s].
     since: f64,
 }
@@ -75,6 +85,8 @@ pub(super) struct Bucket<'a> {
     pub in_the_air: Option<f64>,
     /// It was emptied in another way.
     pub is_empty: bool,
+    /// The ground may carry a part of it.
+    pub rests: bool,
     /// What it may carry [kg].
     pub capacity: f64,
 }
@@ -103,16 +115,27 @@ impl Changed {
             capacity,
             ..
         } = *bucket;
+        let is_open = motion.open || motion.changing > 0.0;
+        if let Some(sharpest) = self.sharpest
+            && (is_open || sharpest.std < SHARP * capacity)
+        {
+            (self.sharpest, self.loaded, self.tipped) = (None, false, false);
+            self.emptied(sharpest, bucket.drawn, capacity);
+        }
         if motion.held {
             self.tipped = false;
         }
-        self.tipped |= self.loaded && bucket.in_the_air.is_some_and(|angle| angle < TIPPED);
-        if motion.open || motion.changing > 0.0 || shown.std > TOLD * capacity {
+        // Whatever it held, it holds nothing now; one that stays tipped tells it once.
+        let down = bucket.in_the_air.is_some_and(|angle| angle < TIPPED);
+        self.tipped |= down & !core::mem::replace(&mut self.down, down);
+        if is_open || bucket.rests || shown.std > TOLD * capacity {
             return;
         }
         if self.tipped || self.loaded && bucket.is_empty {
-            (self.loaded, self.tipped) = (false, false);
-            self.emptied(shown, bucket.drawn, capacity);
+            let sharper = self.sharpest.is_none_or(|last| shown.std < last.std);
+            if sharper {
+                self.sharpest = Some(shown);
+            }
         } else {
             self.loaded |= shown.value > LOADED * capacity;
         }
@@ -120,11 +143,16 @@ impl Changed {
 
     /// An emptied bucket shows this.
     fn emptied(&mut self, shown: Quantity, drawn: f64, capacity: f64) {
-        let rows = norm(&[shown.std, STICKS * capacity]);
         let before = self.tare.unwrap_or(Quantity {
             value: 0.0,
             std: drawn,
         });
+        let sticks = if shown.value < before.value {
+            STUCK_BEFORE
+        } else {
+            STICKS
+        };
+        let rows = norm(&[shown.std, sticks * capacity]);
         let density = |mean: f64, std: f64| {
             let z = (shown.value - mean) / std;
             exp(-0.5 * z * z) / (2.5 * std)
@@ -184,13 +212,20 @@ mod tests {
             held: false,
             open,
         };
-        for (value, angle, open) in [(load, 0.8, false), (load, -0.7, true), (shown, -0.7, false)] {
+        let rows = [
+            (load, 0.8, false),
+            (load, -0.7, true),
+            (shown, -0.7, false),
+            (shown, 0.1, true),
+        ];
+        for (value, angle, open) in rows {
             let bucket = Bucket {
                 shown: Quantity { value, std: 40.0 },
                 drawn: 60.0,
                 motion: &motion(open),
                 in_the_air: Some(angle),
                 is_empty: false,
+                rests: false,
                 capacity: CAPACITY,
             };
             changed.see(&bucket, 10.0);
@@ -268,5 +303,47 @@ mod tests {
         changed.step(stepped(40.0, 0.04), EMPTY, false);
         (0..8).for_each(|_| dump(&mut changed, 1000.0, 15.0));
         assert_eq!(changed.probability(), 0.0);
+    }
+
+    #[test]
+    fn a_load_that_shows_as_none_is_tipped_all_the_same() {
+        let mut halved = sound();
+        for _ in 0..2 {
+            dump(&mut halved, 150.0, -330.0);
+        }
+        assert!(halved.probability() > 0.9);
+    }
+
+    #[test]
+    fn one_tipping_tells_once_by_its_sharpest_row() {
+        let mut changed = sound();
+        let still = |value, std, angle| Bucket {
+            shown: Quantity { value, std },
+            drawn: 60.0,
+            motion: &Motion {
+                turning: false,
+                changing: 0.0,
+                lifting: false,
+                settling: false,
+                held: false,
+                open: false,
+            },
+            in_the_air: Some(angle),
+            is_empty: false,
+            rests: false,
+            capacity: CAPACITY,
+        };
+        changed.see(&still(1000.0, 40.0, 0.8), 10.0);
+        for std in [70.0, 50.0, 29.0] {
+            changed.see(&still(500.0, std, -0.7), 0.01);
+        }
+        assert_eq!(changed.sharpest.map(|shown| shown.std), Some(29.0));
+        changed.see(&still(500.0, 28.0, -0.7), 0.01);
+        let once = changed.odds;
+        assert!(once > 0.0);
+        for _ in 0..100 {
+            changed.see(&still(500.0, 20.0, -0.7), 0.01);
+        }
+        assert_eq!(changed.odds, once);
     }
 }

@@ -21,8 +21,8 @@
 //! the covariances say how much of the error is whose.
 
 use super::drawing::Drawing;
-use super::geometry::{Empty, Posture};
-use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO, TURN};
+use super::geometry::{Empty, Posture, Stance};
+use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, Moves, NUMBERS, TILT_ZERO, TURN};
 use super::tare::Tare;
 use crate::Quantity;
 use crate::loader::layout::Each;
@@ -69,17 +69,26 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the effects of a number, `tared` that on the emptied bucket, with a weight.
-    fn add(mut self, effects: &[f64; 3], tared: f64, weight: f64) -> Self {
-        let sums = self.variances.iter_mut().zip(&mut self.with_tare);
-        for ((variance, with_tare), effect) in sums.zip(effects) {
-            *variance += weight * effect * effect;
-            *with_tare += weight * effect * tared;
+    /// Of the effects of a number, `tared` that on the emptied bucket, with a weight.
+    fn of(effects: &[f64; 3], tared: f64, weight: f64) -> Self {
+        let weighted = effects.map(|effect| weight * effect);
+        Self {
+            variances: core::array::from_fn(|i| weighted[i] * effects[i]),
+            with_payload: core::array::from_fn(|i| weighted[0] * effects[1 + i]),
+            with_tare: weighted.map(|effect| effect * tared),
         }
-        for (sum, effect) in self.with_payload.iter_mut().zip(&effects[1..]) {
-            *sum += weight * effects[0] * effect;
-        }
-        self
+    }
+
+    /// Adds these.
+    fn add(&mut self, other: &Self) {
+        let add = |sums: &mut [f64], others: &[f64]| {
+            for (sum, other) in sums.iter_mut().zip(others) {
+                *sum += other;
+            }
+        };
+        add(&mut self.variances, &other.variances);
+        add(&mut self.with_payload, &other.with_payload);
+        add(&mut self.with_tare, &other.with_tare);
     }
 
     /// The bucket is empty now: what the numbers do to the payload they do to the emptied bucket.
@@ -113,6 +122,8 @@ pub(super) struct Doubted {
     pub centre: Each<Quantity>,
     /// Standard deviations without those of the empty machine's centre: who measures that one otherwise has these left [-, m].
     pub moved: Each<f64>,
+    /// What goes with the payload.
+    sums: Sums,
 }
 
 /// By how much the variance of a number is more than stated.
@@ -125,25 +136,30 @@ fn weight(number: usize) -> f64 {
 
 impl Doubts {
     /// Moves the next number by its standard deviation. `payload`: what the pressures show of it and what the rows do; `empty`: the machine
-    /// as it is described.
+    /// as it is described, in this stance.
     pub fn see(
         &mut self,
-        drawing: &Drawing,
-        posture: &Posture,
+        drawing: &mut Drawing,
+        (stance, posture): (&Stance, &Posture),
         [shown, payload]: [f64; 2],
         empty: &Empty,
     ) {
-        let moved = drawing.off(self.next);
-        let stance = drawing.stance(&moved, posture);
-        let shift = if drawing.weighs_by(self.next) {
-            drawing.shown(&moved, &stance, posture).payload() - shown
+        let number = self.next;
+        let moves = Moves::of(number);
+        drawing.put_off(number);
+        let (drawing, moved) = (&*drawing, &drawing.moved);
+        let turned = moves.stance.then(|| drawing.stance(moved, posture));
+        let stance = turned.as_ref().unwrap_or(stance);
+        let shift = if moves.moment && drawing.weighs_by(number) {
+            drawing.shown(moved, stance, posture).payload() - shown
         } else {
             0.0
         };
+        let machine = moves.centre.then(|| drawing.empty_at(moved, stance));
         let here = empty.with(payload);
-        let there = drawing.empty_at(&moved, &stance).with(payload + shift);
+        let there = machine.as_ref().unwrap_or(empty).with(payload + shift);
         let effects = [shift, there.ratio - here.ratio, there.height - here.height];
-        self.put(self.next, effects);
+        self.put(number, effects);
         self.next += 1;
         if self.next == drawing.doubted {
             self.next = 0;
@@ -154,12 +170,11 @@ impl Doubts {
 
     fn put(&mut self, number: usize, effects: [f64; 3]) {
         let (old, weight) = (self.effects[number], weight(number));
-        let tared = self.last.map_or(0.0, |t| t.effects[number]);
-        self.sums = self
-            .sums
-            .add(&old, tared, -weight)
-            .add(&effects, tared, weight);
-        self.round = self.round.add(&effects, tared, weight);
+        let tared = self.last.as_ref().map_or(0.0, |t| t.effects[number]);
+        let new = Sums::of(&effects, tared, weight);
+        self.sums.add(&Sums::of(&old, tared, -weight));
+        self.sums.add(&new);
+        self.round.add(&new);
         self.effects[number] = effects;
     }
 
@@ -167,17 +182,15 @@ impl Doubts {
     pub fn learnt(&mut self, number: usize, by: f64, moved: f64) {
         let (old, weight) = (self.effects[number], weight(number));
         let new = old.map(|effect| by * effect);
-        let tared = self.last.map_or(0.0, |t| t.effects[number]);
-        self.sums = self
-            .sums
-            .add(&old, tared, -weight)
-            .add(&new, by * tared, weight);
+        let tared = self.last.as_ref().map_or(0.0, |t| t.effects[number]);
+        let before = Sums::of(&old, tared, -weight);
+        let after = Sums::of(&new, by * tared, weight);
+        self.sums.add(&before);
+        self.sums.add(&after);
         // The sums of the next round hold it already, or will.
         if number < self.next {
-            self.round = self
-                .round
-                .add(&old, tared, -weight)
-                .add(&new, by * tared, weight);
+            self.round.add(&before);
+            self.round.add(&after);
         }
         self.effects[number] = new;
         if let Some(last) = &mut self.last {
@@ -243,8 +256,8 @@ impl Doubts {
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
-        let (sums, error) = self.conditioned();
-        let sums = sums.add(&rows, 0.0, 1.0);
+        let (mut sums, error) = self.conditioned();
+        sums.add(&Sums::of(&rows, 0.0, 1.0));
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
         let without = |number: usize, i: usize| {
@@ -266,40 +279,48 @@ impl Doubts {
                 ratio: without(EMPTY_RATIO, 1),
                 height: without(EMPTY_HEIGHT, 2),
             },
+            sums,
         }
     }
+}
 
+impl Doubted {
     /// The same, the bucket holding no less than nothing.
-    pub fn not_less_than_nothing(&self, doubted: &Doubted, rows: [f64; 3]) -> Doubted {
-        let sums = self.conditioned().0.add(&rows, 0.0, 1.0);
-        let payload = positive(doubted.payload);
-        let moved = payload.value - doubted.payload.value;
-        let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
-        let gain = |i: usize| sums.with_payload[i] / sums.variances[0];
+    pub fn not_less_than_nothing(&self) -> Self {
+        let payload = positive(self.payload);
+        if payload == self.payload {
+            return *self;
+        }
+        let moved = payload.value - self.payload.value;
+        let [old, new] = [self.payload, payload].map(|p| p.std * p.std);
+        let gains = self
+            .sums
+            .with_payload
+            .map(|sum| sum / self.sums.variances[0]);
         let unlikely = (moved * moved / old).max(1.0);
         let left = |std: f64, gain: f64| {
             let beside = (std * std - gain * gain * old).max(0.0);
             sqrt(gain * gain * new + unlikely * beside)
         };
         let cut = |i: usize, q: Quantity| Quantity {
-            value: q.value + gain(i) * moved,
-            std: left(q.std, gain(i)),
+            value: q.value + gains[i] * moved,
+            std: left(q.std, gains[i]),
         };
-        let is_known = gain(0).is_finite() && gain(1).is_finite();
-        if payload == doubted.payload || !is_known {
-            return *doubted;
+        if !gains.iter().all(|gain| gain.is_finite()) {
+            return *self;
         }
-        let Each { ratio, height } = doubted.centre;
-        Doubted {
+        let Each { ratio, height } = self.centre;
+        Self {
             payload,
             centre: Each {
                 ratio: cut(0, ratio),
                 height: cut(1, height),
             },
             moved: Each {
-                ratio: left(doubted.moved.ratio, gain(0)),
-                height: left(doubted.moved.height, gain(1)),
+                ratio: left(self.moved.ratio, gains[0]),
+                height: left(self.moved.height, gains[1]),
             },
+            sums: self.sums,
         }
     }
 }
@@ -325,7 +346,7 @@ mod tests {
         };
         let doubts = doubts();
         let shown = doubts.doubted(payload, centre, [0.0; 3], 1.0);
-        [shown, doubts.not_less_than_nothing(&shown, [0.0; 3])]
+        [shown, shown.not_less_than_nothing()]
     }
 
     #[test]

@@ -56,6 +56,9 @@ const LINKAGE: f64 = 0.05;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Drawing {
     pub values: [f64; NUMBERS],
+    /// The same with one of them off by its deviation ([`Drawing::put_off`]), and which.
+    pub moved: [f64; NUMBERS],
+    is_off: usize,
     /// Their standard deviations.
     pub std: [f64; NUMBERS],
     /// The same as far as the payload depends on them: a calibration knows moments better than their parts.
@@ -104,6 +107,8 @@ impl Drawing {
         Some(Self {
             capacity: capacity(cylinder.count, &values),
             values,
+            moved: values,
+            is_off: 0,
             std,
             weighing: weighing(std, span, offset),
             learns_turn: leaves_turn_open(arm, cylinder),
@@ -133,17 +138,20 @@ impl Drawing {
         })
     }
 
-    /// The numbers with one of them off by its deviation.
-    pub fn off(&self, number: usize) -> [f64; NUMBERS] {
-        let (mut values, std) = (self.values, &self.std);
+    /// One of the numbers is off by its deviation in `moved`, and no other.
+    pub fn put_off(&mut self, number: usize) {
+        let (moved, values, std) = (&mut self.moved, &self.values, &self.std);
+        for last in [self.is_off, OFFSET] {
+            moved[last] = values[last];
+        }
         let (beside, along) = (1.0 - self.correlation * self.correlation, self.correlation);
         match number {
-            SPAN => values[OFFSET] += along * std[OFFSET],
-            OFFSET => values[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
+            SPAN => moved[OFFSET] += along * std[OFFSET],
+            OFFSET => moved[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
             _ => {}
         }
-        values[number] += std[number];
-        values
+        moved[number] += std[number];
+        self.is_off = number;
     }
 
     /// The payload depends on a number: no calibration has taken it in.
@@ -154,6 +162,7 @@ impl Drawing {
     /// A number is known better, or otherwise.
     pub fn set(&mut self, number: usize, known: Quantity) {
         self.values[number] = known.value;
+        self.moved[number] = known.value;
         self.std[number] = known.std;
         // What a calibration has taken in stays there.
         if self.weighs_by(number) {

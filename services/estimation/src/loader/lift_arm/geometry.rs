@@ -44,7 +44,7 @@ pub(super) struct Posture {
 }
 
 /// Places of the masses from the pivot [m].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Places {
     arm: [f64; 2],
     pin: [f64; 2],
@@ -60,7 +60,7 @@ impl Places {
 }
 
 /// Where a drawing has its masses and its cylinder in a posture: taken once a row, for all that ask for it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stance {
     places: Places,
     /// Length of the cylinder, and its lever [m].
@@ -88,7 +88,7 @@ impl Shown {
 }
 
 /// The machine with its arm where it is, before a payload is added.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Empty {
     mass: f64,
     /// First moments over the wheelbase, and above the ground [kg], [kg m].
@@ -256,6 +256,47 @@ impl Drawing {
             up: v[EMPTY_MASS] * v[EMPTY_HEIGHT] + moved(1) + v[EXCHANGED] * height,
             ahead,
             height,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numbers::Moves;
+    use super::super::tests::settings;
+    use super::*;
+
+    #[test]
+    fn what_a_number_is_said_to_move_is_what_it_moves() {
+        let drawing = Drawing::of(&settings()).expect("a described arm");
+        let posture = Posture {
+            arm: Turn::of(0.3),
+            bucket: Turn::of(0.5),
+            head: 9e6,
+            rod: 1e6,
+            gravity: 9.7,
+            acceleration: 0.8,
+            seals: 0.6,
+            rest: 0.01,
+        };
+        let all = |v: &[f64; NUMBERS]| {
+            let stance = drawing.stance(v, &posture);
+            let payload = drawing.shown(v, &stance, &posture).payload();
+            (stance, payload, drawing.empty_at(v, &stance))
+        };
+        let before = all(&drawing.values);
+        for number in 0..NUMBERS {
+            let mut values = drawing.values;
+            values[number] += 0.01;
+            let after = all(&values);
+            let Moves {
+                stance,
+                moment,
+                centre,
+            } = Moves::of(number);
+            assert_eq!(stance, before.0 != after.0, "{number}");
+            assert_eq!(moment, before.1 != after.1, "{number}");
+            assert_eq!(centre, before.2 != after.2, "{number}");
         }
     }
 }

@@ -148,8 +148,11 @@ impl Lifts {
             rest: 0.0,
         };
         let here = d.lifting(&d.values, &posture);
-        let effects = [HEAD_AREA, BASE, EYE, CYLINDER_ANGLE]
-            .map(|number| d.lifting(&d.off(number), &posture) / here - 1.0);
+        let mut off = self.drawing;
+        let effects = [HEAD_AREA, BASE, EYE, CYLINDER_ANGLE].map(|number| {
+            off.put_off(number);
+            off.lifting(&off.moved, &posture) / here - 1.0
+        });
         let per_pascal = full_force / (d.values[HEAD_AREA] * FULL_PRESSURE);
         let zeros = [(HEAD_ZERO, HEAD_AREA), (ROD_ZERO, ROD_AREA)]
             .map(|(zero, area)| d.std[zero] * d.values[area] * per_pascal);

@@ -59,6 +59,8 @@ mod stops;
 mod tare;
 mod turn;
 
+use core::ops::Deref;
+
 use super::input::carriage::Carriage;
 use super::layout::Each;
 use super::physics::cg_model::Loading;
@@ -136,32 +138,57 @@ pub(super) struct LiftWitness {
     answer: Option<Weighed>,
 }
 
+/// What the machine carries in a row, for who measures the empty one otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Carried {
+    /// Mass of the machine with it [kg].
+    pub mass: f64,
+    /// What load and arm add to the empty machine.
+    pub loading: Loading,
+    /// Standard deviations of ratio and height of that, the empty machine being known [-, m].
+    pub loading_std: [f64; 2],
+    /// The content may be changing, or the ground carries a part of it.
+    pub open: bool,
+}
+
 /// What the pressures say of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Weighed {
     /// What the bucket holds, as the pressures show it: an empty one may show less than nothing [kg].
     pub payload: Quantity,
-    /// Mass of the machine with it [kg].
-    pub mass: f64,
     /// Share of the weight in front.
     pub ratio: Quantity,
     /// Height of the centre of gravity [m].
     pub height: Quantity,
-    /// What load and arm add to the empty machine.
-    pub loading: Loading,
-    /// Standard deviations of ratio and height of that, the empty machine being known [-, m].
-    pub loading_std: [f64; 2],
+    /// What the slips take of it.
+    pub carried: Carried,
     /// How far it lies from either place of the tilt cylinder, while both are possible [kg].
     pub undecided: f64,
     /// Standard deviation by the pressure's gain at a load, which a weighed load alone tells: in that of the payload [kg].
     pub gain_left: f64,
-    /// The content may be changing, or the ground carries a part of it.
-    pub open: bool,
     /// No doubt that was stated explains what the pressures show.
     pub wrong: bool,
     /// Signals of the arm are missing or too old: this is what may be since the last weight.
     pub silent: bool,
+}
+
+/// What a row says of it, or what may be where it says nothing.
+pub(super) enum Said<'a> {
+    Weighed(&'a Weighed),
+    Silent(Weighed),
+}
+
+impl Deref for Said<'_> {
+    type Target = Weighed;
+
+    fn deref(&self) -> &Weighed {
+        match self {
+            Self::Weighed(weighed) => weighed,
+            Self::Silent(weighed) => weighed,
+        }
+    }
 }
 
 impl LiftWitness {
@@ -210,7 +237,7 @@ impl LiftWitness {
 
     /// Takes a plausible row that was accepted, whose values count for as long as they are `fresh` [s]; what is known after it, once
     /// something was weighed.
-    pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Weighed> {
+    pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Said<'_>> {
         let now = self.signals.take(sample, fresh);
         let Now {
             lift,
@@ -221,8 +248,10 @@ impl LiftWitness {
         self.drive.take(sample, acceleration);
         let lift = lift.filter(|_| tilt.is_some() || !self.signals.measure_tilt());
         let (Some(lift), Some(head)) = (lift, sample.lift_head_pressure) else {
-            let held = lift.and_then(|_| self.answer_at(sample.time, fresh));
-            return held.or_else(|| self.silent(&now, sample));
+            if lift.is_some() && self.is_fresh(sample.time, fresh) {
+                return self.answer.as_ref().map(Said::Weighed);
+            }
+            return self.silent(&now, sample).map(Said::Silent);
         };
         let since = sample.time - core::mem::replace(&mut self.seen, sample.time);
         self.watch([head, lift], sample, since);
@@ -260,19 +289,19 @@ impl LiftWitness {
             self.angles = Some([lift, bucket]);
             self.rates = [0.0; 2];
             self.last_time = sample.time;
-            return silent;
+            return silent.map(Said::Silent);
         }
         self.last_time = sample.time;
         self.follow([lift, bucket], dt);
         let angles = self.angles.unwrap_or_default();
         let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
-        Some(self.weigh(&posture, sample, dt))
+        self.weigh(posture, sample, dt);
+        self.answer.as_ref().map(Said::Weighed)
     }
 
-    /// The last answer while it is fresh.
-    fn answer_at(&self, time: f64, fresh: f64) -> Option<Weighed> {
-        let age = time - self.last_time;
-        self.answer.filter(|_| (0.0..=fresh).contains(&age))
+    /// The last answer counts still.
+    fn is_fresh(&self, time: f64, fresh: f64) -> bool {
+        self.answer.is_some() && (0.0..=fresh).contains(&(time - self.last_time))
     }
 
     /// Counts how long signals stand still while the machine moves.
@@ -315,31 +344,27 @@ impl LiftWitness {
         }
     }
 
-    fn weigh(&mut self, posture: &Posture, sample: &Sample, dt: f64) -> Weighed {
-        let stance = self.drawing.stance(&self.drawing.values, posture);
+    fn weigh(&mut self, mut posture: Posture, sample: &Sample, dt: f64) {
+        let stance = self.drawing.stance(&self.drawing.values, &posture);
         self.seals.take(stance.rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
         let mut motion =
             self.content
                 .motion(self.rates, [low, self.drive.pushes()], sample.speed, dt);
-        self.learn(posture, &motion);
+        self.learn(&posture, &motion);
         let (drawing, values) = (&self.drawing, &self.drawing.values);
-        let posture = Posture {
-            seals: self.seals.share(),
-            ..*posture
-        };
+        posture.seals = self.seals.share();
         let shown = drawing.shown(values, &stance, &posture);
-        self.watch_steps(&shown, &motion, low && !drives(sample), dt);
+        // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
+        let rests = low && !drives(sample);
+        self.watch_steps(&shown, &motion, rests, dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
         self.take(&shown, posture.head, sample, &motion, dt);
         // What swings is not known, whatever comes of it.
         motion.open |= self.scale.swings();
-        let posture = Posture {
-            rest: self.scale.rest(),
-            ..posture
-        };
+        posture.rest = self.scale.rest();
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         let shown = Shown {
             lifting: drawing.lifted(values, shown.lever, &posture),
@@ -353,9 +378,14 @@ impl LiftWitness {
         if !self.drive.tells_torque() && self.grading.see(known, bucket, moment) {
             motion = self.content.put_down(&motion);
         }
-        self.doubts
-            .see(drawing, &posture, [shown.payload(), payload.value], &empty);
-        let std = norm(&[payload.std, self.doubts.shown()]);
+        self.doubts.see(
+            &mut self.drawing,
+            (&stance, &posture),
+            [shown.payload(), payload.value],
+            &empty,
+        );
+        let drawn = self.doubts.shown();
+        let std = norm(&[payload.std, drawn]);
         let shown = Quantity { std, ..payload };
         // The ground may carry a low bucket.
         let hangs = !low && self.below.explains(shown);
@@ -364,26 +394,25 @@ impl LiftWitness {
         self.doubts.empty(tare);
         let bucket = Bucket {
             shown: payload,
-            drawn: self.doubts.shown(),
+            drawn,
             motion: &motion,
             in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
             is_empty: tare.is_some_and(|tare| tare.at_dump),
+            rests,
             capacity,
         };
         self.changed.see(&bucket, dt);
         if !motion.open {
-            // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-            let rests = low && !drives(sample);
             self.below.see(shown, empty.most(), rests, dt);
         }
-        let answer = self.answer(&empty, &empty, payload, motion.open);
-        self.answer = Some(answer);
-        answer
+        self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
     }
 
     /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it.
     fn watch_steps(&mut self, shown: &Shown, motion: &Motion, rests: bool, dt: f64) {
-        let acts = motion.turning || self.drive.pushes() || self.stops.carry();
+        let acts = motion.turning
+            || self.drive.pushes()
+            || self.stops.carry() && !self.moment_steps.is_stepping();
         let rows = [shown.payload(), shown.lifting / shown.per_load];
         let Quantity { value, std } = self.scale.payload();
         // What the ground carries a part of is not known.
@@ -502,25 +531,27 @@ impl LiftWitness {
         let widened = if open {
             shown
         } else {
-            self.doubts.not_less_than_nothing(&shown, rows)
+            shown.not_less_than_nothing()
         };
         let mass = drawing.values[EMPTY_MASS] + widened.payload.value;
         let share = drawing.values[EMPTY_MASS] / mass;
         let (empty, Each { ratio, height }) = (self.empty(), widened.centre);
         Weighed {
             payload: shown.payload,
-            mass,
             ratio,
             height,
-            loading: Loading {
-                share,
-                height: height.value - share * empty.height.0,
-                ratio: ratio.value - share * empty.ratio.0,
+            carried: Carried {
+                mass,
+                loading: Loading {
+                    share,
+                    height: height.value - share * empty.height.0,
+                    ratio: ratio.value - share * empty.ratio.0,
+                },
+                loading_std: [widened.moved.ratio, widened.moved.height],
+                open,
             },
-            loading_std: [widened.moved.ratio, widened.moved.height],
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
-            open,
             wrong: self.below.is_wrong() || changed > DOUBTED,
             silent: false,
         }

@@ -30,3 +30,31 @@ pub(super) const SPAN: usize = 22;
 pub(super) const OFFSET: usize = 23;
 /// How many there are.
 pub(super) const NUMBERS: usize = 24;
+
+/// What depends on a number: each is computed anew only where one moves it.
+pub(super) struct Moves {
+    /// Where masses and cylinder are.
+    pub stance: bool,
+    /// What the pressures show of the payload.
+    pub moment: bool,
+    /// The centre of gravity of the empty machine.
+    pub centre: bool,
+}
+
+impl Moves {
+    /// What depends on this number.
+    pub const fn of(number: usize) -> Self {
+        let (stance, moment, centre) = match number {
+            LENGTH | MASS_DISTANCE | LOAD_DISTANCE | LIFT_ZERO | TILT_ZERO => (true, true, true),
+            BASE | EYE | CYLINDER_ANGLE => (true, true, false),
+            MASS | BUCKET | EXCHANGED => (false, true, true),
+            PIVOT_X | PIVOT_Z | EMPTY_MASS | EMPTY_RATIO | EMPTY_HEIGHT => (false, false, true),
+            _ => (false, true, false),
+        };
+        Self {
+            stance,
+            moment,
+            centre,
+        }
+    }
+}

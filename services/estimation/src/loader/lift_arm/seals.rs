@@ -24,6 +24,8 @@ pub(super) struct Seals {
     rod: Option<(f64, f64)>,
     /// The rod has moved through the play: the direction is known.
     known: bool,
+    /// Friction as a share of its size, positive while the rod goes out; 0 while nothing is known.
+    share: f64,
 }
 
 impl Seals {
@@ -36,6 +38,9 @@ impl Seals {
             *anchor = *smooth - PLAY.copysign(away);
             self.known = true;
         }
+        if self.known {
+            self.share = (*smooth - *anchor) / PLAY;
+        }
     }
 
     /// Nothing is known of the last motion.
@@ -45,15 +50,12 @@ impl Seals {
 
     /// Friction as a share of its size, positive while the rod goes out; 0 while nothing is known.
     pub fn share(&self) -> f64 {
-        match self.rod {
-            Some((smooth, anchor)) if self.known => (smooth - anchor) / PLAY,
-            _ => 0.0,
-        }
+        self.share
     }
 
     /// How far friction is not known, as a share of its size.
     pub fn unknown(&self) -> f64 {
-        match (self.known, self.share().abs() > AGAINST) {
+        match (self.known, self.share.abs() > AGAINST) {
             (false, _) => 1.0,
             (true, false) => WITHIN_PLAY,
             (true, true) => FULLY_AGAINST,

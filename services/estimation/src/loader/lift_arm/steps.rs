@@ -25,9 +25,17 @@ const ANGLE: f64 = 0.05;
 const FASTEST: f64 = 3.0;
 /// Steps that sum to less are undone [rad].
 const UNDONE: f64 = 0.03;
+/// A stroke goes by so much through the middle of the range [rad].
+const STROKE: f64 = 0.2;
+/// After so many strokes that end where the old range did it may be the old angle: who works goes as far as before.
+const STROKES: u32 = 4;
 
 /// Steps of an angle, summed: a spike goes back.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// One that goes back unseen, in a gap, shows at the ends of its strokes: an angle that shows too much reaches the least one of before no more,
+/// one that shows too little the greatest. One that was off little by little and steps back has widened the range before: there its
+/// strokes never leave it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct AngleSteps {
     /// The last value [rad], and how old it is [s].
@@ -35,6 +43,41 @@ pub(super) struct AngleSteps {
     age: f64,
     /// Sum of the steps [rad].
     sum: f64,
+    /// Least and greatest angle before it stepped, and since [rad].
+    ends: [f64; 2],
+    since: [f64; 2],
+    /// Strokes up through the middle of the range since, and whether it is above.
+    strokes: u32,
+    rises: bool,
+}
+
+impl Default for AngleSteps {
+    /// Nothing has been seen.
+    fn default() -> Self {
+        Self {
+            last: None,
+            age: 0.0,
+            sum: 0.0,
+            ends: NOWHERE,
+            since: NOWHERE,
+            strokes: 0,
+            rises: false,
+        }
+    }
+}
+
+/// Least and greatest of nothing.
+const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// A range with this angle.
+#[inline]
+fn widen([least, greatest]: &mut [f64; 2], angle: f64) {
+    if angle < *least {
+        *least = angle;
+    }
+    if angle > *greatest {
+        *greatest = angle;
+    }
 }
 
 impl AngleSteps {
@@ -51,8 +94,41 @@ impl AngleSteps {
         }
         if moved.abs() > ANGLE + FASTEST * self.age {
             self.sum += moved;
+            (self.since, self.strokes) = (NOWHERE, 0);
         }
         (self.last, self.age) = (Some(angle), 0.0);
+        if self.has_stepped() {
+            self.watch(angle);
+        } else {
+            widen(&mut self.ends, angle);
+        }
+    }
+
+    /// Takes an angle after a step.
+    #[cold]
+    fn watch(&mut self, angle: f64) {
+        widen(&mut self.since, angle);
+        let [least, greatest] = self.since;
+        let beyond = if self.rises { -0.5 } else { 0.5 } * STROKE;
+        let rises = angle - 0.5 * (least + greatest) > beyond;
+        let begins = rises && !self.rises;
+        self.strokes += u32::from(begins && (self.ends_as_before(0) || self.ends_as_before(1)));
+        self.rises = rises;
+        if self.is_back() {
+            self.sum = 0.0;
+        }
+    }
+
+    /// The range of before ends where that since does, at its least angle (0) or at its greatest (1).
+    fn ends_as_before(&self, end: usize) -> bool {
+        (self.since[end] - self.ends[end]).abs() < UNDONE
+    }
+
+    /// Its strokes end where they could not if it were still off, or go as far as before.
+    fn is_back(&self) -> bool {
+        let telling = usize::from(self.sum < 0.0);
+        let within = self.since[0] > self.ends[0] - UNDONE && self.since[1] < self.ends[1] + UNDONE;
+        self.strokes >= STROKES && (within || self.ends_as_before(telling))
     }
 
     /// Nothing is known of what was done meanwhile; what has stepped has.
@@ -157,6 +233,11 @@ impl MomentSteps {
         None
     }
 
+    /// A step may stay: a stop that is met meanwhile is met by the step.
+    pub fn is_stepping(&self) -> bool {
+        self.step.is_some()
+    }
+
     /// Nothing is known of what was done meanwhile.
     pub fn gap(&mut self) {
         (self.last, self.step) = (None, None);
@@ -236,5 +317,31 @@ mod tests {
             spike.see(angle, 0.01);
         }
         assert!(!spike.has_stepped());
+    }
+
+    #[test]
+    fn an_angle_that_went_back_unseen_is_believed_after_a_stroke_to_its_old_end() {
+        let stroke = |steps: &mut AngleSteps, off: f64| {
+            (0..=200)
+                .for_each(|k: i32| steps.see(off - 0.8 + 0.006 * f64::from(k.abs_diff(100)), 0.01));
+        };
+        for off in [0.3, -0.3] {
+            let mut steps = AngleSteps::default();
+            (0..3).for_each(|_| stroke(&mut steps, 0.0));
+            stroke(&mut steps, off);
+            assert!(steps.has_stepped());
+            (0..9).for_each(|_| stroke(&mut steps, off));
+            assert!(steps.has_stepped(), "it is still off");
+            steps.gap();
+            (0..5).for_each(|_| stroke(&mut steps, 0.0));
+            assert!(!steps.has_stepped(), "{off}");
+            // Off little by little, and back at once.
+            (0..200).for_each(|k| steps.see(-0.2 + 0.005 * off * f64::from(k), 0.01));
+            (0..9).for_each(|_| stroke(&mut steps, off));
+            stroke(&mut steps, 0.0);
+            assert!(steps.has_stepped());
+            (0..5).for_each(|_| stroke(&mut steps, 0.0));
+            assert!(!steps.has_stepped(), "{off}");
+        }
     }
 }

@@ -127,7 +127,7 @@ fn said_of_sensors(
             };
             (sensors.lost)(row, &mut sample);
             row += 1;
-            said.push(witness.step(&sample, FRESH));
+            said.push(witness.step(&sample, FRESH).map(|said| *said));
         }
     }
     said.into_iter().skip(99).step_by(100).collect()
@@ -174,11 +174,11 @@ fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug
     work.extend((0..4).map(|_| Second(0.5, -0.75, 0.0, 1.0)));
     let said = run(&work);
     let at = |second: usize| said[second].expect("fresh");
-    assert!(at(7).open && at(7).payload.std > 1000.0);
+    assert!(at(7).carried.open && at(7).payload.std > 1000.0);
     for (second, payload) in [(5, 0.0), (13, 3600.0), (21, 3600.0), (26, 0.0)] {
         let found = at(second);
         let error = (found.payload.value - payload).abs();
-        assert!(!found.open, "{second}");
+        assert!(!found.carried.open, "{second}");
         assert!(
             error < 50.0 && error < 1.96 * found.payload.std,
             "{second}: {found:?}"
@@ -260,7 +260,11 @@ fn lifted(shown: impl Fn(f64, f64) -> f64, rod: Option<f64>) -> Weighed {
 #[test]
 fn a_pressure_that_is_trapped_at_the_top_stop_is_no_load() {
     let top = |lift: f64, head: f64| if lift > 0.49 { 26e6 } else { head };
-    let Weighed { payload, open, .. } = lifted(top, Some(0.7e6));
+    let Weighed {
+        payload,
+        carried: Carried { open, .. },
+        ..
+    } = lifted(top, Some(0.7e6));
     assert!(
         !open && (payload.value - 3600.0).abs() < 100.0,
         "{payload:?}"
@@ -284,7 +288,7 @@ fn an_arm_that_rests_on_its_lower_stop_weighs_nothing_that_is_less_than_empty() 
     for (second, weighed) in said
         .iter()
         .enumerate()
-        .filter(|(_, w)| w.is_some_and(|w| !w.open))
+        .filter(|(_, w)| w.is_some_and(|w| !w.carried.open))
     {
         let payload = weighed.expect("fresh").payload;
         let error = (payload.value - work[second].2).abs();
@@ -351,18 +355,20 @@ fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
     for k in 0..600 {
-        said = witness.step(
-            &Sample {
-                time: 0.01 * f64::from(k),
-                speed: Some(2.0),
-                lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
-                tilt_angle: Some(1.2),
-                lift_head_pressure: Some(14e6),
-                lift_rod_pressure: Some(1e6),
-                ..Sample::default()
-            },
-            FRESH,
-        );
+        said = witness
+            .step(
+                &Sample {
+                    time: 0.01 * f64::from(k),
+                    speed: Some(2.0),
+                    lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
+                    tilt_angle: Some(1.2),
+                    lift_head_pressure: Some(14e6),
+                    lift_rod_pressure: Some(1e6),
+                    ..Sample::default()
+                },
+                FRESH,
+            )
+            .map(|said| *said);
     }
     assert_eq!(said, None);
 }
@@ -382,7 +388,7 @@ fn an_arm_that_was_carried_like_none_at_first_weighs_as_soon_as_it_is_carried_we
                 lift_rod_pressure: Some(1e6),
                 ..Sample::default()
             };
-            said = witness.step(&row, FRESH);
+            said = witness.step(&row, FRESH).map(|said| *said);
         }
         said
     };
@@ -443,9 +449,9 @@ fn a_bucket_that_rests_on_the_ground_says_nothing_of_the_description() {
             if lift < -0.64 { part * head } else { head }
         });
         let at = |second: usize| said[second].expect("fresh");
-        assert!(part > 0.25 || at(15).open, "{:?}", at(15));
+        assert!(part > 0.25 || at(15).carried.open, "{:?}", at(15));
         let after = at(29);
-        assert!(!after.open && !after.wrong, "{part}: {after:?}");
+        assert!(!after.carried.open && !after.wrong, "{part}: {after:?}");
         assert!(after.payload.value.abs() < 50.0 && after.payload.std < 500.0);
     }
 }
@@ -460,7 +466,7 @@ fn a_pressure_that_reads_nothing_is_no_weight() {
         // .6 s each 5 s.
         if rows.get() % 500 < 60 { 0.0 } else { head }
     });
-    for weighed in said[7..].iter().flatten().filter(|w| !w.open) {
+    for weighed in said[7..].iter().flatten().filter(|w| !w.carried.open) {
         let Weighed { payload, wrong, .. } = *weighed;
         let error = (payload.value - 3600.0).abs();
         assert!(error < 1.96 * payload.std && !wrong, "{payload:?}");
@@ -502,7 +508,7 @@ fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
     for (second, (said, by)) in run(&work).iter().zip(&work).enumerate().skip(3) {
         let Weighed {
             payload,
-            open: is_open,
+            carried: Carried { open: is_open, .. },
             ..
         } = said.expect("fresh");
         open += usize::from(is_open);
@@ -545,14 +551,17 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
             .iter()
             .flatten()
             .enumerate()
-            .filter(|(_, w)| !w.open)
+            .filter(|(_, w)| !w.carried.open)
         {
             let Weighed { payload, .. } = *weighed;
             let error = (payload.value - 3600.0).abs();
             assert!(error < 1.96 * payload.std, "{second}: {payload:?}");
         }
         let after = said[20].expect("fresh");
-        assert!(!after.open && after.payload.std < 500.0, "{after:?}");
+        assert!(
+            !after.carried.open && after.payload.std < 500.0,
+            "{after:?}"
+        );
     }
 }
 
@@ -571,7 +580,11 @@ fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weigh
 /// How many seconds end with a load that is known; none of them wrong.
 fn known_loads(said: &[(Second, Option<Weighed>)]) -> usize {
     let closed = |(second, weighed): &(Second, Option<Weighed>)| {
-        let Weighed { payload, open, .. } = (*weighed)?;
+        let Weighed {
+            payload,
+            carried: Carried { open, .. },
+            ..
+        } = (*weighed)?;
         let error = (payload.value - second.2).abs();
         assert!(
             open || error < 1.96 * payload.std,
@@ -627,7 +640,7 @@ fn an_angle_that_is_too_old_weighs_nothing() {
         assert!(
             said[5..]
                 .iter()
-                .all(|(_, weighed)| weighed.is_none_or(|w| w.open))
+                .all(|(_, weighed)| weighed.is_none_or(|w| w.carried.open))
         );
     }
 }
@@ -652,7 +665,7 @@ fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
         });
         for ((_, now), (_, sees)) in said.iter().zip(&all).skip(12) {
             let (now, sees) = (now.expect("it was weighed"), sees.expect("fresh"));
-            assert!(now.silent && now.open && !sees.silent);
+            assert!(now.silent && now.carried.open && !sees.silent);
             for (may, is) in [
                 (now.ratio, sees.ratio),
                 (now.height, sees.height),

@@ -10,13 +10,13 @@ use super::mass_step::Centre;
 use super::payload::Payload;
 use crate::loader::keys::{Machine, Prior};
 use crate::loader::layout::Each;
-use crate::loader::lift_arm::Weighed;
+use crate::loader::lift_arm::Carried;
 use crate::loader::physics::cg_model::Loading;
 use crate::math::norm;
 
 /// A load, and who knows it.
 enum Load<'a> {
-    Weighed(&'a Weighed),
+    Weighed(&'a Carried),
     Reported(&'a Payload),
 }
 
@@ -27,7 +27,7 @@ pub struct KnownLoad {
     /// What was reported last.
     reported: Option<Payload>,
     /// What the lift pressure says of this row.
-    weighed: Option<Weighed>,
+    weighed: Option<Carried>,
     /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips showed of
     /// that one they showed under a load. Errors of many loads may have one cause, such as a lever, so none average out.
     left: f64,
@@ -60,7 +60,7 @@ impl KnownLoad {
     /// its load or without: the centre of gravity that is known of that one.
     pub fn weigh(
         &mut self,
-        weighed: Option<Weighed>,
+        weighed: Option<Carried>,
         prior: &Prior,
         empty: Each<(f64, f64)>,
     ) -> Option<Centre> {
@@ -147,7 +147,6 @@ impl KnownLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quantity;
     use crate::loader::Settings;
 
     const EMPTY: Each<f64> = Each {
@@ -160,24 +159,16 @@ mod tests {
     };
 
     /// Half as heavy again as the machine, so that no report is near it.
-    fn weighed(machine: &Machine) -> Weighed {
-        let quantity = |value| Quantity { value, std: 0.02 };
-        Weighed {
-            payload: quantity(0.5 * machine.mass),
+    fn weighed(machine: &Machine) -> Carried {
+        Carried {
             mass: 1.5 * machine.mass,
-            ratio: quantity(0.7),
-            height: quantity(1.2),
             loading: Loading {
                 share: 1.0 / 1.5,
                 height: 0.5,
                 ratio: 0.4,
             },
             loading_std: [0.02, 0.03],
-            undecided: 0.0,
-            gain_left: 0.0,
             open: false,
-            wrong: false,
-            silent: false,
         }
     }
 
