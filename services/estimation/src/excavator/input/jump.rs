@@ -45,9 +45,9 @@ pub(in crate::excavator) struct Jump {
     flickers: f64,
     /// Mean square of the second differences, six times the variance of the noise [rad^2].
     rough: f64,
-    /// Sum of the steps that no joint makes [rad]; it counts all the same.
+    /// Sum of the steps that no joint makes [rad]; the values do not count for that.
     displaced: f64,
-    admitted: bool,
+    jumped: bool,
     /// The last angle before it was displaced, the time since its last such step [s], and whether it has said a single value since.
     before: f64,
     away: f64,
@@ -90,7 +90,7 @@ impl Jump {
         if self.has_jumped() && self.single && step.abs() > at_once {
             let within = RATE * (self.away + self.gap) + COARSE;
             if turned(value - self.before).abs() <= within {
-                self.displaced = 0.0;
+                (self.displaced, self.jumped) = (0.0, false);
                 return;
             }
         }
@@ -103,11 +103,12 @@ impl Jump {
             return;
         }
         self.single = !self.has_jumped();
-        (self.admitted, self.away) = (false, 0.0);
+        self.away = 0.0;
         self.displaced = turned(self.displaced + step);
         if self.displaced.abs() <= possible {
             self.displaced = 0.0;
         }
+        self.jumped = self.displaced != 0.0;
     }
 
     /// For how long it was not heard, having repeated one value for long [s].
@@ -118,7 +119,7 @@ impl Jump {
 
     /// Whether it says something else than the joint.
     pub(in crate::excavator) fn has_jumped(&self) -> bool {
-        self.displaced != 0.0 && !self.admitted
+        self.jumped
     }
 
     /// Whether it has, and stays there.
@@ -133,7 +134,7 @@ impl Jump {
 
     /// It counts as it is, until it steps again.
     pub(in crate::excavator) fn admit(&mut self) {
-        self.admitted = self.displaced != 0.0;
+        self.jumped = false;
     }
 }
 

@@ -153,6 +153,9 @@ impl SwingEstimator {
     /// The same, for an analysis off line: `see` gets what each tick did, in order, once [`Self::keep_trail`] has been called and
     /// while the default with torque and posture is at work.
     pub fn step_with(&mut self, sample: &Sample, see: &mut impl FnMut(&Trail)) -> Estimate {
+        if self.last.reason == Reason::Jump || self.tests_jumps {
+            self.test_jumps();
+        }
         let mut sample = *sample;
         let Some(row) = self.screen.accept(&mut sample) else {
             let mut again = self.last;
@@ -187,9 +190,6 @@ impl SwingEstimator {
             }
         }
         let answer = self.estimate(&sample, reset);
-        if answer.reason == Reason::Jump || self.tests_jumps {
-            self.test_jumps();
-        }
         self.last = answer;
         answer
     }

@@ -41,6 +41,7 @@ impl Working {
     }
 
     /// A block of the pressures is over in which joints have moved, and no torque has ever told anything.
+    #[inline(never)]
     pub(super) fn fade_alone(
         &mut self,
         settings: &Settings,
@@ -60,6 +61,7 @@ impl Working {
             .then(|| exp(-core::mem::take(&mut self.unfaded) / lasts))
     }
 
+    #[inline(never)]
     fn fade_all(
         &mut self,
         settings: &Settings,

@@ -107,6 +107,7 @@ impl Filter {
 impl Working {
     /// Whether an emptied bucket tells what turns as was known before something was contradicted; none where nothing was known. Variance of
     /// an empty bucket's content [kg^2].
+    #[inline(never)]
     pub(super) fn agrees_with_before(
         &mut self,
         content: f64,
