@@ -13,6 +13,7 @@ mod contradiction;
 mod correlations;
 mod fading;
 mod filter;
+mod moved;
 mod noise;
 mod parallel;
 mod recall;

@@ -1,6 +1,6 @@
 //! Joint angles that have jumped, and stay, are put to the test: they may be right again ([`super::super::jump`]).
 //!
-//! An emptied bucket tells what turns as it was known before ([`super::recall`]) where they are. Where they are not, it tells otherwise by d,
+//! An emptied bucket tells what turns as it was known before ([`super::moved`]) where they are. Where they are not, it tells otherwise by d,
 //! what the angles without their jumps make of it. The odds grow by the ratio of the likelihoods (Bayes):
 //! ```text
 //! odds <- odds N(m; 0, v)/N(m; d v/V, v)
@@ -8,7 +8,7 @@
 //! with m what it has moved by, and v what variance it has lost of V.
 
 use super::Working;
-use super::recall::Moved;
+use super::moved::Moved;
 use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 
@@ -94,7 +94,7 @@ impl Working {
 
 #[cfg(test)]
 mod tests {
-    use super::super::recall::tests::moved;
+    use super::super::moved::tests::moved;
     use super::*;
     use crate::excavator::keys::Description;
 
