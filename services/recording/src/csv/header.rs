@@ -1,6 +1,6 @@
 //! The header of a table: the names of its columns, and their units.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::cells::Record;
 use super::dialect::{self, Dialect};
@@ -44,14 +44,18 @@ pub(crate) fn header(
 /// Names that are told from each other: those of the row above where the header has none, and those of the group above, which stands
 /// once over the first of its columns, before one that stands several times.
 fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    for name in &names {
+        *counts.entry(name).or_default() += 1;
+    }
     let mut group = "";
     let above = above.iter().map(String::as_str);
     let named = names.iter().zip(above.chain(std::iter::repeat("")));
     let named = named.map(|(name, above)| {
         group = if above.is_empty() { group } else { above };
-        let is_twice = names.iter().filter(|other| *other == name).count() > 1;
+        let is_twice = counts[name.as_str()] > 1;
         match (name.as_str(), group) {
-            ("", _) if !names.iter().any(|other| other == above) => above.to_owned(),
+            ("", _) if !counts.contains_key(above) => above.to_owned(),
             (name, group) if is_twice && !name.is_empty() && !group.is_empty() => {
                 format!("{group} {name}")
             }
