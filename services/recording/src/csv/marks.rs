@@ -72,6 +72,16 @@ pub(super) fn unclear(columns: &[Marks], separator: u8) -> Option<(usize, char)>
 mod tests {
     use super::*;
 
+    /// What is unclear in columns of these cells.
+    fn unclear_of(columns: &[&[&str]], separator: u8) -> Option<(usize, char)> {
+        let marks = columns.iter().map(|cells| {
+            let mut marks = Marks::default();
+            cells.iter().for_each(|cell| marks.see(cell.as_bytes()));
+            marks
+        });
+        unclear(&marks.collect::<Vec<_>>(), separator)
+    }
+
     #[test]
     fn thousands_are_doubted_where_nothing_below_them_has_a_mark() {
         let of = |text: fn(i32) -> String| {
@@ -90,14 +100,7 @@ mod tests {
 
     #[test]
     fn thousands_are_doubted_where_the_other_mark_is_that_of_decimals() {
-        let of = |columns: &[&[&str]]| {
-            let marks = columns.iter().map(|cells| {
-                let mut marks = Marks::default();
-                cells.iter().for_each(|cell| marks.see(cell.as_bytes()));
-                marks
-            });
-            unclear(&marks.collect::<Vec<_>>(), b';')
-        };
+        let of = |columns: &[&[&str]]| unclear_of(columns, b';');
         assert_eq!(of(&[&["0,5"], &["987", "-12.345"]]), Some((1, '.')));
         assert_eq!(of(&[&["12.345", "9.876,5"]]), Some((0, '.')));
         assert_eq!(of(&[&["1,234"], &["0.5"]]), Some((0, ',')));
@@ -112,16 +115,10 @@ mod tests {
             assert_eq!(of(columns), None, "{columns:?}");
         }
     }
+
     #[test]
     fn commas_in_quotes_are_decimal_marks_where_the_table_shows_it() {
-        let of = |columns: &[&[&str]]| {
-            let marks = columns.iter().map(|cells| {
-                let mut marks = Marks::default();
-                cells.iter().for_each(|cell| marks.see(cell.as_bytes()));
-                marks
-            });
-            unclear(&marks.collect::<Vec<_>>(), b',')
-        };
+        let of = |columns: &[&[&str]]| unclear_of(columns, b',');
         for columns in [
             &[&["0,5"][..], &["12,345"]][..],
             &[&["0"], &["1,25", "7"]],

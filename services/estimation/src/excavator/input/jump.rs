@@ -136,6 +136,18 @@ impl Jump {
     pub(in crate::excavator) fn admit(&mut self) {
         self.jumped = false;
     }
+
+    /// It does not any more.
+    pub(in crate::excavator) fn refuse(&mut self) {
+        self.jumped = self.displaced != 0.0;
+    }
+
+    /// One that counts is the joint: there is nothing to step back from.
+    pub(in crate::excavator) fn believe(&mut self) {
+        if !self.jumped {
+            self.displaced = 0.0;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -199,6 +211,12 @@ mod tests {
         }
         assert!(jump.stays());
         jump.admit();
+        jump.refuse();
+        assert!(jump.pass(Some(sin_cos(101.0).0), 0.01).is_none());
+        jump.admit();
+        assert!(jump.pass(Some(sin_cos(101.0).0), 0.01).is_some());
+        jump.believe();
+        jump.refuse();
         assert!(jump.pass(Some(sin_cos(101.0).0), 0.01).is_some());
         assert!(jump.pass(Some(1.3), 0.01).is_none(), "a step");
     }

@@ -162,6 +162,16 @@ impl Screen {
         self.jumps.iter_mut().for_each(Jump::admit);
     }
 
+    /// They do not any more.
+    pub(in crate::excavator) fn refuse_jumps(&mut self) {
+        self.jumps.iter_mut().for_each(Jump::refuse);
+    }
+
+    /// Those that count are right.
+    pub(in crate::excavator) fn believe_jumps(&mut self) {
+        self.jumps.iter_mut().for_each(Jump::believe);
+    }
+
     /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
     pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
         self.quantisation.variance(self.velocity_std)

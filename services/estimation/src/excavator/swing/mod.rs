@@ -200,7 +200,10 @@ impl SwingEstimator {
         let Some(working) = self.core.working() else {
             return;
         };
-        if !self.screen.is_displaced() {
+        if self.tests_jumps && !working.tests_jumps() {
+            self.screen.believe_jumps();
+            self.tests_jumps = false;
+        } else if !self.screen.is_displaced() {
             working.ends_the_test();
             self.tests_jumps = false;
         } else if let Some(jumps) = self.screen.jumps_that_stay()
@@ -332,6 +335,9 @@ impl SwingEstimator {
     }
 
     fn restart(&mut self, stood: bool) {
+        // Who begins anew cannot tell whether they are right.
+        self.screen.refuse_jumps();
+        self.tests_jumps = false;
         self.core = Core::new(&self.settings, self.method, !self.columns.velocity, stood);
         if self.trailing {
             self.core

@@ -30,7 +30,7 @@ const EVERY_ALONE: f64 = 2.0;
 /// Constants that grow together and leave every motion as it is.
 pub(super) const CONSTANTS: [usize; 5] = [GAIN, UPPER, BUCKET, LINKS, SPAN];
 /// Those that pressures alone tell only from the postures of a cycle.
-pub(super) const CONSTANTS_ALONE: [usize; 7] = [GAIN, UPPER, BUCKET, LINKS, SPAN, SLOPE, SLOPE + 1];
+const CONSTANTS_ALONE: [usize; 7] = [GAIN, UPPER, BUCKET, LINKS, SPAN, SLOPE, SLOPE + 1];
 
 impl Working {
     /// Time in motion passes.

@@ -86,6 +86,11 @@ impl Working {
         told
     }
 
+    /// Whether they still are; not where they are right, or hardly matter.
+    pub(in crate::excavator) fn tests_jumps(&self) -> bool {
+        self.recall.trial.is_some()
+    }
+
     /// They have jumped back.
     pub(in crate::excavator) fn ends_the_test(&mut self) {
         self.recall.trial = None;

@@ -207,10 +207,8 @@ mod tests {
         let motion = |open| Motion {
             turning: open,
             changing: f64::from(open),
-            lifting: false,
-            settling: false,
-            held: false,
             open,
+            ..Motion::default()
         };
         let rows = [
             (load, 0.8, false),
@@ -317,17 +315,11 @@ mod tests {
     #[test]
     fn one_tipping_tells_once_by_its_sharpest_row() {
         let mut changed = sound();
+        let motion = Motion::default();
         let still = |value, std, angle| Bucket {
             shown: Quantity { value, std },
             drawn: 60.0,
-            motion: &Motion {
-                turning: false,
-                changing: 0.0,
-                lifting: false,
-                settling: false,
-                held: false,
-                open: false,
-            },
+            motion: &motion,
             in_the_air: Some(angle),
             is_empty: false,
             rests: false,

@@ -48,7 +48,7 @@ impl Default for Content {
 }
 
 /// What arm and bucket do in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Motion {
     /// The bucket turns, the arm lifts or lowers.
     pub turning: bool,

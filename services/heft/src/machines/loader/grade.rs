@@ -51,12 +51,6 @@ impl Grade {
         self.torque.see([speed.signum(), gain, fall, torque]);
     }
 
-    /// How much of it the torques show.
-    fn by_torque(&self) -> f64 {
-        let [gain, share] = self.torque.coefficients();
-        share / gain
-    }
-
     /// How much of the slope that is sent the others show, within which factor, and what may be its unit; none where they do not tell.
     fn share(&self) -> Option<(f64, f64, &'static [Unit])> {
         let belongs = |r: &Regression, least: f64| r.correlation().abs() > least;
@@ -70,7 +64,8 @@ impl Grade {
             return Some((share, ALIKE, units));
         }
         let tells = self.torque.rows >= ENOUGH && belongs(&self.torque, SURELY);
-        tells.then_some((self.by_torque(), ABOUT, &UNITS[..FAR]))
+        let [gain, share] = self.torque.coefficients();
+        tells.then_some((share / gain, ABOUT, &UNITS[..FAR]))
     }
 
     /// What the slope is, and what to do.
