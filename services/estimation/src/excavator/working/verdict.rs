@@ -72,7 +72,11 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
+        let tail = if self.weighs() {
+            self.tail.variances(&self.filter, &drive.now, &self.sticks)
+        } else {
+            [0.0; 2]
+        };
         let other = self.attachment.variances();
         let form = self.drawn_wrong(settings, drive, payload, down);
         let g = drive.now.per_payload;
@@ -238,11 +242,11 @@ impl Working {
 
     /// Whether swings or constants contradict the description.
     pub(super) fn is_contradicted(&self) -> bool {
-        self.contradiction.is_open() || self.is_beyond()
+        self.contradiction.is_open() || self.scale.is_undecided() || self.is_beyond()
     }
 
     /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
-    fn is_beyond(&self) -> bool {
+    pub(super) fn is_beyond(&self) -> bool {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let apart = |(i, most): (usize, f64)| {
             let walked = if i == GAIN { GAIN_WALK } else { 0.0 };

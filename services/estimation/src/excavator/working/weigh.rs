@@ -209,12 +209,13 @@ impl Weigh {
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
     }
 
-    /// A filter takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the innovation.
+    /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
+    /// innovation.
     pub(super) fn measure(
         &self,
         settings: &Settings,
         m: &Moment,
-        filter: &mut Filter,
+        (filter, believes): (&mut Filter, bool),
         trail: &mut Option<Trail>,
     ) -> Innovation {
         self.wander(m, filter, settings, trail);
@@ -251,7 +252,7 @@ impl Weigh {
             value,
             variance: measured.variance + m.variance,
         };
-        if !m.touches && fits(innovation) {
+        if believes && !m.touches && fits(innovation) {
             let before = filter.x[M];
             filter.absorb(&measured, innovation, GATE, trail);
             filter.weighs_true_mass(before, trail);
@@ -303,7 +304,13 @@ impl Weigh {
         watched.last = away;
     }
 
-    /// The bucket holds something else: how it swings is to be seen anew.
+    /// The bucket holds something else: what is strange of it is to be seen anew.
+    pub(super) fn content_changes(&mut self) {
+        self.strange = 0;
+        self.forget();
+    }
+
+    /// How it swings is to be seen anew.
     pub(super) fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
