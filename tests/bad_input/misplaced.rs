@@ -151,6 +151,22 @@ fn who_states_the_mass_is_told_what_follows_from_it() {
         "{text}"
     );
 
+    // Who runs on data is told it too.
+    let data = golden("machines/excavator_1_13t_level.csv");
+    let line = [
+        "run",
+        "excavator",
+        "--pace",
+        "max",
+        "--quiet",
+        "--no-report",
+        "--input",
+    ];
+    let folder = path_in(folder.path(), "run");
+    let more = [data.to_str().expect("a path"), "--out", &folder];
+    let text = both(&run(&[&line[..], &more].concat()));
+    assert!(text.contains("the reference machine of 5.5 t"), "{text}");
+
     let refused = both(&run(&[
         "estimate",
         "nowhere.csv",

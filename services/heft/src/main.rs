@@ -64,7 +64,9 @@ fn main() -> ExitCode {
     match dispatch(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("heft: {failure}");
+            if failure.status != out::READER_LEFT {
+                eprintln!("heft: {failure}");
+            }
             ExitCode::from(failure.status)
         }
     }

@@ -39,6 +39,11 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
     size::tell_other_size(&plan, &description);
+    if let Some(input) = &args.input
+        && let Some(note) = size::assumed(&description, &args.description, input)?
+    {
+        eprintln!("{note}");
+    }
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     if let Some(group) = plan.group {
         group::share(&folder, group)?;
