@@ -62,9 +62,9 @@ fn estimates_on_standard_output_are_rows_and_nothing_else() {
         .args(args)
         .output()
         .expect("bash runs");
-    let rows = String::from_utf8_lossy(&left.stdout).into_owned();
+    let shown = String::from_utf8_lossy(&left.stdout).into_owned();
     let words = String::from_utf8_lossy(&left.stderr).into_owned();
-    assert!(rows.ends_with("141\n"), "{rows}");
+    assert!(shown.ends_with("141\n"), "{shown}");
     assert!(!words.contains("heft:"), "{words}");
     // A file behind the device's name is written, and takes nothing's place.
     let behind = folder.path().join("behind.csv");
