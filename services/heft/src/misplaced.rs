@@ -29,6 +29,7 @@ fn tip(error: &clap::Error) -> Option<String> {
     let Some(ContextValue::String(word)) = error.get(kind) else {
         return None;
     };
-    let file = Path::new(word).exists().then(|| Quoted(word));
-    file.map(|file| format!("{file} is a file: {advice}"))
+    let file = Quoted(word);
+    let is_there = Path::new(word).is_file();
+    is_there.then(|| format!("{file} is a file: {advice}"))
 }
