@@ -39,17 +39,22 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
     size::tell_other_size(&plan, &description);
-    if let Some(input) = &args.input
-        && let Some(note) = size::assumed(&description, &args.description, input)?
-    {
-        eprintln!("{note}");
-    }
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     if let Some(group) = plan.group {
         group::share(&folder, group)?;
     }
     plan.recording = recording::reserve(&folder)?;
     Ok(plan)
+}
+
+/// Says what is taken for the size of the machine whose data come in.
+pub(super) fn tell_size(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
+    if let Some(input) = &args.input
+        && let Some(note) = size::assumed(&plan.description()?, &args.description, input)?
+    {
+        eprintln!("{note}");
+    }
+    Ok(())
 }
 
 /// What describes the machine of a run. Where nobody describes a simulated one, its cylinders are described as they are.
