@@ -1,6 +1,8 @@
 //! Wrong use and bad input: what, where, what to do; exit 2; nothing half-written.
 
 mod common;
+#[path = "bad_input/misplaced.rs"]
+mod misplaced;
 #[path = "bad_input/named.rs"]
 mod named;
 #[path = "bad_input/streams.rs"]

@@ -54,6 +54,18 @@ fn estimates_on_standard_output_are_rows_and_nothing_else() {
         assert!(both(&result).contains("The swing inertia is"), "{output}");
     }
     assert!(!Path::new("-").exists());
+    // Who has read enough needs no word.
+    let heft = env!("CARGO_BIN_EXE_heft");
+    let script = format!("{heft} \"$@\" -o /dev/stdout | head -1; echo ${{PIPESTATUS[0]}}");
+    let left = std::process::Command::new("bash")
+        .args(["-c", &script, "heft"])
+        .args(args)
+        .output()
+        .expect("bash runs");
+    let shown = String::from_utf8_lossy(&left.stdout).into_owned();
+    let words = String::from_utf8_lossy(&left.stderr).into_owned();
+    assert!(shown.ends_with("141\n"), "{shown}");
+    assert!(!words.contains("heft:"), "{words}");
     // A file behind the device's name is written, and takes nothing's place.
     let behind = folder.path().join("behind.csv");
     let status = common::heft()

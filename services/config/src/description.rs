@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Error, Errors, Keyed, Tables, asked, parse, stated};
+use crate::{Error, Errors, Key, Keyed, Tables, asked, parse, stated};
 use messages::Machine;
 
 macro_rules! descriptions {
@@ -76,6 +76,13 @@ macro_rules! descriptions {
             pub fn stated(&self) -> BTreeMap<&'static str, String> {
                 match self {
                     $( Self::$name(m) => stated::stated(m.as_ref()), )*
+                }
+            }
+
+            /// The numbers that nobody has stated and that follow from the machine's mass.
+            pub fn of_mass(&self) -> Vec<(Key, f64)> {
+                match self {
+                    $( Self::$name(m) => stated::of_mass(m.as_ref()), )*
                 }
             }
 

@@ -94,9 +94,7 @@ impl<'a> Walk<'a, '_> {
         let inner_of = |table: &&&str| table.rsplit('.').next() == Some(&path);
         let meant = self.tables.iter().find(inner_of).copied();
         let remedy = match meant.or_else(|| nearest(&path, self.tables.iter().copied())) {
-            _ if ["columns", "can", "topics"].contains(&path.as_str()) => {
-                "this is of a signal map: give that with --map".into()
-            }
+            _ if ["columns", "can", "topics"].contains(&path.as_str()) => OF_A_MAP.into(),
             Some(table) => format!("did you mean [{table}]?"),
             None => format!("the tables are [{}]", self.tables.join("], [")),
         };
@@ -109,6 +107,9 @@ impl<'a> Walk<'a, '_> {
         });
     }
 }
+
+/// What to do with a table that stands in another file.
+pub(crate) const OF_A_MAP: &str = "this is of a signal map: give that with --map";
 
 pub(crate) fn find<M: Keyed>(path: &str) -> Option<Key> {
     let machine = M::default();

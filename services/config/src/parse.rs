@@ -5,7 +5,7 @@ use toml_edit::Item;
 use messages::Machine;
 
 use crate::class::mass_key;
-use crate::entries::{Entry, all_keys, document, entries, find, table_names};
+use crate::entries::{Entry, OF_A_MAP, all_keys, document, entries, find, table_names};
 use crate::renamed::today;
 use crate::toml_error::line_of;
 use crate::{
@@ -219,11 +219,11 @@ fn is_reference<M: Keyed>(entries: &[Entry<'_>]) -> bool {
     keys.all(|key| of(key).is_some_and(is_default::<M>))
 }
 
-/// A key or table of a text that is nearly one of this machine's.
+/// A key or table of a text that is nearly one of this machine's, or a table of a signal map.
 pub(crate) fn misspelt<M: Keyed>(text: &str, file: &str) -> Option<Error> {
     let document = document(text, file).ok()?;
     let (entries, errors) = entries::<M>(&document, text, file);
-    let is_near = |remedy: &str| remedy.starts_with("did you mean");
+    let is_near = |remedy: &str| remedy.starts_with("did you mean") || remedy == OF_A_MAP;
     let table = errors.into_iter().find(|error| is_near(&error.remedy));
     table.or_else(|| {
         let mut all = entries.iter().filter(|e| find::<M>(&e.path).is_none());

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use messages::Machine;
 
 use crate::renamed::today;
-use crate::{Keyed, known, print};
+use crate::{Key, Keyed, Value, known, print};
 
 /// The stated keys with their values in TOML.
 pub(crate) fn stated<M: Keyed>(machine: &M) -> BTreeMap<&'static str, String> {
@@ -34,6 +34,18 @@ pub(crate) fn places<M: Keyed>(machine: &M) -> Vec<((usize, usize), bool)> {
         }
     }
     places
+}
+
+/// The numbers that follow from the mass: nobody has stated them, and they are not those of a machine whose mass is not known.
+pub(crate) fn of_mass<M: Keyed>(machine: &M) -> Vec<(Key, f64)> {
+    let (plain, tables) = (M::default(), machine.tables());
+    let open = places(machine).into_iter().filter(|place| !place.1);
+    let numbers = open.filter_map(|((at, index), _)| match tables[at].get(index)? {
+        value if plain.tables()[at].get(index) == Some(value) => None,
+        Value::Number(number) => Some((tables[at].keys()[index], number)),
+        _ => None,
+    });
+    numbers.collect()
 }
 
 /// The keys that one version of a description states otherwise than an earlier one, which any version of heft may have

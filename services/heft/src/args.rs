@@ -34,7 +34,7 @@ pub struct DescriptionArgs {
     #[arg(long, value_name = "MASS", value_parser = tonnes)]
     pub class: Option<f64>,
     /// Set one key of the machine file, such as sensors.swing_velocity_std=0.008
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
 }
 
@@ -49,6 +49,14 @@ impl DescriptionArgs {
         let class = self.class.map(|mass| format!("--class={mass}kg").into());
         let set = self.set.iter().map(|set| format!("--set={set}").into());
         config.chain(class).chain(set).collect()
+    }
+}
+
+/// A key and its value. A value behind a blank would be an input.
+pub fn assignment(text: &str) -> Result<String, String> {
+    match text.contains('=') {
+        true => Ok(text.to_owned()),
+        false => Err("write it without blanks, like sensors.rate=100".into()),
     }
 }
 
@@ -149,10 +157,21 @@ pub fn of_class(machine: Machine, class: Option<f64>, is_stated: bool) -> Option
 
 /// Whether `--config` or `--set` states a key, at whatever value.
 pub fn states(machine: Machine, args: &DescriptionArgs, key: &str) -> Result<bool, Failure> {
-    let mut sets = args.set.iter().filter_map(|set| set.split_once('='));
     let text = args.config.as_deref().map(small_file::text).transpose()?;
     let of_file = text.is_some_and(|text| Description::states(machine, &text, key));
-    Ok(of_file || sets.any(|(set, _)| set.trim() == key))
+    Ok(of_file || sets(&args.set, key))
+}
+
+/// Whether a machine file's text or `--set` states the machine's mass.
+pub fn is_mass_stated(machine: Machine, text: &str, set: &[String]) -> bool {
+    let key = config::mass_key(machine);
+    Description::states(machine, text, key) || sets(set, key)
+}
+
+/// Whether one of these assignments is of a key.
+fn sets(set: &[String], key: &str) -> bool {
+    let mut keys = set.iter().filter_map(|set| set.split_once('='));
+    keys.any(|(set, _)| set.trim() == key)
 }
 
 /// Refuses a machine file of another machine.

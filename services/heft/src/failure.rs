@@ -5,13 +5,13 @@ use std::path::Path;
 
 use recording::OneLine;
 
-use crate::out::Plain;
+use crate::out::{Plain, READER_LEFT};
 
 /// A command ended without doing what it should.
 #[derive(Debug)]
 pub struct Failure {
     message: String,
-    /// 1: it ran, but the answer is no. 2: wrong use or bad input.
+    /// 1: it ran, but the answer is no. 2: wrong use or bad input. [`READER_LEFT`]: nobody reads on, and no word is needed.
     pub status: u8,
 }
 
@@ -115,12 +115,17 @@ macro_rules! from_errors {
         }
     )*};
 }
-from_errors!(
-    runtime::Error,
-    config::Errors,
-    config::Error,
-    recording::Error
-);
+from_errors!(runtime::Error, config::Errors, config::Error,);
+
+impl From<recording::Error> for Failure {
+    fn from(error: recording::Error) -> Self {
+        let is_left = error.io == Some(std::io::ErrorKind::BrokenPipe);
+        Self {
+            message: error.to_string(),
+            status: if is_left { READER_LEFT } else { 2 },
+        }
+    }
+}
 
 impl From<steps::Error> for Failure {
     fn from(error: steps::Error) -> Self {

@@ -22,6 +22,7 @@ mod live;
 mod machines;
 mod many;
 mod marked;
+mod misplaced;
 mod notify;
 mod outputs;
 mod page;
@@ -53,7 +54,7 @@ use commands::{Cli, Command};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| misplaced::exit(&error));
     // Warnings, unless the environment chooses otherwise.
     diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
     let _process = span();
@@ -63,7 +64,9 @@ fn main() -> ExitCode {
     match dispatch(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("heft: {failure}");
+            if failure.status != out::READER_LEFT {
+                eprintln!("heft: {failure}");
+            }
             ExitCode::from(failure.status)
         }
     }

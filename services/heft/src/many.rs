@@ -1,6 +1,7 @@
 //! Many inputs in one command: a process for each, as many at a time as there are processors. What is done already is
 //! not done again, so a command that was interrupted goes on where it stopped.
 
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Read};
 use std::num::NonZeroUsize;
@@ -97,13 +98,13 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
             return Err(Failure::file("read", path, &error));
         }
     }
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     found.retain(|f| seen.insert(f.canonicalize().unwrap_or_else(|_| f.clone())));
     if found.is_empty() {
         let places: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         let remedy = match tables {
             true => {
-                "name recordings (.mcap), tables (.csv), CAN logs (.log), or folders that hold some"
+                "name recordings (.mcap), tables (.csv), CAN logs (.log), or folders that hold some; a table of `heft export` counts where it is named itself"
             }
             false => {
                 "name recordings of heft (.mcap), or folders that hold some; tables and CAN logs have a page by `heft estimate FILE --report PAGE`"
@@ -214,7 +215,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let children = Children::default();
+    let (children, told) = (Children::default(), Told::default());
     if let Err(failure) = end_together(&children) {
         tracing::warn!("a signal would end this process alone: {failure}");
     }
@@ -227,7 +228,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
             let end = if job.is_done {
                 Outcome::Kept
             } else {
-                one(job, &children)
+                one(job, &children, &told)
             };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
@@ -276,12 +277,12 @@ fn output(job: &Job, children: &Children) -> std::io::Result<Output> {
     output
 }
 
-fn one(job: &Job, children: &Children) -> Outcome {
+fn one(job: &Job, children: &Children, told: &Told) -> Outcome {
     match output(job, children) {
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
             let (remarks, reason) = last_words(&said);
-            tell(&job.input, remarks);
+            tell(&job.input, remarks, told);
             let reason = reason.map_or_else(|| output.status.to_string(), Into::into);
             if output.status.success() {
                 return Outcome::Made;
@@ -295,12 +296,17 @@ fn one(job: &Job, children: &Children) -> Outcome {
     }
 }
 
-/// Passes on what a process said of its input.
-fn tell(input: &Path, remarks: &str) {
+/// Notes that were passed on.
+type Told = Mutex<BTreeSet<String>>;
+
+/// Passes on what a process said of its input; a note that is the same of several, once.
+fn tell(input: &Path, remarks: &str, told: &Told) {
     if !remarks.is_empty() && std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");
     }
-    for remark in remarks.lines() {
+    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut is_new = |line: &&str| !line.starts_with("note: ") || told.insert((*line).to_owned());
+    for remark in remarks.lines().filter(|line| is_new(line)) {
         eprintln!("{}: {remark}", input.display());
     }
 }

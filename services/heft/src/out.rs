@@ -31,12 +31,12 @@ pub fn pass(answer: &[u8]) -> bool {
 }
 
 /// Exit status of a program whose reader left (`| head`): what a shell shows of one that SIGPIPE ended.
-const READER_LEFT: i32 = 141;
+pub const READER_LEFT: u8 = 141;
 
 /// Says that an answer cannot be said, and ends the process. A reader who has seen enough needs no word.
 fn give_up(error: &std::io::Error) -> ! {
     if error.kind() == std::io::ErrorKind::BrokenPipe {
-        std::process::exit(READER_LEFT);
+        std::process::exit(READER_LEFT.into());
     }
     complain(format_args!(
         "heft: cannot write the answer: {error}\n  where: standard output\n  what to do: give it a reader that reads to the end, or a disk with room\n"

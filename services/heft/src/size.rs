@@ -3,14 +3,33 @@
 use std::path::Path;
 
 use config::Description;
+use recording::Quoted;
+use view::number::significant;
 
-use crate::args::{DescriptionArgs, is_of_heft};
+use crate::args::{DescriptionArgs, is_of_heft, states};
+use crate::failure::Failure;
 use crate::machines;
 use crate::plan::Plan;
 use crate::sources::is_simulated;
 
 /// A simulated machine that is described by more than this share too heavy or too light is another one.
 const SAME_SIZE: f64 = 0.1;
+
+/// What machines of one mass have alike: the key that is stated, and one that follows from it.
+pub const ALIKE: &[(&str, &str)] = &[
+    (
+        "machine.geometry.boom_length",
+        "machine.geometry.boom_length",
+    ),
+    ("machine.geometry.arm_length", "machine.geometry.arm_length"),
+    ("machine.geometry.boom_mass", "machine.geometry.boom_mass"),
+    ("machine.geometry.arm_mass", "machine.geometry.arm_mass"),
+    ("machine.upper_inertia", "machine.upper_inertia"),
+    ("machine.rated_payload", "prior.payload"),
+    ("machine.swing_torque", "machine.nominal_damping"),
+    ("machine.wheelbase", "machine.wheelbase"),
+    ("machine.wheel_radius", "machine.wheel_radius"),
+];
 
 /// Warns where a machine of another size is described than is simulated.
 pub fn tell_other_size(plan: &Plan, description: &Description) {
@@ -29,19 +48,77 @@ pub fn tell_other_size(plan: &Plan, description: &Description) {
     }
 }
 
-/// Notes that nobody says how large the machine of an input is.
-pub fn tell_assumed_size(description: &Description, args: &DescriptionArgs, input: &Path) {
-    let (machine, is_told) = (
-        description.machine(),
-        args.config.is_some() || args.class.is_some(),
-    );
+/// What is taken for the size of an input's machine, and what follows from that. A recording of heft brings its machine file.
+///
+/// # Errors
+/// The machine file cannot be read.
+pub fn assumed(
+    description: &Description,
+    args: &DescriptionArgs,
+    input: &Path,
+) -> Result<Option<String>, Failure> {
+    if is_of_heft(input) {
+        return Ok(None);
+    }
+    let machine = description.machine();
     let (key, kg) = machines::entry(machine).simulated_mass;
     let is_reference = description.number(key).is_none_or(|stated| stated == kg);
-    if is_reference && !is_told && !is_of_heft(input) {
-        eprintln!(
+    let is_told = args.config.is_some() || args.class.is_some() || states(machine, args, key)?;
+    if is_reference && !is_told {
+        return Ok(Some(format!(
             "note: the {machine} is taken for the reference machine of {} t; say how large yours is (--class 21t), or give its machine file \
              (--config)",
             kg / 1000.0
-        );
+        )));
     }
+    let all = shown_by(description, args);
+    let words = match of_mass(description) {
+        Some(words) => words,
+        None if args.config.is_none() => format!(
+            "values that nobody has stated are those of the reference {machine}, whose mass this is"
+        ),
+        None => return Ok(None),
+    };
+    Ok(Some(format!("note: {words}; {all} shows all")))
+}
+
+/// What nobody has stated and heft takes from the machine's mass, the first of it by name.
+pub fn of_mass(description: &Description) -> Option<String> {
+    let mass = description.number(config::mass_key(description.machine()))?;
+    let found = description.of_mass();
+    // What follows from a number of the data sheet that is stated is none of these.
+    let is_open = |key: &str, follows: &str| key == follows || description.number(key).is_none();
+    let is_first = |path: &str| {
+        let mut alike = ALIKE.iter();
+        alike.any(|(key, follows)| *follows == path && is_open(key, follows))
+    };
+    let first = found.iter().filter(|(key, _)| is_first(key.path));
+    let first = first.map(|(key, value)| {
+        let value = significant(*value, 3);
+        let text = format!("{} {value} {}", key.path, key.unit);
+        text.trim_end().to_owned()
+    });
+    let first: Vec<String> = first.collect();
+    (!first.is_empty()).then(|| {
+        format!(
+            "{} values that nobody has stated are those of a usual {} of {} t, as {}",
+            found.len(),
+            description.machine(),
+            (mass / 100.0).round() / 10.0,
+            first.join(", ")
+        )
+    })
+}
+
+/// The command that prints every value of what the arguments describe.
+fn shown_by(description: &Description, args: &DescriptionArgs) -> String {
+    let file = args.config.iter().map(|f| Quoted(f.display()).to_string());
+    let machine = [format!("--machine {}", description.machine())];
+    let class = args.class.map(|kg| format!("--class {kg}kg"));
+    let sets = args.set.iter().map(|set| format!("--set {}", Quoted(set)));
+    let words = file.chain(machine).chain(class).chain(sets);
+    format!(
+        "`heft check {} --print`",
+        words.collect::<Vec<_>>().join(" ")
+    )
 }

@@ -2,6 +2,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use messages::Machine;
+
 use crate::OneLine;
 
 /// Why a file could not be read or written. Prints as three lines: what, where, what to do.
@@ -67,11 +69,14 @@ impl Error {
         }
     }
 
-    /// What to do where there is no such file; `-` stands for a pipe elsewhere.
+    /// What to do where there is no such file; `-` stands for a pipe elsewhere, and a machine's name for the machine.
     pub fn where_to_look(path: &Path) -> &'static str {
-        match path == Path::new("-") {
-            true => "name a file; `heft serve` and `heft run --input -` read pipes",
-            false => "check the name and the folder",
+        match path.to_str() {
+            Some("-") => "name a file; `heft serve` and `heft run --input -` read pipes",
+            Some(name) if Machine::from_name(name).is_some() => {
+                "name files only: this is a machine, and --machine names it"
+            }
+            _ => "check the name and the folder",
         }
     }
 

@@ -163,6 +163,13 @@ impl Kind {
                 PYTHON,
             ));
         }
+        if path.extension().is_some_and(|ending| ending == "toml") {
+            return Err(Error::new(
+                "this is TOML: a signal map or a machine file, and no data",
+                place(),
+                "name the data here, a signal map by --map, a machine file by --config",
+            ));
+        }
         if is_of_pairs(behind_comments(text)) {
             return Err(Error::new(
                 "each row names its values (key=value), as InfluxDB's line protocol does, which heft does not read",
@@ -333,6 +340,8 @@ mod tests {
             let error = of("a.csv", content).expect_err("not read").to_string();
             assert!(error.contains(what) && error.contains(remedy), "{error}");
         }
+        let error = of("a.toml", b"[columns]\n").expect_err("a map");
+        assert!(error.to_string().contains("--map"), "{error}");
         let error = of("a", b"\x7fELF\0\0").expect_err("a program").to_string();
         assert!(error.contains("no text"), "{error}");
     }

@@ -62,7 +62,7 @@ pub use parts::{
     PART, changed, exists, files_by_age, is_being_written, is_part_of, next_part, part,
     part_number, recordings, reserve,
 };
-pub use plain::{OneLine, Plain, steers};
+pub use plain::{OneLine, Plain, Quoted, steers};
 pub use reader::{Lacks, Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use scan::has_chunk_at;

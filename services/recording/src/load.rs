@@ -6,7 +6,7 @@ use messages::Message;
 
 use crate::signal::{Row, Sensors};
 use crate::topics::TopicRows;
-use crate::{Error, Kind, Lacks, Map, Reader, can, csv, kind};
+use crate::{Error, Kind, Lacks, Map, Quoted, Reader, can, csv, kind};
 
 /// Reads the samples of a machine from a table, a recording or a CAN log, which needs a map.
 ///
@@ -270,7 +270,7 @@ fn without_samples<S: Sensors>(reader: &Reader, path: &Path) -> Error {
         format!(
             "it has {}; name topics and fields of it in a map: heft map {} > map.toml",
             reader.channels().join(", "),
-            path.display()
+            Quoted(path.display())
         ),
     )
 }

@@ -38,6 +38,20 @@ impl<T: Display> Display for OneLine<T> {
     }
 }
 
+/// A word of a command that a shell takes as one: within quotation marks where it holds what a shell would part or read.
+pub struct Quoted<T>(pub T);
+
+impl<T: Display> Display for Quoted<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let word = self.0.to_string();
+        let is_plain = |c: char| c.is_alphanumeric() || "_-./,:=+@%".contains(c);
+        match !word.is_empty() && word.chars().all(is_plain) {
+            true => f.write_str(&word),
+            false => write!(f, "'{}'", word.replace('\'', "'\\''")),
+        }
+    }
+}
+
 /// Writes on with these characters written out.
 struct Writing<'a, 'b>(&'a mut Formatter<'b>);
 
@@ -59,7 +73,20 @@ impl Write for Writing<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{OneLine, Plain};
+    use super::{OneLine, Plain, Quoted};
+
+    #[test]
+    fn a_shell_takes_a_quoted_name_as_one_word() {
+        for name in ["day.csv", "Tag 1 (Größe).csv", "it's $HOME", "", "a;b"] {
+            let script = format!("printf %s {}", Quoted(name));
+            let output = std::process::Command::new("sh")
+                .args(["-c", &script])
+                .output();
+            let printed = String::from_utf8(output.expect("sh runs").stdout).expect("text");
+            assert_eq!(printed, name);
+        }
+        assert_eq!(Quoted("a/b-1.csv").to_string(), "a/b-1.csv");
+    }
 
     #[test]
     fn what_steers_a_terminal_or_turns_its_text_is_written_out() {

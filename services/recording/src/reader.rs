@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use mcap::records::op;
-use messages::{Machine, Message, NumberType, Value, channels};
+use messages::{Machine, Message, NumberType, Value};
 
 use crate::file::Bytes;
 use crate::parts::{self, JOINED, PART};
@@ -197,10 +197,10 @@ impl Reader {
     /// The machine whose run heft recorded; none for a recording of others.
     pub fn machine(&self) -> Option<Machine> {
         let stated = self.metadata.get("machine");
-        // Where the metadata are damaged, the channels tell it.
+        // Where the metadata are damaged, the channels tell it that no other machine has.
         let recorded = |machine: &Machine| {
-            let names = self.channels();
-            channels::of_machine(*machine).any(|channel| names.contains(&channel.name))
+            let is_its = |name: &&str| name.split('/').next() == Some(machine.name());
+            self.channels().iter().any(is_its)
         };
         stated
             .and_then(|name| Machine::from_name(name))

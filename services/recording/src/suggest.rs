@@ -21,7 +21,7 @@ use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, packed, parts, steers};
+use crate::{Error, Kind, Quoted, packed, parts, steers};
 use names::{fitting, quoted, wanted};
 pub use sizes::LARGEST_PRESSURES;
 pub use suggestion::Suggestion;
@@ -89,7 +89,10 @@ fn of_folder(path: &Path) -> Error {
     let files = files.map(|entry| entry.path());
     let files = files.filter(|file| !file.is_dir() && Kind::by_name(file).is_some());
     let remedy = match files.min() {
-        Some(first) => format!("give one of its files: heft map {}", first.display()),
+        Some(first) => format!(
+            "give one of its files: heft map {}",
+            Quoted(first.display())
+        ),
         None => "give a table (.csv), a CAN log (.log) or an MCAP file".to_owned(),
     };
     Error::new(
@@ -131,7 +134,8 @@ fn shown(text: &str) -> String {
 fn opening<S: Sensors>(path: &Path) -> String {
     let (file, machine) = (shown(&path.display().to_string()), S::MACHINE);
     format!(
-        "# A first signal map of {file} for the {machine}, guessed: read every line.\n# Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n"
+        "# A first signal map of {file} for the {machine}, guessed: read every line.\n# Then: heft estimate {} --machine {machine} --map THIS_FILE -o out.csv\n",
+        Quoted(&file)
     )
 }
 

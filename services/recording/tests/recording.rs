@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use messages::channels::{self, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, HEALTH, Visitor};
-use messages::{ExcavatorSensors, ExcavatorTruth, Health, Message, NumberType, Value};
+use messages::{ExcavatorSensors, ExcavatorTruth, Health, Machine, Message, NumberType, Value};
 use recording::{Metadata, Reader, Writer, recover};
 
 fn sample(n: u64) -> ExcavatorSensors {
@@ -514,6 +514,8 @@ fn a_damaged_length_in_the_metadata_hides_nothing_behind_it() {
         damage.len() == 1 && damage[0].contains("a damaged record at byte 33"),
         "{damage:?}"
     );
+    // Nor is it of the machine that comes first, for the channels that all machines have.
+    assert_eq!(reader.machine(), Some(Machine::Loader));
 }
 
 /// Whoever reads samples learns what is lacking: a damaged block is an error of `load`, a cut end is said.

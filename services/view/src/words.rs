@@ -116,6 +116,18 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_that_stands_is_not_said_to_swing() {
+        let swings = verdict(&inertia(ALL | x::TRUSTED));
+        let stands = verdict(&inertia(ALL | x::TRUSTED | x::HELD));
+        assert!(swings.contains("the machine swings"), "{swings}");
+        assert!(
+            stands.contains("the machine stands still, and its pressures weigh"),
+            "{stands}"
+        );
+        assert!(!stands.contains("swings"), "{stands}");
+    }
+
+    #[test]
     fn every_missing_bit_is_a_reason_of_its_own() {
         for bit in [
             x::EXCITED,

@@ -132,7 +132,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
 }
 
 /// What is said where there are pressures and no drawing.
-const NO_ARM: &str = "lift pressures are recorded, but the machine file has no lift arm: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/your-data.md)";
+const NO_ARM: &str = "lift pressures are recorded, but the machine file has no lift arm: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/lift-arm.md)";
 /// What is said where the arm hardly moves.
 const NO_LIFTS: &str = "the lift cylinders keep the values of the machine file: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.

@@ -6,8 +6,9 @@ use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::args::{is_for, machine, of_class, tell_old_names, tonnes};
+use crate::args::{assignment, is_for, is_mass_stated, machine, of_class, tell_old_names, tonnes};
 use crate::failure::Failure;
+use crate::size::{self, ALIKE};
 use crate::small_file;
 
 /// `heft check`
@@ -22,6 +23,9 @@ pub struct CheckArgs {
     /// Size of the machine, such as 21t, where the file does not state its mass
     #[arg(long, value_name = "MASS", value_parser = tonnes)]
     pub class: Option<f64>,
+    /// Set one key of it, such as sensors.swing_velocity_std=0.008
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
     /// Print the complete machine file, every key with its unit, range and meaning
     #[arg(long)]
     pub print: bool,
@@ -41,11 +45,10 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     if let Some(machine) = args.machine {
         is_for(machine, &description, &name)?;
     }
-    let key = config::mass_key(description.machine());
-    let is_stated = Description::states(description.machine(), &text, key);
-    if let Some(mass) = of_class(description.machine(), args.class, is_stated) {
-        description.set(&mass)?;
-    }
+    let is_stated = is_mass_stated(description.machine(), &text, &args.set);
+    let class = of_class(description.machine(), args.class, is_stated);
+    let sets: Vec<&String> = class.iter().chain(&args.set).collect();
+    description.set_all(&sets)?;
     if args.print {
         print!("{}", description.to_toml());
     } else {
@@ -78,31 +81,22 @@ fn is_no_machine(file: &Path) -> Result<(), Failure> {
 /// A number that is so many times that of machines of its size, or less than that part of it, is in another unit, or of another machine.
 const ODD: f64 = 2.5;
 
-/// What machines of one mass have alike: the key that is stated, and one that follows from it.
-const ALIKE: &[(&str, &str)] = &[
-    (
-        "machine.geometry.boom_length",
-        "machine.geometry.boom_length",
-    ),
-    ("machine.geometry.arm_length", "machine.geometry.arm_length"),
-    ("machine.geometry.boom_mass", "machine.geometry.boom_mass"),
-    ("machine.geometry.arm_mass", "machine.geometry.arm_mass"),
-    ("machine.upper_inertia", "machine.upper_inertia"),
-    ("machine.rated_payload", "prior.payload"),
-    ("machine.swing_torque", "machine.nominal_damping"),
-    ("machine.wheelbase", "machine.wheelbase"),
-    ("machine.wheel_radius", "machine.wheel_radius"),
-];
-
-/// The cylinders that weigh: table, and the keys without which they are not used.
-const CYLINDERS: &[(&str, &[&str])] = &[
+/// What weighs: table, the keys without which it is not used, and that of the rod's area.
+const CYLINDERS: &[(&str, &[&str], &str)] = &[
     (
         "machine.boom_cylinder",
         &["head_area", "base_distance", "rod_distance"],
+        "rod_area",
     ),
     (
-        "machine.lift_arm.cylinder",
-        &["head_area", "base_distance", "rod_distance"],
+        "machine.lift_arm",
+        &[
+            "length",
+            "cylinder.head_area",
+            "cylinder.base_distance",
+            "cylinder.rod_distance",
+        ],
+        "cylinder.rod_area",
     ),
 ];
 
@@ -130,7 +124,7 @@ fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
             }
         }
     }
-    for (table, keys) in CYLINDERS {
+    for (table, keys, rod_area) in CYLINDERS {
         let is_stated = |key: &&&str| {
             let number = description.number(&format!("{table}.{key}"));
             number.is_none_or(|number| number > 0.0)
@@ -139,13 +133,14 @@ fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
         if !stated.is_empty() && !open.is_empty() {
             found.push(format!("{table} is not used: it lacks {}", open.join(", ")));
         }
-        let rod = description.number(&format!("{table}.rod_area"));
+        let rod = description.number(&format!("{table}.{rod_area}"));
         if open.is_empty() && rod == Some(0.0) {
             found.push(format!(
-                "{table}.rod_area is 0: the rod pressure is not used"
+                "{table}.{rod_area} is 0: the rod pressure is not used"
             ));
         }
     }
+    found.extend(size::of_mass(description));
     found.extend(steps::loads::guessed(description));
     Ok(found)
 }
@@ -208,5 +203,8 @@ mod tests {
             words.starts_with("machine.boom_cylinder.rod_area is 0"),
             "{words}"
         );
+        let words = said("[machine.lift_arm]\nlength = 2.6\n", Machine::Loader);
+        let lacks = "it lacks cylinder.head_area, cylinder.base_distance, cylinder.rod_distance";
+        assert!(words.contains(lacks), "{words}");
     }
 }

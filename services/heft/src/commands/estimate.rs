@@ -18,6 +18,13 @@ use crate::{machines, page};
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     match (&args.output, args.files.as_slice()) {
+        (Some(output), [folder]) if folder.is_dir() && recording::recordings(folder).is_empty() => {
+            Err(Failure::input(
+                "this is a folder without a recording, and one result is of one input",
+                format!("{}, --output {}", folder.display(), output.display()),
+                "name one of its files; or leave --output out: the result of each file below the folder goes beside it",
+            ))
+        }
         (Some(output), [file]) => one(args, file, output),
         (Some(output), _) => Err(Failure::input(
             "several inputs cannot have one result",
@@ -32,8 +39,14 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
     let description = described(args.machine, &args.with.description, file)?;
-    size::tell_assumed_size(&description, &args.with.description, file);
-    (machines::entry(description.machine()).estimate)(args, file, output, &description)
+    let end = (machines::entry(description.machine()).estimate)(args, file, output, &description);
+    // Of what cannot be read nothing is taken for anything.
+    if end.as_ref().err().is_none_or(|failure| failure.status == 1)
+        && let Some(note) = size::assumed(&description, &args.with.description, file)?
+    {
+        eprintln!("{note}");
+    }
+    end
 }
 
 /// Refuses to write over what is read, or over something else of value.

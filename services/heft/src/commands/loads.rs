@@ -1,5 +1,6 @@
 //! `heft loads`: recordings as people count them, one row a load.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -77,8 +78,9 @@ pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
     check_outputs(args, &inputs)?;
     let mut accounts = Vec::new();
     let mut ends = Vec::new();
+    let mut notes = BTreeSet::new();
     for input in &inputs {
-        let (account, end) = match count(args, input) {
+        let (account, end) = match count(args, input, &mut notes) {
             Ok((account, end)) => (Some(account), end),
             Err(failure) => (None, Err(failure)),
         };
@@ -118,10 +120,13 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
     }
 }
 
-/// The loads of an input, and whether all of it could be read.
-fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>), Failure> {
+/// The loads of an input, and whether all of it could be read; a note that is among these has been told.
+fn count(
+    args: &LoadsArgs,
+    input: &Path,
+    notes: &mut BTreeSet<String>,
+) -> Result<(Account, Result<(), Failure>), Failure> {
     let description = described(args.machine, &args.with.description, input)?;
-    size::tell_assumed_size(&description, &args.with.description, input);
     let options = Options {
         target: args.target,
         pause: args.pause,
@@ -140,6 +145,11 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
         Err(failure) if failure.status != 1 => return Err(failure),
         read => read,
     };
+    if let Some(note) = size::assumed(&description, &args.with.description, input)?
+        && notes.insert(note.clone())
+    {
+        eprintln!("{note}");
+    }
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();
     let account = Account::of(&name, &counter, trucks, &truths);

@@ -15,7 +15,7 @@ use view::live::{Server, SharedLoads};
 use self::args::Pace;
 pub use self::args::RunArgs;
 pub use self::plan::folder;
-use self::plan::{absolute, pipeline_plan};
+use self::plan::{absolute, pipeline_plan, tell_size};
 use crate::doubts::AnyDoubts;
 use crate::failure::Failure;
 use crate::fault::Fault;
@@ -150,6 +150,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
     }
+    tell_size(args, &plan)?;
     let domain = domain(args.domain.as_deref(), "")?;
     let span = tracing::Span::current();
     span.record("process", "supervisor");

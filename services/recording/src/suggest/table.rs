@@ -529,6 +529,9 @@ fn beyond(values: &[f64], limit: f64) -> usize {
 /// Rows of days are closer than this, those of seconds are not \[day, s\].
 const SLOWEST: f64 = 1e-4;
 
+/// Who samples a machine faster than this has rather written another unit than seconds [s].
+const FASTEST: f64 = 1e-3;
+
 /// Times by their step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
 fn time(times: &[f64]) -> Guess {
     let mut steps: Vec<f64> = times
@@ -551,7 +554,11 @@ fn time(times: &[f64]) -> Guess {
         s if s < SLOWEST && is_serial_date(times) => "day",
         _ => "s",
     };
-    let reason = format!("median step {}: {name}?", rounded(*step));
+    let minutes = match name {
+        "s" if *step < FASTEST => format!(" in min it would be {} s", rounded(60.0 * step)),
+        _ => String::new(),
+    };
+    let reason = format!("median step {}: {name}?{minutes}", rounded(*step));
     Guess {
         unit: unit::find(name).filter(|u| u.factor != 1.0),
         reason,
@@ -602,6 +609,9 @@ mod tests {
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
+        // Rows of 100 Hz, counted in minutes.
+        let minutes = time(&[0.0, 0.01 / 60.0, 0.02 / 60.0]).reason;
+        assert!(minutes.contains("in min it would be 0.01 s"), "{minutes}");
     }
 
     #[test]

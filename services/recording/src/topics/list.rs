@@ -7,13 +7,13 @@ use std::path::Path;
 use super::codec::Codec;
 use super::for_each_message;
 use super::node::Node;
-use crate::Error;
 use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
 use crate::suggest::suggestion::{Suggestion, links, missing};
 use crate::unit;
+use crate::{Error, Quoted};
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
@@ -104,7 +104,8 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     let file = path.display().to_string().replace(steers, "\u{fffd}");
     let mut text = format!(
         "# Topics and numbers of {file}: fill in topic and field of each signal of the {machine}.\n\
-         # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
+         # Then: heft estimate {} --machine {machine} --map THIS_FILE -o out.csv\n#\n",
+        Quoted(&file)
     );
     let topics = topics(reader);
     let places = places(&topics);

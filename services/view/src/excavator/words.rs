@@ -59,8 +59,13 @@ fn percent(e: &ExcavatorEstimate) -> String {
 }
 
 fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
+    // At standstill it is excited by what the pressures carry.
+    let excited = match e.flags & bits::HELD {
+        0 => "the machine swings",
+        _ => "the machine stands still, and its pressures weigh the load",
+    };
     let mut reasons = vec![
-        "the machine swings".into(),
+        excited.into(),
         "the inputs are complete and can determine the inertia".into(),
         "the measurements agree with the model".into(),
         format!(

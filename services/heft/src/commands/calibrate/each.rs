@@ -79,10 +79,23 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
         let parent = Path::new(file).parent().unwrap_or(Path::new(""));
         parent == Path::new("") || parent.starts_with(folder)
     };
-    let is_here = |text: &&String| is_meant(text.rsplit_once('=').map_or("", |(file, _)| file));
+    let file = |text: &str| {
+        text.rsplit_once('=')
+            .map_or("", |(file, _)| file)
+            .to_owned()
+    };
+    let is_here = |text: &&String| is_meant(&file(text));
     let mut all = inputs::options(args);
     for (name, stated) in [("--payload", &args.payload), ("--mass", &args.mass)] {
-        all.extend(stated.iter().filter(is_here).map(|t| format!("{name}={t}")));
+        let here: Vec<String> = stated.iter().filter(is_here).map(|t| file(t)).collect();
+        // What is stated of this machine's file is meant instead of what is stated of all files of its name.
+        let is_said_closer = |text: &&String| {
+            let (name, mut here) = (file(text), here.iter());
+            here.any(|other| other.len() > name.len() && Path::new(other).ends_with(&name))
+        };
+        let mut own: Vec<&String> = stated.iter().filter(is_here).collect();
+        own.retain(|text| !is_said_closer(text));
+        all.extend(own.iter().map(|text| format!("{name}={text}")));
     }
     // Scales of this name in the folder of the machine, or else the file that is named.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
@@ -184,4 +197,31 @@ fn csv(machines: &[Machine]) -> String {
         out += &(cells.join(",") + "\n");
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_stated_of_a_machines_own_file_is_meant_instead_of_what_is_stated_of_all() {
+        use clap::Parser;
+        let words = "heft calibrate excavator --each site/m7 site/m8 --payload empty.mcap=0 \
+            --payload loaded.mcap=423±2 --payload site/m7/loaded.mcap=510±2";
+        let cli = crate::commands::Cli::parse_from(words.split_whitespace());
+        let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
+            panic!("calibrate");
+        };
+        let of = |folder: &str| {
+            let mut all = options(&args, Path::new(folder));
+            all.retain(|option| option.starts_with("--payload="));
+            all
+        };
+        let empty = "--payload=empty.mcap=0";
+        assert_eq!(
+            of("site/m7"),
+            [empty, "--payload=site/m7/loaded.mcap=510±2"]
+        );
+        assert_eq!(of("site/m8"), [empty, "--payload=loaded.mcap=423±2"]);
+    }
 }

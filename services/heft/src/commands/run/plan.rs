@@ -47,6 +47,16 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
+/// Says what is taken for the size of the machine whose data come in.
+pub(super) fn tell_size(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
+    if let Some(input) = &args.input
+        && let Some(note) = size::assumed(&plan.description()?, &args.description, input)?
+    {
+        eprintln!("{note}");
+    }
+    Ok(())
+}
+
 /// What describes the machine of a run. Where nobody describes a simulated one, its cylinders are described as they are.
 pub(super) fn described(args: &RunArgs, pressures: bool) -> DescriptionArgs {
     let given = &args.description;

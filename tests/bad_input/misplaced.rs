@@ -1,0 +1,179 @@
+//! Something at a place of the command line where something else belongs: what it is, and its own place.
+
+use std::fs;
+
+use crate::common::{both, golden, path_in, run, run_ok};
+use crate::refused;
+
+/// Refused with these words, beside the golden excavator of 13 t as `day 1.csv`, a map, and a folder with the same data.
+fn said(line: &[&str], words: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = |name: &str| path_in(folder.path(), name);
+    let data = golden("machines/excavator_1_13t_level.csv");
+    fs::create_dir(place("site")).expect("a folder");
+    for copy in ["day 1.csv", "site/day.csv"] {
+        fs::copy(&data, place(copy)).expect("a copy");
+    }
+    let map = "# A map.\n[columns]\nt = \"t\"\n";
+    fs::write(place("map.toml"), map).expect("a map");
+    let names = ["day 1.csv", "site", "map.toml", "out.csv"];
+    let args = line.iter().map(|word| match names.contains(word) {
+        true => place(word),
+        false => (*word).to_owned(),
+    });
+    let args: Vec<String> = args.collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    refused(&args, words, &folder.path().join("out.csv"));
+}
+
+#[test]
+fn a_file_or_a_machine_at_the_place_of_something_else_is_told_its_own() {
+    let named = ["this is a machine, and --machine names it"];
+    said(&["estimate", "excavator", "day 1.csv"], &named);
+    said(&["loads", "day 1.csv", "loader"], &named);
+    said(&["day 1.csv"], &["is a file: the command comes before it"]);
+    said(
+        &["calibrate", "day 1.csv"],
+        &["is a file: the machine comes before it"],
+    );
+    let run = ["run", "excavator", "day 1.csv"];
+    said(&run, &["is a file: heft run takes one by --input"]);
+    let of_set = ["--set", "machine.operating_mass", "21500", "-o", "out.csv"];
+    let estimate = ["estimate", "day 1.csv", "--machine", "excavator"];
+    let line = [&estimate[..], &of_set].concat();
+    said(&line, &["--set", "without blanks, like sensors.rate=100"]);
+}
+
+#[test]
+fn a_folder_of_data_has_no_single_result() {
+    let line = [
+        "estimate",
+        "site",
+        "--machine",
+        "excavator",
+        "-o",
+        "out.csv",
+    ];
+    said(
+        &line,
+        &["this is a folder without a recording", "leave --output out"],
+    );
+}
+
+#[test]
+fn a_signal_map_is_neither_data_nor_a_machine_file() {
+    said(
+        &["map", "map.toml"],
+        &["this is TOML", "a signal map by --map"],
+    );
+    let line = [
+        "estimate",
+        "map.toml",
+        "--machine",
+        "excavator",
+        "-o",
+        "out.csv",
+    ];
+    said(&line, &["this is TOML", "a signal map by --map"]);
+    said(
+        &["check", "map.toml"],
+        &["map.toml:2", "of a signal map: give that with --map"],
+    );
+}
+
+#[test]
+fn a_command_that_heft_proposes_runs_as_it_stands() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = path_in(folder.path(), "Tag 1 (Größe).csv");
+    fs::copy(golden("machines/excavator_1_13t_level.csv"), &file).expect("a copy");
+    let map = run_ok(&["map", &file]);
+    let line = map
+        .lines()
+        .find_map(|line| line.strip_prefix("# Then: heft "));
+    let line = line
+        .expect("a command")
+        .replace("--map THIS_FILE", "--class 13t");
+    let heft = env!("CARGO_BIN_EXE_heft");
+    let out = std::process::Command::new("sh")
+        .args(["-c", &format!("{heft} {line}")])
+        .current_dir(&folder)
+        .output()
+        .expect("sh runs");
+    assert!(out.status.success(), "{line}: {}", both(&out));
+    assert!(folder.path().join("out.csv").exists(), "{line}");
+}
+
+/// What a stated mass stands for, and nothing of it about data that cannot be read.
+#[test]
+fn who_states_the_mass_is_told_what_follows_from_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = path_in(folder.path(), "out.csv");
+    let of = |machine: &str, file: &str, options: &[&str]| {
+        let file = golden(&format!("machines/{file}.csv"));
+        let file = file.to_str().expect("a path");
+        let line = ["estimate", file, "--machine", machine, "-o", &out];
+        both(&run(&[&line[..], options].concat()))
+    };
+    let excavator = |options: &[&str]| of("excavator", "excavator_1_13t_level", options);
+    for options in [
+        ["--class", "5.5t"],
+        ["--set", "machine.operating_mass=5500"],
+    ] {
+        let text = excavator(&options);
+        assert!(!text.contains("the reference machine"), "{text}");
+        let words = "those of a usual excavator of 5.5 t, as machine.nominal_damping";
+        assert!(text.contains(words), "{text}");
+    }
+    let stated = [
+        "--class",
+        "13t",
+        "--set",
+        "machine.geometry.boom_length=4.6",
+    ];
+    let text = excavator(&stated);
+    assert!(!text.contains("boom_length 4"), "{text}");
+    // The command shows what was taken.
+    let (_, command) = text.split_once("`heft ").expect("a command");
+    let command = command.split('`').next().expect("a command");
+    let all = run_ok(&command.split(' ').collect::<Vec<_>>());
+    assert!(all.contains("\nboom_length = 4.6\n"), "{command}: {all}");
+    assert!(all.contains("\noperating_mass = 13000.0\n"), "{command}");
+
+    let loader = |options: &[&str]| of("loader", "loader_2_12t_late", options);
+    let text = loader(&["--class", "12t"]);
+    assert!(
+        text.contains("usual loader of 12 t, as machine.wheel_radius"),
+        "{text}"
+    );
+    let text = loader(&["--set", "machine.mass=4700"]);
+    assert!(
+        text.contains("the reference loader, whose mass this is"),
+        "{text}"
+    );
+
+    // Who runs on data is told it too.
+    let data = golden("machines/excavator_1_13t_level.csv");
+    let line = [
+        "run",
+        "excavator",
+        "--pace",
+        "max",
+        "--quiet",
+        "--no-report",
+        "--input",
+    ];
+    let folder = path_in(folder.path(), "run");
+    let more = [data.to_str().expect("a path"), "--out", &folder];
+    let text = both(&run(&[&line[..], &more].concat()));
+    assert!(text.contains("the reference machine of 5.5 t"), "{text}");
+
+    let refused = both(&run(&[
+        "estimate",
+        "nowhere.csv",
+        "--machine",
+        "loader",
+        "-o",
+        &out,
+    ]));
+    assert!(!refused.contains("note:"), "{refused}");
+}
