@@ -169,6 +169,8 @@ impl Changed {
     }
 
     /// An emptied bucket shows this.
+    #[cold]
+    #[inline(never)]
     fn emptied(&mut self, shown: Quantity, doubts: &Doubts, capacity: f64) {
         let since = core::mem::take(&mut self.since);
         let before = self.expected(doubts, WARMS * sqrt(since) * capacity);
