@@ -362,6 +362,11 @@ impl Working {
         let other = weigh.measure(settings, &moment, (parallel, believes), &mut None);
         self.scale.weigh(weigh, settings, &moment, anything);
         if !believes {
+            if self.carries() {
+                let load = (self.filter.load(), self.filter.p[M][M]);
+                let known = self.known_variance();
+                self.scale.sees(load, known);
+            }
             return false;
         }
         let load = (self.filter.load(), self.rated);
@@ -396,6 +401,11 @@ impl Working {
             self.filter.set(GAIN, 0.0, std * std, trail);
             self.parallel.knows_gain(std);
         }
+    }
+
+    /// Whether the bucket may still hold what was filled into it.
+    fn carries(&self) -> bool {
+        !(self.bucket.is_open() || self.bucket.is_settling() || self.bucket.is_emptied())
     }
 
     /// Whether pressures weigh, and are believed.

@@ -37,9 +37,10 @@ pub(super) struct Scale {
     strange: u32,
     /// Odds that the pressures err.
     errs: f64,
-    /// The torque goes on alone; odds that it weighs other loads.
+    /// The torque goes on alone; odds that it weighs other loads, and how far apart both are in the present one.
     doubted: bool,
-    apart: f64,
+    differs: f64,
+    apart: Option<Innovation>,
     /// The bucket is emptied, and nothing has weighed it since.
     asked: bool,
 }
@@ -53,7 +54,8 @@ impl Scale {
             errs: LEAST_ODDS,
             doubted: false,
             asked: false,
-            apart: LEAST_ODDS,
+            differs: LEAST_ODDS,
+            apart: None,
         };
         scale.has_no_torque();
         scale
@@ -121,7 +123,7 @@ impl Scale {
 
     /// Torque and load contradict each other: from now on the torque goes on alone, until both weigh loads alike.
     pub(super) fn is_contradicted(&mut self) {
-        (self.apart, self.doubted) = (1.0, true);
+        (self.differs, self.doubted) = (1.0, true);
     }
 
     /// Whether the torque goes on alone.
@@ -134,19 +136,23 @@ impl Scale {
         self.doubted && self.errs < SURE
     }
 
-    /// A content is over that the torque alone has weighed, with this variance \[kg, kg^2\]; `anything`: variance of a load of which nothing
-    /// is known, `known` of one that is [kg^2].
-    pub(super) fn compare(&mut self, (load, variance): (f64, f64), anything: f64, known: f64) {
+    /// The torque alone weighs a load that is still in the bucket, with this variance \[kg, kg^2\]; `known`: variance of one that is known.
+    pub(super) fn sees(&mut self, (load, variance): (f64, f64), known: f64) {
         let own = self.filter.p[M][M];
-        if !self.doubted || variance > known || own > known {
-            return;
+        if variance < known && own < known {
+            self.apart = Some(Innovation {
+                value: self.filter.x[M] - load,
+                variance: own + variance,
+            });
         }
-        let apart = Innovation {
-            value: self.filter.x[M] - load,
-            variance: own + variance,
-        };
-        self.apart = weighed(self.apart, apart, anything);
-        self.doubted = self.apart > LEAST_ODDS || self.errs > 1.0;
+    }
+
+    /// That content is over; `anything`: variance of a load of which nothing is known [kg^2].
+    pub(super) fn compare(&mut self, anything: f64) {
+        if let Some(apart) = self.apart.take() {
+            self.differs = weighed(self.differs, apart, anything);
+            self.doubted = self.differs > LEAST_ODDS || self.errs > 1.0;
+        }
     }
 
     /// An emptied bucket holds nothing, with this variance [kg^2].
@@ -282,11 +288,10 @@ mod tests {
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
         let mut content = |scale: &mut Scale, load: f64| {
             scale.hold((load, 30.0), false);
-            scale.compare((700.0, 900.0), ANYTHING, 100.0 * 100.0);
+            scale.sees((700.0, 900.0), 100.0 * 100.0);
+            scale.compare(ANYTHING);
             scale.is_doubted()
         };
-        // Nothing is asked before anything is contradicted.
-        assert!(!content(&mut scale, 1000.0));
         scale.is_contradicted();
         assert!(scale.is_doubted() && scale.is_undecided());
         assert!((0..5).all(|_| content(&mut scale, 1000.0)));

@@ -41,10 +41,7 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
-        let (load, anything) = (self.filter.load(), self.anything());
-        let known = self.known_variance();
-        self.scale
-            .compare((load, self.filter.p[M][M]), anything, known);
+        self.scale.compare(self.anything());
         self.recall(settings);
         self.contradiction.content_changes();
         self.sway.forget();
@@ -101,7 +98,7 @@ impl Working {
     }
 
     /// Variance of a payload below which an empty bucket can be told from a loaded one [kg^2].
-    fn known_variance(&self) -> f64 {
+    pub(super) fn known_variance(&self) -> f64 {
         let limit = KNOWN_STD_SHARE * self.rated;
         limit * limit
     }
@@ -124,7 +121,7 @@ impl Working {
             self.contradiction.is_weighed();
         }
         if !self.bucket.is_emptied() {
-            if !self.bucket.is_open() && !self.bucket.is_settling() {
+            if self.carries() {
                 self.carried = Some(self.filter.x[M]);
             }
             return;

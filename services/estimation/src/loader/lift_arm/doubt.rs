@@ -168,7 +168,8 @@ impl Doubts {
         }
     }
 
-    fn put(&mut self, number: usize, effects: [f64; 3]) {
+    /// A number that is off by its deviation does this to payload, ratio and height [kg, -, m].
+    pub(super) fn put(&mut self, number: usize, effects: [f64; 3]) {
         let (old, weight) = (self.effects[number], weight(number));
         let tared = self.last.as_ref().map_or(0.0, |t| t.effects[number]);
         let new = Sums::of(&effects, tared, weight);
@@ -208,7 +209,7 @@ impl Doubts {
             self.round = self.round.tared();
             self.last = Some(Tared {
                 tare,
-                effects: self.effects.map(|[payload, ..]| payload),
+                effects: self.of_payloads(),
                 total: self.sums.variances[0] + tare.variance,
             });
         }
@@ -222,6 +223,20 @@ impl Doubts {
     /// What a number that is off by its deviation does to the payload [kg].
     pub fn of_payload(&self, number: usize) -> f64 {
         self.effects[number][0].abs()
+    }
+
+    /// What each number that is off by its deviation does to the payload [kg].
+    pub fn of_payloads(&self) -> [f64; NUMBERS] {
+        self.effects.map(|[payload, ..]| payload)
+    }
+
+    /// Standard deviation of the payload here against there, where the numbers had these effects [kg].
+    pub fn between(&self, there: &[f64; NUMBERS]) -> f64 {
+        let apart = |(number, there): (usize, &f64)| {
+            let by = self.effects[number][0] - there;
+            weight(number) * by * by
+        };
+        sqrt(there.iter().enumerate().map(apart).sum())
     }
 
     /// Standard deviation of what the pressures show of the payload, by all numbers [kg].
@@ -438,6 +453,17 @@ mod tests {
         for (sum, round) in doubts.sums.variances.iter().zip(doubts.round.variances) {
             assert!(apart(*sum, round) < 1e-12, "{sum} {round}");
         }
+    }
+
+    #[test]
+    fn where_the_numbers_do_the_same_the_same_bucket_is_no_other() {
+        let doubts = doubts();
+        let here = doubts.of_payloads();
+        assert_eq!(doubts.between(&here), 0.0);
+        let there = here.map(|effect| effect - 50.0);
+        let (one, all) = (doubts.between(&there), NUMBERS as f64);
+        let stated = 3.0 + (all - 3.0) * MISSTATED * MISSTATED;
+        assert!((one - 50.0 * stated.sqrt()).abs() < 1e-9, "{one}");
     }
 
     #[test]

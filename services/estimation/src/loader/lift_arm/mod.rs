@@ -18,6 +18,7 @@
 //! | `saturation` | a pressure sensor at its end |
 //! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
+//! | `repeats` | how far emptied buckets differ from each other |
 //! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
@@ -49,6 +50,7 @@ mod grading;
 mod lifts;
 mod linkage;
 mod numbers;
+mod repeats;
 mod saturation;
 mod scale;
 mod seals;
@@ -394,7 +396,7 @@ impl LiftWitness {
         self.doubts.empty(tare);
         let bucket = Bucket {
             shown: payload,
-            drawn,
+            doubts: &self.doubts,
             motion: &motion,
             in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
             is_empty: tare.is_some_and(|tare| tare.at_dump),
