@@ -24,6 +24,8 @@ const GATE: f64 = 4.0;
 pub(super) const LASTS: u32 = 5;
 /// What a measurement says holds for so long \[s\].
 const HOLDS: f64 = 1.0;
+/// Pressures that say nothing for so long are not there any more \[s\]; a block of them lasts 0.2 s.
+const GONE: f64 = 10.0;
 /// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
@@ -70,6 +72,8 @@ pub(super) struct Weigh {
     strange: u32,
     /// Time since the last measurement that fitted \[s\].
     age: f64,
+    /// Time since the last measurement \[s\].
+    silent: f64,
 }
 
 impl Weigh {
@@ -83,12 +87,18 @@ impl Weigh {
             wavering: 0.0,
             strange: 0,
             age: f64::INFINITY,
+            silent: 0.0,
         }
     }
 
     /// A source that has the pressures.
     pub(super) fn is_there(&self) -> bool {
         self.begun
+    }
+
+    /// It had them, and has them no more.
+    pub(super) fn is_gone(&self) -> bool {
+        self.silent > GONE
     }
 
     /// The load has been weighed just now.
@@ -149,6 +159,7 @@ impl Weigh {
             return None;
         }
         self.age += drive.period;
+        self.silent += drive.period;
         let g = &settings.geometry;
         self.ground
             .step(drive.posture, g.lengths, velocity, drive.period);
@@ -170,8 +181,13 @@ impl Weigh {
             velocity,
             turn,
         };
-        self.moments
-            .step(g, &self.cylinder, &front, (constant, touches))
+        let moment = self
+            .moments
+            .step(g, &self.cylinder, &front, (constant, touches));
+        if moment.is_some() {
+            self.silent = 0.0;
+        }
+        moment
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
@@ -428,5 +444,36 @@ mod tests {
             !stands(800.0, |t| noise[(t * 5.0) as usize % 8]),
             "0.24 % of noise"
         );
+    }
+
+    #[test]
+    fn pressures_that_are_gone_say_nothing_any_more() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let settings = Settings::of(&d);
+        let mut weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+        weigh.begun = true;
+        let mut gone_after = |seconds: u32, pressures| {
+            let drive = Drive {
+                period: 0.01,
+                boom_pressure: pressures,
+                ..Drive::default()
+            };
+            (0..100 * seconds).for_each(|_| {
+                weigh.step(
+                    &settings,
+                    &drive,
+                    ((0.0, 1.0), 0.0),
+                    (Content::Unchanged, false),
+                );
+            });
+            weigh.is_gone()
+        };
+        assert!(!gone_after(20, Some([12e6, 1e6])));
+        assert!(!gone_after(9, None));
+        assert!(gone_after(2, None));
+        assert!(!gone_after(1, Some([12e6, 1e6])));
     }
 }
