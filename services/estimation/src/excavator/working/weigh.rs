@@ -24,7 +24,7 @@ const GATE: f64 = 4.0;
 pub(super) const LASTS: u32 = 5;
 /// What a measurement says holds for so long \[s\].
 const HOLDS: f64 = 1.0;
-/// Pressures that say nothing for so long are not there any more \[s\]; a block of them lasts 0.2 s.
+/// Pressures that are missing for so long are not there any more \[s\].
 const GONE: f64 = 10.0;
 /// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
@@ -72,7 +72,7 @@ pub(super) struct Weigh {
     strange: u32,
     /// Time since the last measurement that fitted \[s\].
     age: f64,
-    /// Time since the last measurement \[s\].
+    /// Time since the last pressures \[s\].
     silent: f64,
 }
 
@@ -159,7 +159,10 @@ impl Weigh {
             return None;
         }
         self.age += drive.period;
-        self.silent += drive.period;
+        self.silent = match drive.boom_pressure {
+            Some(_) => 0.0,
+            None => self.silent + drive.period,
+        };
         let g = &settings.geometry;
         self.ground
             .step(drive.posture, g.lengths, velocity, drive.period);
@@ -181,13 +184,8 @@ impl Weigh {
             velocity,
             turn,
         };
-        let moment = self
-            .moments
-            .step(g, &self.cylinder, &front, (constant, touches));
-        if moment.is_some() {
-            self.silent = 0.0;
-        }
-        moment
+        self.moments
+            .step(g, &self.cylinder, &front, (constant, touches))
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
