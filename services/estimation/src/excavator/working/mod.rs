@@ -351,6 +351,7 @@ impl Working {
             }
             if self.contradiction.is_open() {
                 self.scale.is_contradicted();
+                self.tail.forget();
             }
         }
         let Some(weigh) = &mut self.weigh else {

@@ -41,7 +41,9 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
-        self.scale.compare(self.anything());
+        if self.scale.is_doubted() {
+            self.scale.compare(self.anything());
+        }
         self.recall(settings);
         self.contradiction.content_changes();
         self.sway.forget();

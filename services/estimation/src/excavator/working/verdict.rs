@@ -72,11 +72,7 @@ impl Working {
         let parallel = self
             .parallel
             .variances(&self.sticks, payload, inertia, &drive.now);
-        let tail = if self.weighs() {
-            self.tail.variances(&self.filter, &drive.now, &self.sticks)
-        } else {
-            [0.0; 2]
-        };
+        let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
         let other = self.attachment.variances();
         let form = self.drawn_wrong(settings, drive, payload, down);
         let g = drive.now.per_payload;

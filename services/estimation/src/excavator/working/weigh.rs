@@ -72,8 +72,6 @@ pub(super) struct Weigh {
     strange: u32,
     /// Time since the last measurement that fitted \[s\].
     age: f64,
-    /// Time since the last pressures \[s\].
-    silent: f64,
 }
 
 impl Weigh {
@@ -87,7 +85,6 @@ impl Weigh {
             wavering: 0.0,
             strange: 0,
             age: f64::INFINITY,
-            silent: 0.0,
         }
     }
 
@@ -98,7 +95,7 @@ impl Weigh {
 
     /// It had them, and has them no more.
     pub(super) fn is_gone(&self) -> bool {
-        self.silent > GONE
+        self.moments.unread() > GONE
     }
 
     /// The load has been weighed just now.
@@ -159,10 +156,6 @@ impl Weigh {
             return None;
         }
         self.age += drive.period;
-        self.silent = match drive.boom_pressure {
-            Some(_) => 0.0,
-            None => self.silent + drive.period,
-        };
         let g = &settings.geometry;
         self.ground
             .step(drive.posture, g.lengths, velocity, drive.period);
