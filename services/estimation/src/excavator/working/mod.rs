@@ -331,7 +331,6 @@ impl Working {
         (content, stands): (Content, bool),
         trail: &mut Option<Trail>,
     ) -> bool {
-        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };
@@ -354,6 +353,7 @@ impl Working {
                 self.tail.forget();
             }
         }
+        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };

@@ -123,7 +123,7 @@ impl Working {
             self.contradiction.is_weighed();
         }
         if !self.bucket.is_emptied() {
-            if self.carries() {
+            if !self.bucket.is_open() && !self.bucket.is_settling() {
                 self.carried = Some(self.filter.x[M]);
             }
             return;
