@@ -377,7 +377,12 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
-        weigh.renews(said)
+        let renews = weigh.renews(said);
+        if renews && self.bucket.is_emptied() && self.parallel.is_driven() {
+            // Nothing has been filled in.
+            self.contradiction.outright();
+        }
+        renews
     }
 
     /// Where the pressures begin: from now on they weigh beside the torque.

@@ -52,7 +52,7 @@ impl Working {
         }
         let contradicted = self.is_contradicted();
         if let Some(weigh) = &mut self.weigh {
-            weigh.content_changes();
+            weigh.forget();
             if self.scale.is_doubted() && !contradicted {
                 self.scale.knows(&self.filter);
             }

@@ -311,13 +311,7 @@ impl Weigh {
         watched.last = away;
     }
 
-    /// The bucket holds something else: what is strange of it is to be seen anew.
-    pub(super) fn content_changes(&mut self) {
-        self.strange = 0;
-        self.forget();
-    }
-
-    /// How it swings is to be seen anew.
+    /// The bucket holds something else: how it swings is to be seen anew.
     pub(super) fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
