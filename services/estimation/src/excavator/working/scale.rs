@@ -286,7 +286,7 @@ mod tests {
         let mut std = [0.0; N];
         std[M] = 30.0;
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
-        let mut content = |scale: &mut Scale, load: f64| {
+        let content = |scale: &mut Scale, load: f64| {
             scale.hold((load, 30.0), false);
             scale.sees((700.0, 900.0), 100.0 * 100.0);
             scale.compare(ANYTHING);
