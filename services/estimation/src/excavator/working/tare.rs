@@ -50,10 +50,10 @@ impl Working {
         if self.attachment.pending {
             self.content_tells_attachment(settings.estimator.gate, trail);
         }
-        let contradicted = self.is_contradicted();
+        let goes_on_alone = self.scale.is_doubted() && !self.is_contradicted();
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
-            if self.scale.is_doubted() && !contradicted {
+            if goes_on_alone {
                 self.scale.knows(&self.filter);
             }
             self.scale.hold((value, std), content == Content::Emptied);
