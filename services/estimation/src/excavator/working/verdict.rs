@@ -76,8 +76,8 @@ impl Working {
         let other = self.attachment.variances();
         let form = self.drawn_wrong(settings, drive, payload, down);
         let g = drive.now.per_payload;
-        let [payload, inertia] = if contradicted && self.weigh.as_ref().is_some_and(Weigh::is_there)
-        {
+        let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let [payload, inertia] = if contradicted && weighs {
             self.scale.answer(&self.sticks, &drive.now, [least, most])
         } else {
             let variance = variance * factor + self.loads.variance(payload);
