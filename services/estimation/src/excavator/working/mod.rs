@@ -377,12 +377,7 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
-        let renews = weigh.renews(said);
-        if renews && self.bucket.is_emptied() && self.parallel.is_driven() {
-            // Nothing has been filled in.
-            self.contradiction.outright();
-        }
-        renews
+        weigh.renews(said)
     }
 
     /// Where the pressures begin: from now on they weigh beside the torque.
