@@ -100,19 +100,9 @@ impl Working {
             return;
         }
         self.recall.candidate = None;
-        if let Some(mut known) = self.recall.confirmed.take() {
-            self.ages_since(&mut known, settings);
-            self.begins_with(&known);
-            self.recall.confirmed = Some(known);
-        } else if self.scale.is_doubted() {
-            // The pressures have told it what may be wrong.
-            self.begins_with(&self.described(settings));
-        }
-    }
-
-    /// What was known before fades.
-    fn ages_since(&mut self, known: &mut Filter, settings: &Settings) {
-        let time = self.recall.time;
+        let Some(mut known) = self.recall.confirmed.take() else {
+            return;
+        };
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
         known.fade(&self.described(settings), exp(-age / LASTS), &CONSTANTS);
         for i in [FRICTION, DAMPING] {
@@ -121,15 +111,12 @@ impl Working {
         for i in [SLOPE, SLOPE + 1] {
             known.p[i][i] = known.p[i][i].max(self.stated[i] * self.stated[i]);
         }
-    }
-
-    /// This is known, and nothing else.
-    fn begins_with(&mut self, known: &Filter) {
         let velocity = (self.filter.x[W], self.filter.p[W][W]);
         self.filter = known.clone();
         self.filter.set(W, velocity.0, velocity.1, &mut None);
         self.scale.knows(&self.filter);
         self.parallel.begins(&self.filter);
+        self.recall.confirmed = Some(known);
         self.anew = true;
     }
 }

@@ -24,8 +24,6 @@ use crate::math::{exp, sqrt};
 const ERRS: f64 = 0.1;
 const LEAST_ODDS: f64 = ERRS / (1.0 - ERRS);
 const MOST_ODDS: f64 = 1e3;
-/// Odds at which the pressures err surely enough: the interval leaves as much out.
-const SURE: f64 = 20.0;
 /// One emptied bucket says no more than this (logarithm).
 const SAYS: f64 = 12.0;
 
@@ -37,10 +35,6 @@ pub(super) struct Scale {
     strange: u32,
     /// Odds that the pressures err.
     errs: f64,
-    /// The torque goes on alone; odds that it weighs other loads, and how far apart both are in the present one.
-    doubted: bool,
-    differs: f64,
-    apart: Option<Innovation>,
     /// The bucket is emptied, and nothing has weighed it since.
     asked: bool,
 }
@@ -52,10 +46,7 @@ impl Scale {
             filter: filter.clone(),
             strange: 0,
             errs: LEAST_ODDS,
-            doubted: false,
             asked: false,
-            differs: LEAST_ODDS,
-            apart: None,
         };
         scale.has_no_torque();
         scale
@@ -103,7 +94,7 @@ impl Scale {
         moment: &Moment,
         anything: f64,
     ) {
-        let said = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
+        let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
         if moment.touches || fits(said) {
             self.strange = 0;
         } else {
@@ -112,8 +103,7 @@ impl Scale {
         let lasts = self.strange == LASTS;
         if self.asked && !moment.touches && (lasts || self.strange == 0) {
             self.asked = false;
-            let anything = anything * moment.per_payload * moment.per_payload;
-            self.errs = weighed(self.errs, said, anything);
+            self.judge(said, anything * moment.per_payload * moment.per_payload);
         }
         if lasts {
             self.filter.p[M][M] += anything;
@@ -121,38 +111,10 @@ impl Scale {
         }
     }
 
-    /// Torque and load contradict each other: from now on the torque goes on alone, until both weigh loads alike.
-    pub(super) fn is_contradicted(&mut self) {
-        (self.differs, self.doubted) = (1.0, true);
-    }
-
-    /// Whether the torque goes on alone.
-    pub(super) fn is_doubted(&self) -> bool {
-        self.doubted
-    }
-
-    /// Whether nobody knows which of them errs.
-    pub(super) fn is_undecided(&self) -> bool {
-        self.doubted && self.errs < SURE
-    }
-
-    /// The torque alone weighs a load that is still in the bucket, with this variance \[kg, kg^2\]; `known`: variance of one that is known.
-    pub(super) fn sees(&mut self, (load, variance): (f64, f64), known: f64) {
-        let own = self.filter.p[M][M];
-        if variance < known && own < known {
-            self.apart = Some(Innovation {
-                value: self.filter.x[M] - load,
-                variance: own + variance,
-            });
-        }
-    }
-
-    /// That content is over; `anything`: variance of a load of which nothing is known [kg^2].
-    pub(super) fn compare(&mut self, anything: f64) {
-        if let Some(apart) = self.apart.take() {
-            self.differs = weighed(self.differs, apart, anything);
-            self.doubted = self.differs > LEAST_ODDS || self.errs > 1.0;
-        }
+    /// What an emptied bucket says of the pressures; `anything`: variance of what any content would add.
+    fn judge(&mut self, said: Innovation, anything: f64) {
+        let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
+        self.errs = (self.errs * likelier).clamp(LEAST_ODDS, MOST_ODDS);
     }
 
     /// An emptied bucket holds nothing, with this variance [kg^2].
@@ -187,12 +149,6 @@ impl Scale {
             ),
         ]
     }
-}
-
-/// Odds of anything beside what is expected, after an innovation; `anything`: variance of what it would add.
-fn weighed(odds: f64, said: Innovation, anything: f64) -> f64 {
-    let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
-    (odds * likelier).clamp(LEAST_ODDS, MOST_ODDS)
 }
 
 #[cfg(test)]
@@ -279,30 +235,5 @@ mod tests {
             empty(0.0);
         }
         assert_eq!(empty(0.0), LEAST_ODDS);
-    }
-
-    #[test]
-    fn the_torque_goes_on_alone_until_both_weigh_loads_alike() {
-        let mut std = [0.0; N];
-        std[M] = 30.0;
-        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
-        let content = |scale: &mut Scale, load: f64| {
-            scale.hold((load, 30.0), false);
-            scale.sees((700.0, 900.0), 100.0 * 100.0);
-            scale.compare(ANYTHING);
-            scale.is_doubted()
-        };
-        scale.is_contradicted();
-        assert!(scale.is_doubted() && scale.is_undecided());
-        assert!((0..5).all(|_| content(&mut scale, 1000.0)));
-        // Loads that differ do not tell which of both errs.
-        assert!(scale.is_undecided());
-        assert!((0..20).any(|_| !content(&mut scale, 720.0)));
-        // Emptied buckets that weigh something do; and while they do, loads that are alike prove nothing.
-        scale.is_contradicted();
-        scale.hold((0.0, 30.0), true);
-        weigh(&mut scale, 300.0, 2 * LASTS);
-        assert!(scale.is_doubted() && !scale.is_undecided());
-        assert!((0..20).all(|_| content(&mut scale, 720.0)));
     }
 }
