@@ -11,6 +11,8 @@
 const PRIOR: f64 = 2.0;
 /// So many buckets are remembered: machines wear, and work goes on elsewhere.
 const MEMORY: f64 = 30.0;
+/// One bucket says no more than this square. Rows that claim to leave nothing open would say anything.
+const MOST: f64 = 1e4;
 
 /// Memory of emptied buckets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +34,7 @@ impl Repeats {
     /// An emptied bucket differs by so many deviations of its rows; it is like the others, or not.
     pub fn see(&mut self, away: f64, alike: bool) {
         let [sum, count] = &mut self.unlike;
-        (*sum, *count) = (*sum + away * away, *count + 1.0);
+        (*sum, *count) = (*sum + (away * away).min(MOST), *count + 1.0);
         if alike {
             let [sum, count] = core::mem::take(&mut self.unlike);
             let kept = 1.0 - (count / MEMORY).min(1.0);
@@ -58,5 +60,11 @@ mod tests {
         assert!(repeats.share() > 2.0 * agreed);
         (0..1000).for_each(|_| repeats.see(3.0, true));
         assert_eq!(repeats.share(), 1.0);
+        // By rows that leave nothing open, and are right or not.
+        for away in [f64::INFINITY, f64::NAN] {
+            repeats.see(away, true);
+        }
+        (0..1000).for_each(|_| repeats.see(0.0, true));
+        assert!(repeats.share() < 0.1, "{}", repeats.share());
     }
 }
