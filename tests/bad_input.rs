@@ -291,6 +291,13 @@ fn unknown_methods_scenarios_and_domains_name_the_choices() {
         (vec!["tail", "--rate", "0"], "above 0"),
         (vec!["tail", "--rate", "nan"], "no number"),
         (
+            vec!["run", "excavator", "--duration", "5 minutes"],
+            "like 500ms, 90s, 5m, 2h",
+        ),
+        (vec!["run", "excavator", "--duration", "0"], "above 0"),
+        (vec!["latency", "--duration", "-1"], "like 500ms"),
+        (vec!["run", "loader", "--target", "24"], "--target 24t"),
+        (
             vec![
                 "evaluate",
                 "excavator",

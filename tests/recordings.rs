@@ -266,4 +266,9 @@ fn a_recording_brings_its_machine_and_its_description_unless_another_is_named() 
     assert_eq!(own, first_inertia(&["--machine", "excavator"]));
     assert_ne!(own, first_inertia(&["--class", "36t"]));
     assert_ne!(own, first_inertia(&["--set", "prior.payload=100"]));
+    // For a program in C, or another recording: what it brings is a machine file.
+    let file = folder.path().join("machine.toml");
+    let text = run_ok(&["check", path(&recording), "--print"]);
+    std::fs::write(&file, text).expect("a machine file");
+    assert_eq!(own, first_inertia(&["--config", path(&file)]));
 }

@@ -63,15 +63,17 @@ pub fn assignment(text: &str) -> Result<String, String> {
 /// A mass such as 21t, 21.5 t or 21500kg \[kg\].
 pub fn tonnes(text: &str) -> Result<f64, String> {
     let text = text.trim().to_lowercase();
-    let (number, factor) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {
-        (Some(number), _) => (number, 1.0),
-        (None, Some(number)) => (number, 1000.0),
-        (None, None) => return Err("write it like 21t or 21500kg".into()),
-    };
+    let (number, factor) = in_mass_unit(&text).ok_or("write it like 21t or 21500kg")?;
     let mass = number.trim().parse::<f64>().map(|number| number * factor);
     mass.ok()
         .filter(|mass| (200.0..=1e6).contains(mass))
         .ok_or_else(|| "a mass from 200kg to 1000t".into())
+}
+
+/// What stands before `t` or `kg`, and how many kilograms that unit is.
+pub fn in_mass_unit(text: &str) -> Option<(&str, f64)> {
+    let kilograms = text.strip_suffix("kg").map(|number| (number, 1.0));
+    kilograms.or_else(|| Some((text.strip_suffix('t')?, 1000.0)))
 }
 
 /// What `--method` says of itself: the methods of each machine, the usual one first.

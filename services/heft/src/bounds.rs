@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use view::duration;
 
 /// A time or an amount of data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -50,29 +51,26 @@ impl LimitArgs {
     }
 }
 
-/// Units with what they are in seconds or bytes.
-const TIMES: &[(&str, f64)] = &[("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
+/// Units with what they are in bytes.
 const SIZES: &[(&str, f64)] = &[("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
 
 fn bound(text: &str) -> Result<Bound, String> {
-    let at = text
-        .find(|c: char| c.is_ascii_alphabetic())
-        .unwrap_or(text.len());
-    let (number, unit) = text.split_at(at);
-    let number: f64 = number.trim().parse().map_err(|_| wrong(text))?;
-    let within = |units: &[(&str, f64)]| {
-        let found = units
-            .iter()
-            .find(|(name, _)| name.eq_ignore_ascii_case(unit));
-        found.map(|(_, factor)| number * factor)
-    };
-    match (within(TIMES), within(SIZES)) {
-        (Some(time), _) if (1.0..=1e9).contains(&time) => {
-            Ok(Bound::Time(Duration::from_secs_f64(time)))
-        }
-        (_, Some(bytes)) if (1e4..=1e18).contains(&bytes) => Ok(Bound::Bytes(bytes as u64)),
-        _ => Err(wrong(text)),
+    if let Some(time) = duration::of(text, None).ok().filter(|time| *time >= 1.0) {
+        return Ok(Bound::Time(Duration::from_secs_f64(time)));
     }
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = &text[number.len()..];
+    let factor = SIZES
+        .iter()
+        .find(|(name, _)| name.eq_ignore_ascii_case(unit));
+    let number = number.trim().parse::<f64>().ok();
+    let bytes = number
+        .zip(factor)
+        .map(|(number, (_, factor))| number * factor);
+    let bytes = bytes.filter(|bytes| (1e4..=1e18).contains(bytes));
+    bytes
+        .map(|bytes| Bound::Bytes(bytes as u64))
+        .ok_or_else(|| wrong(text))
 }
 
 fn size(text: &str) -> Result<u64, String> {

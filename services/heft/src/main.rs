@@ -44,6 +44,7 @@ mod summary;
 mod supervised;
 mod supervisor;
 mod tally;
+mod target;
 mod watch;
 mod way;
 

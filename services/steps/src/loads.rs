@@ -178,6 +178,11 @@ impl LoadCounter {
         is_loader.then(|| shown_empty(self.loads.iter(), self.ledger.rated()))?
     }
 
+    /// What counts as a load holds more than this \[kg\].
+    pub fn smallest(&self) -> f64 {
+        self.ledger.smallest()
+    }
+
     /// What the machine file leaves to a guess, see [`guessed`].
     pub fn guessed(&self) -> Option<&str> {
         self.guessed.as_deref()

@@ -10,9 +10,11 @@
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
 //! | [`panels`], [`plot`] | what is plotted, and how |
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
+//! | [`duration`] | times as people write them |
 //! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
 mod counted;
+pub mod duration;
 pub mod estimate;
 pub mod excavator;
 pub mod figures;

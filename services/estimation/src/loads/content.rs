@@ -9,7 +9,7 @@ use crate::math::{ln, norm, sqrt};
 /// Contents differ if they are further apart than this, in standard deviations of their difference.
 const CLEAR: f64 = 2.5;
 /// And by more than this, in rated payloads: smaller loads are none.
-const LEAST: f64 = 0.08;
+pub(super) const LEAST: f64 = 0.08;
 /// Differences up to this are none, in rated payloads.
 const SAME: f64 = 0.04;
 /// Empty bucket before it is weighed: standard deviation in rated payloads.

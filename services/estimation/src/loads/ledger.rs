@@ -13,7 +13,7 @@
 use super::accounts::Accounts;
 use super::book::{Day, Truck};
 use super::clock::{Clock, Tick};
-use super::content::{Carries, Content, SETTLED, Shown};
+use super::content::{Carries, Content, LEAST, SETTLED, Shown};
 use super::events::Events;
 use super::hook::Hook;
 use super::level::Level;
@@ -88,6 +88,11 @@ impl Ledger {
     /// What the bucket may carry \[kg\].
     pub fn rated(&self) -> f64 {
         self.rated
+    }
+
+    /// What counts as a load holds more than this \[kg\].
+    pub fn smallest(&self) -> f64 {
+        LEAST * self.rated
     }
 
     /// Takes one estimate. Rows whose time does not increase are passed over.

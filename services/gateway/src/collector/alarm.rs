@@ -20,9 +20,14 @@ const MANY: usize = 10;
 /// What is an alarm.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
-    /// A machine that runs and was not trusted for so many minutes
-    #[arg(long, default_value_t = 30.0, value_name = "MIN", value_parser = super::not_negative)]
+    /// A machine that runs and was not trusted for so many minutes; or a time such as 2h
+    #[arg(long, default_value_t = 30.0, value_name = "MIN", value_parser = minutes)]
     pub untrusted_after: f64,
+}
+
+/// A time in minutes, as a number alone is.
+fn minutes(text: &str) -> Result<f64, String> {
+    super::counted(text, 60.0)
 }
 
 /// An alarm that was raised or is over.

@@ -76,18 +76,25 @@ pub struct CollectorArgs {
     /// Where the page is shown: an address of this host
     #[arg(long, default_value = PAGE, value_name = "ADDR")]
     pub page: SocketAddr,
-    /// Days of history that are kept
-    #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = not_negative)]
+    /// Days of history that are kept; or a time such as 12h
+    #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = days)]
     pub keep: f64,
     /// What is an alarm
     #[command(flatten)]
     pub alarms: AlarmArgs,
 }
 
-/// A number of minutes or days; a million of them is for ever.
-fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|n| (0.0..=1e6).contains(n));
-    number.ok_or_else(|| "a number from 0 to 1000000".into())
+/// A time in days, as a number alone is.
+fn days(text: &str) -> Result<f64, String> {
+    counted(text, 86_400.0)
+}
+
+/// A time in units of so many seconds, as a number alone is; a million of them is for ever.
+fn counted(text: &str, unit: f64) -> Result<f64, String> {
+    let count = view::duration::of(text, Some(unit))? / unit;
+    (count <= 1e6)
+        .then_some(count)
+        .ok_or_else(|| "at most 1000000".into())
 }
 
 /// Collects until `stop` is set.

@@ -57,21 +57,7 @@ pub struct QueryArgs {
 
 /// "8h" in milliseconds.
 pub(super) fn milliseconds(text: &str) -> Result<i64, String> {
-    let (number, unit) = text.split_at(text.len() - text.chars().last().map_or(0, char::len_utf8));
-    let factor = match unit {
-        "s" => 1e3,
-        "m" => 60e3,
-        "h" => 3600e3,
-        "d" => 86_400e3,
-        _ => return Err("a number with s, m, h or d behind it".into()),
-    };
-    let number: f64 = number
-        .parse()
-        .map_err(|_| "a number with s, m, h or d behind it")?;
-    if !(0.0..1e6).contains(&number) {
-        return Err("not that far back".into());
-    }
-    Ok((number * factor) as i64)
+    view::duration::of(text, None).map(|time| (1e3 * time) as i64)
 }
 
 /// Opens a history to read, while a collector may write it.
@@ -299,7 +285,8 @@ mod tests {
     fn how_far_back_is_a_number_and_a_unit() {
         assert_eq!(milliseconds("8h"), Ok(28_800_000));
         assert_eq!(milliseconds("1.5m"), Ok(90_000));
-        for bad in ["", "8", "h", "-1h", "8 h", "NaNh", "1e9d", "é"] {
+        assert_eq!(milliseconds("8 h"), Ok(28_800_000), "as everywhere");
+        for bad in ["", "8", "h", "-1h", "NaNh", "1e9d", "é"] {
             assert!(milliseconds(bad).is_err(), "{bad}");
         }
     }

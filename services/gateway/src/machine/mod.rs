@@ -57,7 +57,7 @@ pub struct GatewayArgs {
     #[arg(long)]
     pub samples: bool,
     /// For how many seconds a run that is over goes on answering for what did not arrive
-    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    #[arg(long, default_value_t = 20.0, value_name = "TIME", value_parser = view::duration::seconds)]
     pub linger: f64,
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use config::Description;
 use messages::Machine;
+use recording::{Kind, Reader};
 
 use crate::args::{assignment, is_for, is_mass_stated, machine, of_class, tell_old_names, tonnes};
 use crate::failure::Failure;
@@ -14,7 +15,7 @@ use crate::small_file;
 /// `heft check`
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The machine file (TOML); with --print the reference machine if absent
+    /// The machine file (TOML), or a recording of heft that brings one; with --print the reference machine if absent
     #[arg(required_unless_present = "print")]
     pub file: Option<PathBuf>,
     /// The machine that it is for; needed where the file does not say
@@ -36,7 +37,7 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     if let Some(file) = args.file.as_deref() {
         is_no_machine(file)?;
     }
-    let text = args.file.as_deref().map(small_file::text).transpose()?;
+    let text = args.file.as_deref().map(text_of).transpose()?;
     let text = text.unwrap_or_default();
     tell_old_names(&config::old_names(&text));
     let name = args.file.as_ref().map(|file| file.display().to_string());
@@ -61,6 +62,21 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// The text of a machine file; of a recording, of the one in it.
+fn text_of(file: &Path) -> Result<String, Failure> {
+    if !Kind::of(file).is_ok_and(|kind| kind == Kind::Recording) {
+        return small_file::text(file);
+    }
+    let found = Reader::open(file)?.metadata().get("description").cloned();
+    found.ok_or_else(|| {
+        Failure::input(
+            "there is no machine file in this recording",
+            file.display(),
+            "name a recording of heft, or a machine file",
+        )
+    })
 }
 
 /// Other commands take the machine where this one takes its file.

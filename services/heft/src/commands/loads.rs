@@ -15,7 +15,7 @@ use view::words::wrapped;
 use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
-use crate::{machines, many, page, quantity, size};
+use crate::{machines, many, page, quantity, size, target};
 
 /// `heft loads`
 #[derive(Debug, Args)]
@@ -34,11 +34,11 @@ pub struct LoadsArgs {
     /// What estimates are made with; a recording of heft brings its machine file
     #[command(flatten)]
     pub with: EstimationArgs,
-    /// What a truck shall hold, in kg
-    #[arg(long, value_name = "KG", value_parser = positive)]
+    /// What a truck shall hold, such as 24t or 24000 (kg)
+    #[arg(long, value_name = "MASS", value_parser = target::parsed)]
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck, in s; 0: never
-    #[arg(long, value_name = "S", default_value = "300", value_parser = not_negative)]
+    /// A load this long after the one before goes to another truck, such as 300 (s) or 5m; 0: never
+    #[arg(long, value_name = "TIME", default_value = "300", value_parser = view::duration::seconds)]
     pub pause: f64,
     /// One line a load (CSV)
     #[arg(short, long, value_name = "LOADS.csv")]
@@ -51,25 +51,13 @@ pub struct LoadsArgs {
     pub report: Option<PathBuf>,
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
-    number.ok_or_else(|| "this is no number".to_owned())
-}
-
 /// A number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
-    let found = number(text)?;
-    (found > 0.0)
-        .then_some(found)
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
+    let number = number.ok_or_else(|| "this is no number".to_owned())?;
+    (number > 0.0)
+        .then_some(number)
         .ok_or_else(|| "it is above 0".to_owned())
-}
-
-/// A number that is 0 or above.
-pub fn not_negative(text: &str) -> Result<f64, String> {
-    let found = number(text)?;
-    (found >= 0.0)
-        .then_some(found)
-        .ok_or_else(|| "it is 0 or above".to_owned())
 }
 
 /// `heft loads`
@@ -131,6 +119,11 @@ fn count(
         target: args.target,
         pause: args.pause,
     };
+    if let Some(note) = target::doubt(args.target, &description)?
+        && notes.insert(note.clone())
+    {
+        eprintln!("{note}");
+    }
     let mut counter = LoadCounter::new(&description, options).remembering_all();
     let (mut trucks, mut truths) = (Vec::new(), Truths::default());
     let entry = machines::entry(description.machine());

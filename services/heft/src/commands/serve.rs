@@ -29,8 +29,8 @@ pub struct ServeArgs {
     /// What they are made with
     #[command(flatten)]
     pub with: EstimationArgs,
-    /// At most one row a machine in so much of its time, in s; every row if 0
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    /// At most one row a machine in so much of its time, such as 1 (s) or 500ms; every row if 0
+    #[arg(long, value_name = "TIME", default_value_t = 0.0, value_parser = view::duration::seconds, allow_negative_numbers = true)]
     pub every: f64,
     /// Processes that the machines are shared among; as many as there are processors if absent
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_SHARDS))]
@@ -41,11 +41,6 @@ pub struct ServeArgs {
     /// Be one of them
     #[arg(long, hide = true)]
     pub shard: bool,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|x| (0.0..=1e9).contains(x));
-    number.ok_or_else(|| "a number of seconds, 0 or more".into())
 }
 
 /// `heft serve`

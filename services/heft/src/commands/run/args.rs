@@ -66,8 +66,8 @@ pub struct RunArgs {
         "live_lines", "probe", "threads",
     ])]
     pub machines: Option<u32>,
-    /// What a truck shall hold, in kg: loads are counted, reported as they come, and shown at `/loads` of the live page
-    #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
+    /// What a truck shall hold, such as 24t or 24000 (kg): loads are counted, reported as they come, and shown at `/loads` of the live page
+    #[arg(long, value_name = "MASS", value_parser = crate::target::parsed)]
     pub target: Option<f64>,
     /// What is known of the machine
     #[command(flatten)]
@@ -75,8 +75,8 @@ pub struct RunArgs {
     /// Method of the main estimate; the usual one if absent (`heft estimate --help` lists them)
     #[arg(long)]
     pub method: Option<String>,
-    /// Length of the run, in s; until the scenario ends if absent
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Length of the run, such as 90 (s), 5m or 2h; until the scenario ends if absent
+    #[arg(long, value_name = "TIME", value_parser = view::duration::positive, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Sampling rate of the simulator, in Hz; that of the machine file if absent
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]

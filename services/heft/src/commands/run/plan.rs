@@ -18,6 +18,7 @@ use crate::plan::Plan;
 use crate::size;
 use crate::sources::LiveInput;
 use crate::spin::{self, Spinners};
+use crate::target;
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
 fn default_folder(machine: &str) -> PathBuf {
@@ -75,16 +76,10 @@ impl Plan {
         let machine = args.machine;
         let pressures = !args.without.contains(&Equipment::Pressure);
         let description = description(Some(machine), &described(args, pressures))?;
-        let rate = args.rate.unwrap_or(description.rate());
-        if let Some(duration) = args.duration
-            && (duration.is_nan() || duration <= 0.0)
-        {
-            return Err(Failure::input(
-                format!("a run cannot last {duration} s"),
-                "--duration",
-                "give a positive number of seconds",
-            ));
+        if let Some(note) = target::doubt(args.target, &description)? {
+            eprintln!("{note}");
         }
+        let rate = args.rate.unwrap_or(description.rate());
         let methods = Pipeline::of(machine).methods(args.method.as_deref())?;
         let scenario = args.scenario.as_deref();
         let plan = Plan {
