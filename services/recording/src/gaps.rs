@@ -11,10 +11,42 @@ const MANY: f64 = 100.0;
 const MINUTE: f64 = 40.0;
 const HOUR: f64 = 4000.0;
 
+/// Rows without a jump in their times.
+#[derive(Debug, Default, Clone, Copy)]
+struct Stretch {
+    /// Times of the first and the last of them \[s\].
+    begin: f64,
+    end: f64,
+    rows: u64,
+}
+
+impl Stretch {
+    fn from(time: f64) -> Self {
+        Self {
+            begin: time,
+            end: time,
+            rows: 1,
+        }
+    }
+
+    /// Whether these rows end where those begin: they are a part of the same recording, and stand behind it.
+    fn belongs_before(&self, other: &Self) -> bool {
+        let are_parts = [self, other]
+            .iter()
+            .all(|part| part.end - part.begin > BACK);
+        are_parts && (0.0..=LONG).contains(&(other.begin - self.end))
+    }
+}
+
 /// The gaps so far.
 #[derive(Debug, Default)]
 pub struct Gaps {
     last: Option<f64>,
+    /// The rows since the times last jumped, and those before them where they jumped back.
+    stretch: Stretch,
+    before: Option<Stretch>,
+    /// A stretch that stands behind the rows that it belongs before, and these.
+    misplaced: Option<[Stretch; 2]>,
     /// The shortest step \[s\].
     shortest: Option<f64>,
     count: u64,
@@ -34,9 +66,15 @@ impl Gaps {
         if !time.is_finite() {
             return;
         }
+        if self.last.is_none() {
+            self.stretch = Stretch::from(time);
+        }
         let last = self.last.replace(time).unwrap_or(time);
         let gap = time - last;
         if gap < -BACK {
+            self.misplaced = self.misplaced();
+            self.before = Some(self.stretch);
+            self.stretch = Stretch::from(time);
             if self.back == 0 {
                 self.first_back = [last, -gap];
             }
@@ -45,12 +83,19 @@ impl Gaps {
         if gap <= 0.0 {
             return;
         }
+        self.stretch.end = time;
+        self.stretch.rows += 1;
         let shortest = self.shortest.map_or(gap, |shortest| shortest.min(gap));
         self.shortest = Some(shortest);
         if gap <= LONG.max(MANY * shortest) {
             return;
         }
         self.count += 1;
+        self.stretch.end = last;
+        self.stretch.rows -= 1;
+        self.misplaced = self.misplaced();
+        self.before = None;
+        self.stretch = Stretch::from(time);
         let of_minute = time % 100.0;
         let is_at_minute = last % 100.0 < 60.0 && of_minute < LONG;
         let without = (gap - MINUTE).rem_euclid(HOUR);
@@ -58,6 +103,12 @@ impl Gaps {
         if gap > self.longest {
             (self.longest, self.at) = (gap, last);
         }
+    }
+
+    fn misplaced(&self) -> Option<[Stretch; 2]> {
+        let latest = self.before.map(|before| [self.stretch, before]);
+        let latest = latest.filter(|[part, before]| part.belongs_before(before));
+        self.misplaced.or(latest)
     }
 
     /// Words on them.
@@ -97,8 +148,15 @@ impl Gaps {
         }
     }
 
-    /// Why the times are no seconds, and what to do.
+    /// Why the times are no seconds or in no order, and what to do.
     pub fn fault(&self) -> Option<String> {
+        if let Some([part, before]) = self.misplaced() {
+            return Some(format!(
+                "the rows are not in the order of their times: behind t = {} come {} rows from {} to {}, which belong before t = {}\n  \
+                 what to do: sort the rows by their time, or put the parts in order; what is estimated across the seam is of no use",
+                before.end, part.rows, part.begin, part.end, before.begin
+            ));
+        }
         (self.count > 1 && self.at_minutes == self.count).then(|| {
             format!(
                 "the times seem to be written as hhmmss: they skip {MINUTE} s at each full minute\n  \
@@ -131,6 +189,37 @@ mod tests {
         let said = of(set).words().unwrap_or_default();
         assert!(said.contains("go back by 3 s"), "{said}");
         assert_eq!(of((0..3000).map(|k| rows(k ^ 7))).words(), None);
+    }
+
+    #[test]
+    fn parts_in_the_wrong_order_are_a_fault_and_a_clock_that_was_set_is_none() {
+        let rows = |k: u32| f64::from(k) / 100.0;
+        let fault = of((2000..4000).chain(0..2000).map(rows)).fault();
+        let fault = fault.expect("halves in the wrong order");
+        for words in [
+            "behind t = 39.99 come 2000 rows from 0 to 19.99, which belong before t = 20",
+            "sort the rows",
+        ] {
+            assert!(fault.contains(words), "{fault}");
+        }
+        // Three parts, the last two exchanged, and a fourth behind them.
+        let parts = [0..2000, 6000..8000, 4000..6000, 9000..9500];
+        let fault = of(parts.into_iter().flatten().map(rows)).fault();
+        assert!(
+            fault.is_some_and(|said| said.contains("2000 rows from 40 to 59.99")),
+            "the middle"
+        );
+        let in_order: [Vec<u32>; 5] = [
+            // Twice the same, a clock that is set back by a little and by years, one wrong time at the begin, rows that are late.
+            (0..3000).chain(0..3000).collect(),
+            (0..2000).chain(1700..3000).collect(),
+            (900_000_000..900_003_000).chain(0..3000).collect(),
+            [3000].into_iter().chain(0..3000).collect(),
+            (0..3000).map(|k| k ^ 7).collect(),
+        ];
+        for times in in_order {
+            assert_eq!(of(times.into_iter().map(rows)).fault(), None);
+        }
     }
 
     #[test]
