@@ -155,10 +155,11 @@ const OF_A_SIDE: [&str; 9] = [
 /// A name in small letters and English, with the word for a pressure where its unit, or a side of a cylinder, says so.
 fn with_pressure(name: &str) -> String {
     let english_name = english(name);
-    if english_name.contains(PRESSURE) {
-        return english_name;
-    }
     let apart = english(&unit::words(name).join(" "));
+    if english_name.contains(PRESSURE) {
+        // A side is a word of its own in `BoomHeadPressure` too.
+        return format!("{english_name} {apart}");
+    }
     let words = unit::words(unit::before_brackets(&apart));
     let has = |all: &[&str]| words.iter().any(|word| all.contains(word));
     let alone = || has(&SIDES) && !has(&OF_A_SIDE) && unit::foreign(name, "Pa").is_none();
