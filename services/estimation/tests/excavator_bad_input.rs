@@ -494,3 +494,37 @@ fn the_paper_keeps_an_initial_error_and_never_calls_itself_identifiable() {
         assert!((b - 0.8 * a).abs() <= 1e-9 * a.abs().max(1.0), "{a} {b}");
     }
 }
+
+/// Methods at work, in turn, where velocity, torque and joint angles begin to come so long after the first row [s].
+fn methods_where(velocity: f64, torque: f64, posture: f64) -> Vec<Method> {
+    let auto = SwingEstimator::new(&Settings::calibrated(), Method::Auto, COLUMNS);
+    let mut estimator = auto.expect("settings");
+    let mut found = Vec::new();
+    let rows = base();
+    for mut row in rows.iter().copied() {
+        let since = row.time - rows[0].time;
+        row.velocity = row.velocity.filter(|_| since >= velocity);
+        row.torque = row.torque.filter(|_| since >= torque);
+        row.posture = row.posture.map(|q| q.filter(|_| since >= posture));
+        found.push(estimator.step(&row).method);
+    }
+    found.dedup();
+    found
+}
+
+#[test]
+fn a_source_that_is_silent_at_first_says_nothing_of_its_columns() {
+    const ALL: Method = Method::PostureTorque;
+    const NEVER: f64 = f64::INFINITY;
+    assert_eq!(methods_where(0.0, 0.0, 0.0), [ALL]);
+    // A bus that wakes up: all at once, or one after the other.
+    assert_eq!(methods_where(2.5, 2.5, 2.5), [ALL]);
+    assert_eq!(methods_where(2.0, 2.3, 2.7), [ALL]);
+    // What comes late counts from then on.
+    assert_eq!(methods_where(0.0, 2.0, 0.0), [ALL, Method::Posture, ALL]);
+    let one_by_one = [ALL, Method::Velocity, Method::Torque, ALL];
+    assert_eq!(methods_where(0.0, 1.5, 3.0), one_by_one);
+    // What never comes is given up, once.
+    assert_eq!(methods_where(0.0, NEVER, 0.0), [ALL, Method::Posture]);
+    assert_eq!(methods_where(0.0, NEVER, NEVER), [ALL, Method::Velocity]);
+}

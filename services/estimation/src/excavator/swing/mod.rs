@@ -58,7 +58,7 @@ pub struct SwingEstimator {
 
 impl SwingEstimator {
     /// Checks the settings, and that the columns which `method` needs exist. `Auto` chooses by the
-    /// columns, and falls back where a column turns out to have no values in the first second.
+    /// columns, and falls back while a column has no values in the first second of the velocity.
     pub fn new(
         settings: &Settings,
         method: Method,
@@ -226,8 +226,7 @@ impl SwingEstimator {
 
     /// One tick of the grid; true where the filter was set back to its prior.
     fn tick(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
-        self.elapsed += tick.period;
-        let mut reset = self.check_presence() | self.find_lag(tick);
+        let mut reset = self.check_presence(tick) | self.find_lag(tick);
         let Some(mut tick) = self.align.pass(tick) else {
             self.wait(tick);
             return reset;
@@ -364,20 +363,33 @@ impl SwingEstimator {
         });
     }
 
-    /// After the first second, `auto` gives up columns that never had a value.
-    fn check_presence(&mut self) -> bool {
-        if self.presence_checked || self.elapsed < PRESENCE {
+    /// After the first second of the velocity `auto` gives up columns that never had a value, and takes them up when one comes. Before
+    /// that second the source is silent, and says nothing of its columns.
+    fn check_presence(&mut self, tick: &Tick) -> bool {
+        if self.presence_checked || self.elapsed == 0.0 && tick.velocity.is_none() {
             return false;
         }
-        self.presence_checked = true;
+        self.elapsed += tick.period;
+        if self.elapsed < PRESENCE {
+            return false;
+        }
         let mut columns = self.columns;
         columns.torque &= self.grid.torque().is_some();
         columns.posture &= self.grid.has_posture();
-        let method = Method::for_columns(columns);
-        if method == self.method || check_method(&self.settings, method, columns).is_err() {
+        let (all, method) = (
+            Method::for_columns(self.columns),
+            Method::for_columns(columns),
+        );
+        self.presence_checked = method == all;
+        let gives_up = self.method == all;
+        let (before, now) = (needs(self.method), needs(method));
+        let takes_up = now.0 >= before.0 && now.1 >= before.1;
+        if method == self.method
+            || !(gives_up || takes_up)
+            || check_method(&self.settings, method, columns).is_err()
+        {
             return false;
         }
-        self.columns = columns;
         self.method = method;
         let stood = self.core.has_stood();
         self.restart(stood);
