@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x2c5a10d4u
+#define HEFT_ABI 0x6444ddaeu
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -529,6 +529,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
 #define HEFT_LOADER_FLAG_IDENTIFIABLE_HEIGHT (1u << 13)
 #define HEFT_LOADER_FLAG_RESTARTED (1u << 14)
 #define HEFT_LOADER_FLAG_TRUSTED_PAYLOAD (1u << 15)
+#define HEFT_LOADER_FLAG_CHANGING (1u << 16)
 
 /* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
 #define HEFT_LOADER_ESTIMATED_STATE (1u << 0)

@@ -228,6 +228,26 @@ mod tests {
     }
 
     #[test]
+    fn a_load_that_changes_is_named_once_beside_any_reason() {
+        let of_loader = 0..messages::LOADER_REASONS.len() as u32;
+        for reason in of_loader {
+            let said = |changing: u32| {
+                let e = LoaderEstimate {
+                    reason,
+                    flags: l::FRESH | l::CONSISTENT | changing,
+                    estimated: l::STATE,
+                    ..Default::default()
+                };
+                let reasons = e.judgements().swap_remove(0).reasons;
+                let names = |words: &&String| words.contains("load may have changed");
+                reasons.iter().filter(names).count()
+            };
+            let is_load = usize::from(messages::LOADER_REASONS[reason as usize].0 == "load");
+            assert_eq!([said(0), said(l::CHANGING)], [is_load, 1], "{reason}");
+        }
+    }
+
+    #[test]
     fn no_estimate_is_not_an_inertia_of_zero() {
         let text = verdict(&ExcavatorEstimate::default());
         assert!(text.starts_with("There is no swing inertia yet"), "{text}");

@@ -54,6 +54,8 @@ pub struct Estimate {
     pub payload: Option<Quantity>,
     /// The payload may be believed: the bucket neither turns nor touches the ground, and the interval is narrow.
     pub trusted_payload: bool,
+    /// The load may be changing, whatever else is the reason.
+    pub changing: bool,
     /// Bias of the slope sensor, true slope = measured - bias \[rad\].
     pub slope_bias: Option<f64>,
     /// Rolling radius of the front wheels over its nominal value, 1 + d_f.

@@ -1,6 +1,7 @@
 //! The wheel loader's verdict in words.
 
 use estimation::HALF_WIDTH_95;
+use estimation::loader::Reason;
 use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
 use crate::judgement::Judgement;
@@ -142,6 +143,11 @@ fn judgement(e: &LoaderEstimate, value: String, part: &Part, width: &str) -> Jud
     }
 }
 
+/// The words of a reason.
+fn words_of(reason: Reason) -> &'static str {
+    LOADER_REASONS[reason as usize].1
+}
+
 fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> {
     let has = |bit| e.flags & bit != 0;
     let mut reasons: Vec<String> = Vec::new();
@@ -172,6 +178,10 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
         .filter(|r| !r.1.is_empty())
     {
         reasons.push((*words).into());
+    }
+    // Of two reasons an estimate names one.
+    if has(bits::CHANGING) && e.reason != Reason::Load as u32 {
+        reasons.push(words_of(Reason::Load).into());
     }
     if !has(part.identifiable) {
         reasons.push("these measurements do not determine it yet".into());

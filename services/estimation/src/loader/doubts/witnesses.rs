@@ -63,6 +63,8 @@ impl Witnesses {
         };
         answer.cg_distance = (1.0 - answer.cg_ratio.value) * settings.machine.wheelbase;
         answer.payload = Some(weighed.payload);
+        // Pressures see a load come and go that the wheels only suspect.
+        answer.changing = weighed.carried.open;
         let limits = &settings.estimator;
         let (ratio, height) = (answer.cg_ratio, answer.cg_height);
         answer.converged_ratio = ratio.std <= limits.converged_ratio * ratio.value.abs();

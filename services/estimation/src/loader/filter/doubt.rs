@@ -230,6 +230,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         sqrt(doubted * (moved * moved + std * std))
     }
 
+    /// The load may be another one, as far as the wheels tell.
+    pub(in crate::loader) fn load_changes(&self) -> bool {
+        self.changed < CHANGE_SHOWN || self.disturbance.mass.lighter() < 0.0
+    }
+
     /// The first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
         let lighter = self.disturbance.mass.lighter();
@@ -245,7 +250,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::AtLimit
         } else if signs.stiffness {
             Reason::Stiffness
-        } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
+        } else if self.load_changes() {
             Reason::Load
         } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted || signs.wandered {
             Reason::Disagreement
