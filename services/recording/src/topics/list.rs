@@ -60,7 +60,16 @@ const JOINTS: [(&str, &str, &str); 3] = [
     ("effort", "torque", "N m"),
 ];
 
-/// The numbers of all topics, with those of joints by their names.
+/// Parts of a path that stand beside a measurement in messages of ROS: when it was made, and how well it is known.
+const BESIDE: [&str; 3] = ["header", "stamp", "variance"];
+
+/// Whether a number may be a measurement, by its path.
+fn is_measurement(path: &str) -> bool {
+    let mut parts = path.split(['.', '[']);
+    parts.all(|part| !BESIDE.contains(&part) && !part.ends_with("covariance"))
+}
+
+/// The numbers of all topics that may be measurements, with those of joints by their names.
 fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     let mut all = Vec::new();
     for (name, topic) in topics {
@@ -83,7 +92,8 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
             // Quotes are of the path, not of the name.
             place(None, path.replace('"', ""), path, String::new())
         };
-        all.extend(numbers.iter().map(by_field));
+        let measured = numbers.iter().filter(|(path, _)| is_measurement(path));
+        all.extend(measured.map(by_field));
     }
     all
 }
@@ -256,4 +266,33 @@ fn names(node: &Node) -> Vec<String> {
         _ => None,
     });
     texts.take(MOST).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pressure_of_a_topic_is_no_time_stamp_and_no_variance() {
+        // sensor_msgs/FluidPressure, and a covariance of sensor_msgs/Imu: the topic's name says what is measured.
+        let paths = [
+            "header.stamp.sec",
+            "header.stamp.nanosec",
+            "variance",
+            "orientation_covariance[0]",
+            "fluid_pressure",
+        ];
+        let topic = Topic {
+            kind: String::new(),
+            messages: 1,
+            broken: 0,
+            numbers: Ok(paths.map(|path| (path.to_owned(), 1.0)).into()),
+            seen: HashSet::new(),
+            names: Vec::new(),
+        };
+        let places = places(&BTreeMap::from([("/boom/head_pressure".to_owned(), topic)]));
+        let labels: Vec<_> = places.iter().map(|place| place.whole.as_str()).collect();
+        assert_eq!(labels, ["/boom/head_pressure fluid_pressure"]);
+        assert_eq!(fitting("boom_head_pressure", &labels, &[]), Some(0));
+    }
 }
