@@ -69,10 +69,8 @@ fn find(key: &str, index: usize) -> Option<Contender> {
     if let Some(mut group) = groups::all().into_iter().find(|group| group.key == key) {
         return (index < group.contenders.len()).then(|| group.contenders.swap_remove(index));
     }
-    real::steps()
-        .into_iter()
-        .find(|(name, _)| *name == key)
-        .map(|(_, step)| step)
+    let row = real::STEPS.iter().find(|(name, _)| *name == key);
+    row.map(|(_, make)| make())
 }
 
 /// Runs some passes of a contender: what valgrind looks at. `false` if there is none such.
@@ -164,8 +162,9 @@ pub fn check() -> io::Result<bool> {
         }
     }
     let mut gated = 0;
-    for (key, mut step) in real::steps() {
+    for (key, make) in real::STEPS {
         if let Some((_, gate)) = REAL_GATES.iter().find(|(k, _)| *k == key) {
+            let mut step = make();
             let counted = count_real(key, &mut step)?;
             kept &= print("product", step.name, counted, None, Some(*gate));
             gated += 1;

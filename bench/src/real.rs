@@ -4,6 +4,7 @@ use crate::measure::{Contender, contender};
 use crate::problem::Filter;
 use estimation::{excavator, loader};
 use sim::cylinder::Gauges;
+use std::sync::LazyLock;
 
 /// A problem whose rows carry a time, repeated with the time running on.
 struct Laps {
@@ -31,9 +32,10 @@ impl Laps {
 /// Rows of a minute at 100 Hz.
 pub const ROWS: usize = 6000;
 
-/// Sixty seconds of loading cycles of the excavator.
+/// Sixty seconds of loading cycles of the excavator, simulated once.
 pub fn excavator_rows() -> Vec<excavator::Sample> {
-    excavator_rows_with(None)
+    static ROWS: LazyLock<Vec<excavator::Sample>> = LazyLock::new(|| excavator_rows_with(None));
+    ROWS.clone()
 }
 
 /// The same, with pressure sensors or without.
@@ -62,9 +64,10 @@ fn excavator_rows_with(gauges: Option<Gauges>) -> Vec<excavator::Sample> {
         .collect()
 }
 
-/// Sixty seconds of work of the loader.
+/// Sixty seconds of work of the loader, simulated once.
 pub fn loader_rows() -> Vec<loader::Sample> {
-    loader_rows_with(None)
+    static ROWS: LazyLock<Vec<loader::Sample>> = LazyLock::new(|| loader_rows_with(None));
+    ROWS.clone()
 }
 
 /// The same, with the sensors of a lift arm or without.
@@ -293,103 +296,76 @@ impl<const METHOD: usize, const ARM: bool> Filter<loader::Sample, 2> for Loader<
     }
 }
 
-/// A step with the key that it has in the JSON.
-type Row = (&'static str, Contender);
+/// A step with the key that it has in the JSON, made when it is asked for: under valgrind a minute of a simulation takes longer than the
+/// minute's steps.
+pub type Row = (&'static str, fn() -> Contender);
 
 /// Every real step.
-pub fn steps() -> Vec<Row> {
-    [excavator_steps(), loader_steps(), cylinder_steps()]
-        .into_iter()
-        .flatten()
-        .collect()
-}
+pub const STEPS: [Row; 15] = [
+    ("excavator_kalman", || {
+        contender::<Motion, _, 2>("excavator, kalman stage", excavator_rows())
+    }),
+    ("excavator_multi_forgetting_rls", || {
+        contender::<Regression<1>, _, 1>("excavator, multi-forgetting-rls", motions())
+    }),
+    ("excavator_svf_rls", || {
+        contender::<Regression<2>, _, 1>("excavator, svf-rls", motions())
+    }),
+    ("excavator_posture_torque", || {
+        contender::<Swing<3>, _, 1>("excavator, posture-torque", excavator_rows())
+    }),
+    ("excavator_torque", || {
+        contender::<Swing<4>, _, 1>("excavator, torque", excavator_rows())
+    }),
+    ("excavator_posture", || {
+        contender::<Swing<5>, _, 1>("excavator, posture", excavator_rows())
+    }),
+    ("excavator_velocity", || {
+        contender::<Swing<6>, _, 1>("excavator, velocity", excavator_rows())
+    }),
+    ("loader_full_12", || {
+        contender::<Loader<0>, _, 2>("loader, full, 12 states", loader_rows())
+    }),
+    ("loader_isr_ukf_printed_6", || {
+        contender::<Loader<1>, _, 2>("loader, isr-ukf-printed, 6 states", loader_rows())
+    }),
+    ("loader_isr_ukf_6", || {
+        contender::<Loader<2>, _, 2>("loader, isr-ukf, 6 states", loader_rows())
+    }),
+    ("loader_ekf_6", || {
+        contender::<Loader<3>, _, 2>("loader, ekf, 6 states", loader_rows())
+    }),
+    ("loader_full_ekf_12", || {
+        contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", loader_rows())
+    }),
+    ("excavator_posture_torque_pressures", || {
+        contender::<Swing<3, true>, _, 1>(
+            "excavator, posture-torque, pressures",
+            excavator_rows_with(Some(Gauges::default())),
+        )
+    }),
+    ("loader_full_12_arm", || {
+        contender::<Loader<0, true>, _, 2>(
+            "loader, full, lift arm",
+            loader_rows_with(Some(Gauges::default())),
+        )
+    }),
+    ("loader_full_ekf_12_arm", || {
+        contender::<Loader<4, true>, _, 2>(
+            "loader, full-ekf, lift arm",
+            loader_rows_with(Some(Gauges::default())),
+        )
+    }),
+];
 
-fn excavator_steps() -> Vec<Row> {
-    let rows = excavator_rows();
+/// What the excavator's motion filter answers to its rows.
+fn motions() -> Vec<excavator::Motion> {
     let mut filter = Motion::default();
-    let motions: Vec<excavator::Motion> = rows
-        .iter()
-        .map(|row| {
-            filter.step(row);
-            filter.last
-        })
-        .collect();
-    vec![
-        (
-            "excavator_kalman",
-            contender::<Motion, _, 2>("excavator, kalman stage", rows.clone()),
-        ),
-        (
-            "excavator_multi_forgetting_rls",
-            contender::<Regression<1>, _, 1>("excavator, multi-forgetting-rls", motions.clone()),
-        ),
-        (
-            "excavator_svf_rls",
-            contender::<Regression<2>, _, 1>("excavator, svf-rls", motions),
-        ),
-        (
-            "excavator_posture_torque",
-            contender::<Swing<3>, _, 1>("excavator, posture-torque", rows.clone()),
-        ),
-        (
-            "excavator_torque",
-            contender::<Swing<4>, _, 1>("excavator, torque", rows.clone()),
-        ),
-        (
-            "excavator_posture",
-            contender::<Swing<5>, _, 1>("excavator, posture", rows.clone()),
-        ),
-        (
-            "excavator_velocity",
-            contender::<Swing<6>, _, 1>("excavator, velocity", rows),
-        ),
-    ]
-}
-
-fn loader_steps() -> Vec<Row> {
-    let work = loader_rows();
-    vec![
-        (
-            "loader_full_12",
-            contender::<Loader<0>, _, 2>("loader, full, 12 states", work.clone()),
-        ),
-        (
-            "loader_isr_ukf_printed_6",
-            contender::<Loader<1>, _, 2>("loader, isr-ukf-printed, 6 states", work.clone()),
-        ),
-        (
-            "loader_isr_ukf_6",
-            contender::<Loader<2>, _, 2>("loader, isr-ukf, 6 states", work.clone()),
-        ),
-        (
-            "loader_ekf_6",
-            contender::<Loader<3>, _, 2>("loader, ekf, 6 states", work.clone()),
-        ),
-        (
-            "loader_full_ekf_12",
-            contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
-        ),
-    ]
-}
-
-/// Those of machines whose cylinders are measured.
-fn cylinder_steps() -> Vec<Row> {
-    let rows = excavator_rows_with(Some(Gauges::default()));
-    let work = loader_rows_with(Some(Gauges::default()));
-    vec![
-        (
-            "excavator_posture_torque_pressures",
-            contender::<Swing<3, true>, _, 1>("excavator, posture-torque, pressures", rows),
-        ),
-        (
-            "loader_full_12_arm",
-            contender::<Loader<0, true>, _, 2>("loader, full, lift arm", work.clone()),
-        ),
-        (
-            "loader_full_ekf_12_arm",
-            contender::<Loader<4, true>, _, 2>("loader, full-ekf, lift arm", work),
-        ),
-    ]
+    let answer = |row: &excavator::Sample| {
+        filter.step(row);
+        filter.last
+    };
+    excavator_rows().iter().map(answer).collect()
 }
 
 #[cfg(test)]

@@ -95,12 +95,15 @@ impl Inertias<'_> {
         g.upper_inertia + g.link_scale * links + g.lever * self.payload * leverage
     }
 
-    /// What the swinging load takes of the momentum, as a velocity of the whole machine of inertia `j` [rad/s].
-    fn dragged(&self, k: usize, j: f64) -> f64 {
+    /// What the swinging load takes of the momentum, as a velocity of the whole machine of inertia 1/`ease` [rad/s].
+    fn dragged(&self, k: usize, ease: f64) -> f64 {
+        if self.payload == 0.0 {
+            return 0.0;
+        }
         let (s, g) = (self.series, self.guess);
         let shares = g.swinging.iter().zip(s.swinging[k]);
         let velocity: f64 = shares.map(|(share, rate)| share * rate).sum();
-        g.lever * self.payload * s.leverage[k] * velocity / j
+        g.lever * self.payload * s.leverage[k] * velocity * ease
     }
 
     /// What a slope of the ground makes of the weight [N m].
@@ -146,29 +149,31 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
     };
     let rows = first..swing.rows.end;
     let variance = guess.motion_std * guess.motion_std;
-    let mut j_last = inertia.at(first);
-    let mut dragged = inertia.dragged(first, j_last);
-    let mut state = State::start(series, guess, first, (j_last, dragged));
-    let mut cursor = 0;
-    let mut until = series
-        .torque
-        .until(series.time[first] - guess.delay, &mut cursor);
+    let drive = Drive::of(guess);
+    let j = inertia.at(first);
+    // A division takes as long as ten products: each inertia is divided by once.
+    let mut ease_last = 1.0 / j;
+    let mut dragged = inertia.dragged(first, ease_last);
+    let mut state = State::start(series, guess, first, (j, dragged));
+    let begin = series.time[first] - guess.delay;
+    let mut cursor = series.torque.cursor(begin);
+    let mut until = series.torque.until(begin, &mut cursor);
     for k in rows.skip(1) {
         let dt = series.time[k] - series.time[k - 1];
-        let j = inertia.at(k);
+        let ease = 1.0 / inertia.at(k);
         let impulse = series
             .torque
             .until(series.time[k] - guess.delay, &mut cursor);
         let outside = inertia.pull(k) - guess.friction * swing.direction;
-        let force = force(guess, &impulse.since(&until)) + outside * dt;
-        state.predict(guess, force, [j_last, j], dt);
-        let behind = inertia.dragged(k, j);
+        let force = drive.force(&impulse.since(&until)) + outside * dt;
+        state.predict(&drive, force, [ease_last, ease], dt);
+        let behind = inertia.dragged(k, ease);
         state.angle -= 0.5 * dt * (dragged + behind);
-        (until, j_last, dragged) = (impulse, j, behind);
+        (until, ease_last, dragged) = (impulse, ease, behind);
         if series.value[k].is_finite() {
             out.push(match series.measured {
                 Measured::Velocity => {
-                    state.correct_velocity(series.value[k] + dragged, j, variance)
+                    state.correct_velocity(series.value[k] + dragged, ease, variance)
                 }
                 Measured::Angle => state.correct_angle(series.value[k], variance),
             });
@@ -176,11 +181,36 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
     }
 }
 
-/// What arrives of the drive's impulse [N m s].
-fn force(g: &Guess, step: &Impulse) -> f64 {
-    let driving = step.driving - g.offset * step.driving_time;
-    let braking = step.braking - g.offset * step.braking_time;
-    (g.efficiency * driving + braking / g.efficiency) / g.gain
+/// What a guess makes of the drive, for all rows of a swing.
+struct Drive {
+    damping: f64,
+    offset: f64,
+    /// What arrives of a measured impulse while driving, and while braking.
+    driving: f64,
+    braking: f64,
+    /// True over measured torque.
+    scale: f64,
+    torque_variance: f64,
+}
+
+impl Drive {
+    fn of(g: &Guess) -> Self {
+        Self {
+            damping: g.damping,
+            offset: g.offset,
+            driving: g.efficiency / g.gain,
+            braking: 1.0 / (g.efficiency * g.gain),
+            scale: 1.0 / g.gain,
+            torque_variance: g.torque_std * g.torque_std,
+        }
+    }
+
+    /// What arrives of an impulse [N m s].
+    fn force(&self, step: &Impulse) -> f64 {
+        let driving = step.driving - self.offset * step.driving_time;
+        let braking = step.braking - self.offset * step.braking_time;
+        self.driving * driving + self.braking * braking
+    }
 }
 
 impl State {
@@ -211,16 +241,18 @@ impl State {
         }
     }
 
-    /// Over one step, by the equations above.
-    fn predict(&mut self, g: &Guess, force: f64, [j_last, j]: [f64; 2], dt: f64) {
-        let below = 1.0 + 0.5 * dt * g.damping / j;
-        let keep = (1.0 - 0.5 * dt * g.damping / j_last) / below;
+    /// Over one step, by the equations above; `ease` is 1/J.
+    fn predict(&mut self, drive: &Drive, force: f64, [ease_last, ease]: [f64; 2], dt: f64) {
+        let half = 0.5 * dt;
+        let drag = half * drive.damping;
+        let through = 1.0 / (1.0 + drag * ease);
+        let keep = (1.0 - drag * ease_last) * through;
         // Of the noise of the torque, before and now, to momentum and angle.
-        let noise = 0.5 * dt / (g.gain * below);
-        let (turn, kick) = (0.5 * dt * (1.0 / j_last + keep / j), 0.5 * dt * noise / j);
-        let s = g.torque_std * g.torque_std;
+        let noise = half * drive.scale * through;
+        let (turn, kick) = (half * (ease_last + keep * ease), half * noise * ease);
+        let s = drive.torque_variance;
         let before = self.momentum;
-        let momentum = keep * before + noise * self.noise + force / below;
+        let momentum = keep * before + noise * self.noise + force * through;
         let Self {
             aa,
             ap,
@@ -232,7 +264,7 @@ impl State {
         } = *self;
         let (a_p, a_n) = (ap + turn * pp + kick * pn, an + turn * pn + kick * nn);
         *self = Self {
-            angle: self.angle + 0.5 * dt * (before / j_last + momentum / j),
+            angle: self.angle + half * (before * ease_last + momentum * ease),
             momentum,
             noise: 0.0,
             aa: aa + turn * (ap + a_p) + kick * (an + a_n) + kick * kick * s,
@@ -244,9 +276,10 @@ impl State {
         };
     }
 
-    fn correct_velocity(&mut self, value: f64, j: f64, variance: f64) -> Innovation {
-        let across = [self.ap / j, self.pp / j, self.pn / j];
-        self.correct(value - self.momentum / j, across, across[1] / j + variance)
+    fn correct_velocity(&mut self, value: f64, ease: f64, variance: f64) -> Innovation {
+        let across = [self.ap * ease, self.pp * ease, self.pn * ease];
+        let innovation = value - self.momentum * ease;
+        self.correct(innovation, across, across[1] * ease + variance)
     }
 
     fn correct_angle(&mut self, value: f64, variance: f64) -> Innovation {
@@ -258,16 +291,17 @@ impl State {
     /// as one at the gate would, of a larger variance.
     fn correct(&mut self, innovation: f64, [a, p, n]: [f64; 3], expected: f64) -> Innovation {
         let used = expected.max(innovation * innovation / (GATE * GATE));
-        let gain = innovation / used;
-        self.angle += a * gain;
-        self.momentum += p * gain;
-        self.noise += n * gain;
-        self.aa -= a * a / used;
-        self.ap -= a * p / used;
-        self.an -= a * n / used;
-        self.pp -= p * p / used;
-        self.pn -= p * n / used;
-        self.nn -= n * n / used;
+        let share = 1.0 / used;
+        let (of_a, of_p, of_n) = (a * share, p * share, n * share);
+        self.angle += of_a * innovation;
+        self.momentum += of_p * innovation;
+        self.noise += of_n * innovation;
+        self.aa -= a * of_a;
+        self.ap -= a * of_p;
+        self.an -= a * of_n;
+        self.pp -= p * of_p;
+        self.pn -= p * of_n;
+        self.nn -= n * of_n;
         Innovation {
             value: innovation,
             variance: expected,

@@ -163,7 +163,7 @@ fn windows(series: &Series, swing: &Swing, guess: &Guess, rows: &mut Vec<([f64; 
         let last = time.partition_point(|t| *t <= from + WINDOW);
         let mut row = [0.0; UNKNOWNS];
         let (mut moved, mut noise) = (0.0, 0.0);
-        let mut cursor = 0;
+        let mut cursor = series.torque.cursor(from - guess.delay);
         for k in first.max(1)..last {
             let dt = time[k] - time[k - 1];
             let phase = 2.0 * PI * (0.5 * (time[k] + time[k - 1]) - from) / WINDOW;

@@ -74,6 +74,13 @@ impl Torque {
         torque
     }
 
+    /// Where a cursor begins, for integrals from a time on.
+    pub fn cursor(&self, time: f64) -> usize {
+        let after = self.time.partition_point(|t| *t <= time);
+        let last = self.time.len().saturating_sub(2);
+        after.saturating_sub(1).min(last)
+    }
+
     /// The integrals up to a time; `cursor` remembers the place between calls of increasing time.
     pub fn until(&self, time: f64, cursor: &mut usize) -> Impulse {
         let last = self.time.len().saturating_sub(2);
@@ -124,6 +131,11 @@ mod tests {
             let found = torque.until(time, &mut cursor);
             assert!((found.driving - integral).abs() < 1e-9, "{time}: {found:?}");
             assert!((found.driving_time - time).abs() < 1e-12);
+        }
+        // Where a cursor begins changes nothing.
+        for time in [-1.0, 0.0, 3.03, 9.85, 9.9, 12.0] {
+            let far = torque.until(time, &mut 0);
+            assert_eq!(far, torque.until(time, &mut torque.cursor(time)), "{time}");
         }
     }
 
