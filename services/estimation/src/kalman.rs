@@ -24,6 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// What a measurement said about a prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Innovation {
     /// Measured minus predicted; 0 where nothing was measured.
     pub value: f64,

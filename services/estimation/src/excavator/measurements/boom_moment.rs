@@ -188,6 +188,11 @@ impl BoomMoment {
         }
     }
 
+    /// Time since the last pressures \[s\].
+    pub(in crate::excavator) fn unread(&self) -> f64 {
+        self.unread
+    }
+
     /// One tick; whether the bucket's content is constant, and whether it may touch the ground. The moment of the block before the
     /// last, where three are there.
     pub(in crate::excavator) fn step(

@@ -136,6 +136,11 @@ impl Contradiction {
         self.agreed && !self.contradicted
     }
 
+    /// Whether something is contradicted outright, and no emptied bucket has agreed since.
+    pub(super) fn is_outright(&self) -> bool {
+        self.level == REGAINED
+    }
+
     /// Whether something is contradicted.
     pub(super) fn is_open(&self) -> bool {
         self.level > 0
@@ -151,8 +156,9 @@ mod tests {
         let mut contradiction = Contradiction::new();
         contradiction.outright();
         // In the content that was contradicted nothing agrees, and each other one does so once.
-        for _ in 0..3 {
+        for outright in [true, true, false] {
             assert!(contradiction.is_open());
+            assert_eq!(contradiction.is_outright(), outright);
             contradiction.agrees();
             contradiction.agrees();
             contradiction.content_changes();
@@ -206,7 +212,7 @@ mod tests {
     fn another_weight_is_nothing_new_where_manoeuvres_always_disagree() {
         let mut contradiction = Contradiction::new();
         weighed(&mut contradiction, (500.0, 400.0));
-        assert!(contradiction.is_open());
+        assert!(contradiction.is_open() && !contradiction.is_outright());
         contradiction.content_changes();
         contradiction.agrees();
         assert!(!contradiction.is_open());

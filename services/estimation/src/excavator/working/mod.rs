@@ -331,7 +331,6 @@ impl Working {
         (content, stands): (Content, bool),
         trail: &mut Option<Trail>,
     ) -> bool {
-        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };
@@ -345,13 +344,25 @@ impl Working {
         if moment.stood < FADING && !self.parallel.is_driven() {
             self.fade_alone(settings, moment.period, trail);
         }
+        if self.parallel.is_driven() {
+            self.doubt_pressures();
+        }
+        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };
         let parallel = &mut self.parallel.filter;
-        let said = weigh.measure(settings, &moment, &mut self.filter, trail);
-        let other = weigh.measure(settings, &moment, parallel, &mut None);
+        let believes = !self.scale.is_doubted();
+        let said = weigh.measure(settings, &moment, (&mut self.filter, believes), trail);
+        let other = weigh.measure(settings, &moment, (parallel, believes), &mut None);
         self.scale.weigh(weigh, settings, &moment, anything);
+        if !believes {
+            if self.carries() {
+                let load = (self.filter.load(), self.filter.p[M][M]);
+                self.scale.sees(load, anything);
+            }
+            return false;
+        }
         let load = (self.filter.load(), self.rated);
         if moment.touches {
             return weigh.sets_down(said, load);
@@ -359,7 +370,27 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
-        weigh.renews(said)
+        let renews = weigh.renews(said);
+        if renews && self.bucket.is_emptied() && self.parallel.is_driven() {
+            // Nothing has been filled in.
+            self.contradiction.outright();
+        }
+        renews
+    }
+
+    /// Where torque and load begin to contradict each other, the torque goes on alone.
+    fn doubt_pressures(&mut self) {
+        if self.is_beyond() {
+            self.contradiction.outright();
+        }
+        if self.scale.doubts(self.contradiction.is_open()) {
+            self.tail.forget();
+            // It weighs anew what both have weighed.
+            let anything = self.anything();
+            for filter in [&mut self.filter, &mut self.parallel.filter] {
+                filter.p[M][M] += anything;
+            }
+        }
     }
 
     /// Where the pressures begin: from now on they weigh beside the torque.
@@ -386,10 +417,19 @@ impl Working {
         }
     }
 
+    /// Whether the bucket may still hold what was filled into it.
+    fn carries(&self) -> bool {
+        !(self.bucket.is_open() || self.bucket.is_settling() || self.bucket.is_emptied())
+    }
+
+    /// Whether pressures weigh, and are believed.
+    fn weighs(&self) -> bool {
+        self.weigh.as_ref().is_some_and(Weigh::is_there) && !self.scale.is_doubted()
+    }
+
     /// Where pressures weigh beside a torque that has told something.
     fn doubt_gain(&mut self, drive: &Drive) {
-        let weighed = self.weigh.as_ref().is_some_and(Weigh::is_there);
-        if weighed && self.tail.is_due(drive.period) && self.parallel.is_driven() {
+        if self.weighs() && self.tail.is_due(drive.period) && self.parallel.is_driven() {
             let known = (self.stated[GAIN], self.disagreement());
             self.tail.ask(&self.filter, known, &drive.now, &self.sticks);
         }
@@ -459,7 +499,8 @@ impl Working {
         self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
         let input = self.input(s, drive);
-        let weighed = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let there = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let weighed = there && !self.scale.is_doubted();
         for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
             if weighed {
@@ -474,7 +515,7 @@ impl Working {
         self.recall.ages(drive.period);
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
-        if weighed {
+        if there {
             self.scale.leave(&input);
         }
         self.filter.predict(&input, width, s.inertia_min, trail);

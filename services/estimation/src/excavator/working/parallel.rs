@@ -37,6 +37,8 @@ pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
     /// Logarithm of its probability over the other's.
     odds: f64,
+    /// The same at the start, where only the description is known.
+    first: f64,
     /// Pressures that begin to weigh may be wrong, too.
     may_be_joined: bool,
     idle: bool,
@@ -48,13 +50,15 @@ impl ParallelFilter {
     /// At the start.
     pub(super) fn new(filter: &Filter, doubts: &Doubts) -> Self {
         let calibrated = is_calibrated(doubts);
+        let first = if calibrated {
+            PRIOR_LOG_ODDS
+        } else {
+            UNCALIBRATED_LOG_ODDS
+        };
         Self {
             filter: opened(filter),
-            odds: if calibrated {
-                PRIOR_LOG_ODDS
-            } else {
-                UNCALIBRATED_LOG_ODDS
-            },
+            odds: first,
+            first,
             may_be_joined: !calibrated,
             idle: true,
             driven: false,
@@ -65,6 +69,7 @@ impl ParallelFilter {
     pub(super) fn is_joined_by_pressures(&mut self) {
         if core::mem::take(&mut self.may_be_joined) {
             self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
+            self.first = WEIGHED_LOG_ODDS;
         }
     }
 
@@ -78,6 +83,12 @@ impl ParallelFilter {
     pub(super) fn begins(&mut self, filter: &Filter) {
         self.filter = opened(filter);
         self.odds = PRIOR_LOG_ODDS;
+    }
+
+    /// The same where that is the description.
+    pub(super) fn begins_anew(&mut self, filter: &Filter) {
+        self.begins(filter);
+        self.odds = self.first;
     }
 
     /// The machine moves: what was known of the sensors may have changed while it stood.

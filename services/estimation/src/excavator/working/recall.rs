@@ -100,9 +100,20 @@ impl Working {
             return;
         }
         self.recall.candidate = None;
-        let Some(mut known) = self.recall.confirmed.take() else {
-            return;
-        };
+        if let Some(mut known) = self.recall.confirmed.take() {
+            self.ages_since(&mut known, settings);
+            self.begins_with(&known);
+            self.recall.confirmed = Some(known);
+        } else if self.scale.may_have_misled(self.contradiction.is_outright()) {
+            // The pressures have told it what may be wrong.
+            self.begins_with(&self.described(settings));
+            self.parallel.begins_anew(&self.filter);
+        }
+    }
+
+    /// What was known before fades.
+    fn ages_since(&mut self, known: &mut Filter, settings: &Settings) {
+        let time = self.recall.time;
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
         known.fade(&self.described(settings), exp(-age / LASTS), &CONSTANTS);
         for i in [FRICTION, DAMPING] {
@@ -111,12 +122,15 @@ impl Working {
         for i in [SLOPE, SLOPE + 1] {
             known.p[i][i] = known.p[i][i].max(self.stated[i] * self.stated[i]);
         }
+    }
+
+    /// This is known, and nothing else.
+    fn begins_with(&mut self, known: &Filter) {
         let velocity = (self.filter.x[W], self.filter.p[W][W]);
         self.filter = known.clone();
         self.filter.set(W, velocity.0, velocity.1, &mut None);
         self.scale.knows(&self.filter);
         self.parallel.begins(&self.filter);
-        self.recall.confirmed = Some(known);
         self.anew = true;
     }
 }

@@ -9,6 +9,10 @@
 //! ```
 //! with z what its first blocks differ by from what is expected, v its variance, A that of anything in the bucket.
 //!
+//! A filter that takes in both bends its constants until both fit. So where they begin to contradict each other, the torque goes on alone,
+//! and weighs each load beside this one. The same ratio, of what both weigh and of emptied buckets, tells whether they differ. Both are
+//! believed again where they do not; where the pressures err with odds of [`SURE`], the torque alone is.
+//!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
 use super::super::measurements::boom_moment::Moment;
@@ -24,6 +28,10 @@ use crate::math::{exp, sqrt};
 const ERRS: f64 = 0.1;
 const LEAST_ODDS: f64 = ERRS / (1.0 - ERRS);
 const MOST_ODDS: f64 = 1e3;
+/// Odds at which the pressures err surely enough: the interval leaves as much out.
+const SURE: f64 = 20.0;
+/// A load is known where its variance is this share of that of any.
+const KNOWN: f64 = 0.1;
 /// One emptied bucket says no more than this (logarithm).
 const SAYS: f64 = 12.0;
 
@@ -35,6 +43,11 @@ pub(super) struct Scale {
     strange: u32,
     /// Odds that the pressures err.
     errs: f64,
+    /// The torque goes on alone; odds that it weighs other loads, and how far apart both are in the present one.
+    contradicted: bool,
+    doubted: bool,
+    differs: f64,
+    apart: Option<Innovation>,
     /// The bucket is emptied, and nothing has weighed it since.
     asked: bool,
 }
@@ -46,7 +59,11 @@ impl Scale {
             filter: filter.clone(),
             strange: 0,
             errs: LEAST_ODDS,
+            contradicted: false,
+            doubted: false,
             asked: false,
+            differs: LEAST_ODDS,
+            apart: None,
         };
         scale.has_no_torque();
         scale
@@ -94,7 +111,7 @@ impl Scale {
         moment: &Moment,
         anything: f64,
     ) {
-        let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
+        let said = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
         if moment.touches || fits(said) {
             self.strange = 0;
         } else {
@@ -103,7 +120,9 @@ impl Scale {
         let lasts = self.strange == LASTS;
         if self.asked && !moment.touches && (lasts || self.strange == 0) {
             self.asked = false;
-            self.judge(said, anything * moment.per_payload * moment.per_payload);
+            let anything = anything * moment.per_payload * moment.per_payload;
+            self.errs = weighed(self.errs, said, anything);
+            self.differs = weighed(self.differs, said, anything);
         }
         if lasts {
             self.filter.p[M][M] += anything;
@@ -111,10 +130,50 @@ impl Scale {
         }
     }
 
-    /// What an emptied bucket says of the pressures; `anything`: variance of what any content would add.
-    fn judge(&mut self, said: Innovation, anything: f64) {
-        let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
-        self.errs = (self.errs * likelier).clamp(LEAST_ODDS, MOST_ODDS);
+    /// Whether torque and load contradict each other. Where they begin to, the torque goes on alone, until emptied buckets and loads tell
+    /// that both weigh alike; whether this is so now.
+    pub(super) fn doubts(&mut self, contradicted: bool) -> bool {
+        let begins = contradicted && !self.contradicted;
+        self.contradicted = contradicted;
+        if begins {
+            (self.differs, self.apart, self.doubted) = (1.0, None, true);
+        }
+        self.doubted &= self.differs > LEAST_ODDS || self.errs > 1.0;
+        begins
+    }
+
+    /// Whether the torque goes on alone.
+    pub(super) fn is_doubted(&self) -> bool {
+        self.doubted
+    }
+
+    /// Whether the filter of both may have taken in what is wrong; whether something is contradicted outright.
+    pub(super) fn may_have_misled(&self, outright: bool) -> bool {
+        self.doubted && (self.differs >= 1.0 || outright && self.differs > LEAST_ODDS)
+    }
+
+    /// Whether nobody knows which of them errs.
+    pub(super) fn is_undecided(&self) -> bool {
+        self.doubted && self.errs < SURE
+    }
+
+    /// The torque alone weighs a load that is still in the bucket, with this variance \[kg, kg^2\]; `anything`: variance of a load of which
+    /// nothing is known [kg^2].
+    pub(super) fn sees(&mut self, (load, variance): (f64, f64), anything: f64) {
+        let own = self.filter.p[M][M];
+        if variance.max(own) < KNOWN * anything {
+            self.apart = Some(Innovation {
+                value: self.filter.x[M] - load,
+                variance: own + variance,
+            });
+        }
+    }
+
+    /// That content is over.
+    pub(super) fn compare(&mut self, anything: f64) {
+        if let Some(apart) = self.apart.take() {
+            self.differs = weighed(self.differs, apart, anything);
+        }
     }
 
     /// An emptied bucket holds nothing, with this variance [kg^2].
@@ -149,6 +208,12 @@ impl Scale {
             ),
         ]
     }
+}
+
+/// Odds of anything beside what is expected, after an innovation; `anything`: variance of what it would add.
+fn weighed(odds: f64, said: Innovation, anything: f64) -> f64 {
+    let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
+    (odds * likelier).clamp(LEAST_ODDS, MOST_ODDS)
 }
 
 #[cfg(test)]
@@ -235,5 +300,40 @@ mod tests {
             empty(0.0);
         }
         assert_eq!(empty(0.0), LEAST_ODDS);
+    }
+
+    #[test]
+    fn the_torque_goes_on_alone_until_both_weigh_loads_alike() {
+        let mut std = [0.0; N];
+        std[M] = 30.0;
+        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+        let contradict = |scale: &mut Scale| {
+            assert!(!scale.doubts(false) && scale.doubts(true));
+            assert!(scale.is_doubted() && scale.is_undecided() && scale.may_have_misled(false));
+        };
+        let content = |scale: &mut Scale, load: f64, std: f64| {
+            scale.hold((load, std), false);
+            scale.sees((700.0, 900.0), ANYTHING);
+            scale.compare(ANYTHING);
+            scale.doubts(true);
+            scale.is_doubted()
+        };
+        contradict(&mut scale);
+        // What is hardly known tells nothing, and loads that differ do not tell which of both errs.
+        assert!((0..20).all(|_| content(&mut scale, 720.0, 250.0)));
+        assert!((0..5).all(|_| content(&mut scale, 1000.0, 30.0)));
+        assert!(scale.is_undecided() && scale.may_have_misled(false));
+        assert!((0..20).any(|_| !content(&mut scale, 720.0, 30.0)));
+        assert!(!scale.may_have_misled(true));
+        // What is rather alike has misled nobody, unless it cannot be.
+        contradict(&mut scale);
+        assert!(content(&mut scale, 720.0, 100.0));
+        assert!(!scale.may_have_misled(false) && scale.may_have_misled(true));
+        // Emptied buckets that weigh something tell that the pressures err; while they do, loads that are alike prove nothing.
+        contradict(&mut scale);
+        scale.hold((0.0, 30.0), true);
+        weigh(&mut scale, 300.0, 2 * LASTS);
+        assert!(scale.is_doubted() && !scale.is_undecided());
+        assert!((0..20).all(|_| content(&mut scale, 720.0, 30.0)));
     }
 }

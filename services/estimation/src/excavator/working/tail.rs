@@ -57,6 +57,11 @@ impl Tail {
         due
     }
 
+    /// There are no pressures any more, so its gain is not known as closely.
+    pub(super) fn forget(&mut self) {
+        self.per_square = [0.0; 2];
+    }
+
     /// Asks a filter whose gain is `stated` to this standard deviation, and whose innovations are so many times as variable as it
     /// claims.
     pub(super) fn ask(
@@ -66,7 +71,7 @@ impl Tail {
         now: &Inertia,
         sticks: &Sticking,
     ) {
-        self.per_square = [0.0; 2];
+        self.forget();
         let (m, v) = (filter.x[GAIN], filter.p[GAIN][GAIN]);
         if !(self.is_open && v > 0.0 && stated > 0.0 && stated < OFF) {
             return;

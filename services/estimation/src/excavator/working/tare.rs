@@ -8,7 +8,6 @@ use super::attachment::Emptied;
 use super::bucket::Content;
 use super::filter::{BUCKET, Filter, M};
 use super::trail::Trail;
-use super::weigh::Weigh;
 use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
@@ -42,17 +41,24 @@ impl Working {
             Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
+        if self.scale.is_doubted() {
+            self.scale.compare(self.anything());
+        }
         self.recall(settings);
         self.contradiction.content_changes();
         self.sway.forget();
         if self.attachment.pending {
             self.content_tells_attachment(settings.estimator.gate, trail);
         }
+        let goes_on_alone = self.scale.is_doubted() && !self.is_contradicted();
         if let Some(weigh) = &mut self.weigh {
             weigh.forget();
+            if goes_on_alone {
+                self.scale.knows(&self.filter);
+            }
             self.scale.hold((value, std), content == Content::Emptied);
         }
-        self.true_mass = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        self.true_mass = self.weighs();
         let holds = (value, std * std);
         self.filter.hold(holds, self.true_mass, trail);
         let parallel = &mut self.parallel.filter;

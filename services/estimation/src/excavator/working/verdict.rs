@@ -238,11 +238,16 @@ impl Working {
 
     /// Whether swings or constants contradict the description.
     pub(super) fn is_contradicted(&self) -> bool {
-        self.contradiction.is_open() || self.is_beyond()
+        self.contradiction.is_open() || self.is_undecided() || self.is_beyond()
+    }
+
+    /// Whether nobody knows if torque or pressures err.
+    fn is_undecided(&self) -> bool {
+        self.scale.is_undecided() && !self.weigh.as_ref().is_some_and(Weigh::is_gone)
     }
 
     /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
-    fn is_beyond(&self) -> bool {
+    pub(super) fn is_beyond(&self) -> bool {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let apart = |(i, most): (usize, f64)| {
             let walked = if i == GAIN { GAIN_WALK } else { 0.0 };

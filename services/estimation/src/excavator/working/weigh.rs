@@ -24,6 +24,8 @@ const GATE: f64 = 4.0;
 pub(super) const LASTS: u32 = 5;
 /// What a measurement says holds for so long \[s\].
 const HOLDS: f64 = 1.0;
+/// Pressures that are missing for so long are not there any more \[s\].
+const GONE: f64 = 10.0;
 /// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
@@ -89,6 +91,11 @@ impl Weigh {
     /// A source that has the pressures.
     pub(super) fn is_there(&self) -> bool {
         self.begun
+    }
+
+    /// It had them, and has them no more.
+    pub(super) fn is_gone(&self) -> bool {
+        self.moments.unread() > GONE
     }
 
     /// The load has been weighed just now.
@@ -209,12 +216,13 @@ impl Weigh {
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
     }
 
-    /// A filter takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the innovation.
+    /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
+    /// innovation.
     pub(super) fn measure(
         &self,
         settings: &Settings,
         m: &Moment,
-        filter: &mut Filter,
+        (filter, believes): (&mut Filter, bool),
         trail: &mut Option<Trail>,
     ) -> Innovation {
         self.wander(m, filter, settings, trail);
@@ -251,7 +259,7 @@ impl Weigh {
             value,
             variance: measured.variance + m.variance,
         };
-        if !m.touches && fits(innovation) {
+        if believes && !m.touches && fits(innovation) {
             let before = filter.x[M];
             filter.absorb(&measured, innovation, GATE, trail);
             filter.weighs_true_mass(before, trail);
@@ -421,5 +429,36 @@ mod tests {
             !stands(800.0, |t| noise[(t * 5.0) as usize % 8]),
             "0.24 % of noise"
         );
+    }
+
+    #[test]
+    fn pressures_that_are_gone_say_nothing_any_more() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let settings = Settings::of(&d);
+        let mut weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+        weigh.begun = true;
+        let mut gone_after = |seconds: u32, pressures| {
+            let drive = Drive {
+                period: 0.01,
+                boom_pressure: pressures,
+                ..Drive::default()
+            };
+            (0..100 * seconds).for_each(|_| {
+                weigh.step(
+                    &settings,
+                    &drive,
+                    ((0.0, 1.0), 0.0),
+                    (Content::Unchanged, false),
+                );
+            });
+            weigh.is_gone()
+        };
+        assert!(!gone_after(20, Some([12e6, 1e6])));
+        assert!(!gone_after(9, None));
+        assert!(gone_after(2, None));
+        assert!(!gone_after(1, Some([12e6, 1e6])));
     }
 }
