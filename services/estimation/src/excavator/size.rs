@@ -68,7 +68,7 @@ const BOOM_MASS: f64 = 0.087;
 const ARM_MASS: f64 = 0.047;
 const BUCKET_MASS: f64 = 0.46;
 /// Rated payload over M^(7/6) [kg^(-1/6)]: buckets of large machines are larger than in proportion. Within 4 % of the reference machine
-/// and the four of `data/foreign`; as a share of M it would be .0725 at 5.5 t and .105 at 40 t.
+/// and of four others (5.5, 8, 14 and 40 t); as a share of M it would be .0725 at 5.5 t and .105 at 40 t.
 const RATED: f64 = 0.0173;
 /// Inertias of boom and arm over mass times length squared, of the bucket over mass times squared centre distance.
 const LINKS: [f64; 3] = [0.085, 0.095, 0.3];
