@@ -104,7 +104,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
         }),
         payload: None,
         trusted_payload: false,
-        changing: settings.at_work() && filter.load_changes(),
+        changing: doubt.changing,
         slope_bias: layout.slope_bias.map(|i| x[i]),
         front_radius_scale: scale(0),
         rear_radius_scale: scale(1),

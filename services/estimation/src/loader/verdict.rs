@@ -39,6 +39,8 @@ pub(super) struct Doubt {
     pub unknown_height: bool,
     /// The first cause.
     pub reason: Reason,
+    /// The load may be another one, as far as the wheels tell.
+    pub changing: bool,
     /// What acts on the machine that its model does not have: names innovations that are too large.
     pub acts: Reason,
     /// A drive the other way would tell what keeps the ratio from being trusted.
@@ -63,6 +65,7 @@ impl Doubt {
         },
         unknown_height: false,
         reason: Reason::None,
+        changing: false,
         acts: Reason::None,
         one_way: false,
     };

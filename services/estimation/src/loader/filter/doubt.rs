@@ -59,6 +59,10 @@ struct Signs {
     wandered: bool,
     /// One axle's torque is off, more probably than not.
     axle_torque: bool,
+    /// By how much the machine is lighter than stated, as a share.
+    lighter: f64,
+    /// The load may be another one, as far as the wheels tell.
+    changing: bool,
 }
 
 /// By how much a value lies beyond what is expected.
@@ -92,6 +96,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             torque_std: settings.sensors.torque_gain_std,
         });
         let locked = self.coupling.locked();
+        let lighter = self.disturbance.mass.lighter();
         let signs = Signs {
             locked: locked > 0.5,
             late: self.is_late(settings),
@@ -103,6 +108,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             contradicted: away.height > expected[0].1 || away.ratio > ratio_std,
             wandered: self.is_too_much(settings, self.constancy.std()),
             axle_torque: axle_torque > 0.5,
+            lighter,
+            changing: self.changed < CHANGE_SHOWN || lighter < 0.0,
         };
         let reason = self.cause(&signs);
         // Where the model does not hold, nothing is known but what was known before.
@@ -125,6 +132,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             at_limit,
             unknown_height: self.lifts_unreported(settings),
             reason,
+            changing: signs.changing,
             acts: self.acts(settings),
             one_way: self.wants_a_drive_back(settings, learns),
         }
@@ -230,19 +238,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         sqrt(doubted * (moved * moved + std * std))
     }
 
-    /// The load may be another one, as far as the wheels tell.
-    pub(in crate::loader) fn load_changes(&self) -> bool {
-        self.changed < CHANGE_SHOWN || self.disturbance.mass.lighter() < 0.0
-    }
-
     /// The first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
-        let lighter = self.disturbance.mass.lighter();
         if signs.locked {
             Reason::Locked
         } else if signs.radius {
             Reason::Radius
-        } else if self.disturbance.gain.misfits() || lighter > 0.0 || signs.axle_torque {
+        } else if self.disturbance.gain.misfits() || signs.lighter > 0.0 || signs.axle_torque {
             Reason::Torque
         } else if signs.late {
             Reason::Latency
@@ -250,7 +252,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::AtLimit
         } else if signs.stiffness {
             Reason::Stiffness
-        } else if self.load_changes() {
+        } else if signs.changing {
             Reason::Load
         } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted || signs.wandered {
             Reason::Disagreement
