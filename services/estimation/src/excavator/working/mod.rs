@@ -500,7 +500,7 @@ impl Working {
         self.largest = self.largest.max(self.torque.abs());
         let input = self.input(s, drive);
         let there = self.weigh.as_ref().is_some_and(Weigh::is_there);
-        let weighed = there && !self.scale.is_doubted();
+        let weighed = self.weighs();
         for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
             if weighed {

@@ -37,7 +37,7 @@ pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
     /// Logarithm of its probability over the other's.
     odds: f64,
-    /// The same at the start, where only the description is known.
+    /// The same where only the description is known.
     first: f64,
     /// Pressures that begin to weigh may be wrong, too.
     may_be_joined: bool,
@@ -85,9 +85,8 @@ impl ParallelFilter {
         self.odds = PRIOR_LOG_ODDS;
     }
 
-    /// The same where that is the description.
-    pub(super) fn begins_anew(&mut self, filter: &Filter) {
-        self.begins(filter);
+    /// What both know is the description: another gain is as likely as at the start.
+    pub(super) fn is_as_described(&mut self) {
         self.odds = self.first;
     }
 

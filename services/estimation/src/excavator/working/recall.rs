@@ -107,7 +107,7 @@ impl Working {
         } else if self.scale.may_have_misled(self.contradiction.is_outright()) {
             // The pressures have told it what may be wrong.
             self.begins_with(&self.described(settings));
-            self.parallel.begins_anew(&self.filter);
+            self.parallel.is_as_described();
         }
     }
 

@@ -131,7 +131,7 @@ impl Scale {
     }
 
     /// Whether torque and load contradict each other. Where they begin to, the torque goes on alone, until emptied buckets and loads tell
-    /// that both weigh alike; whether this is so now.
+    /// that both weigh alike. Whether they begin to with this block.
     pub(super) fn doubts(&mut self, contradicted: bool) -> bool {
         let begins = contradicted && !self.contradicted;
         self.contradicted = contradicted;
