@@ -39,6 +39,12 @@ pub(super) struct Bucket {
     most: f64,
     emptied: bool,
     settling: u32,
+    /// Its angle \[rad\]; it has changed since the bucket weighed what it held. It has opened wide before.
+    angle: f64,
+    turned: bool,
+    opened: bool,
+    /// It was emptied, and its angle did not change.
+    frozen: bool,
 }
 
 impl Bucket {
@@ -53,6 +59,10 @@ impl Bucket {
             most: f64::NEG_INFINITY,
             emptied: false,
             settling: 0,
+            angle: f64::NAN,
+            turned: true,
+            opened: false,
+            frozen: false,
         }
     }
 
@@ -81,6 +91,9 @@ impl Bucket {
         let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
         self.posture = Some(now);
         self.follow(now[2], standing);
+        if drive.posture[2] != self.angle {
+            (self.angle, self.turned, self.frozen) = (drive.posture[2], true, false);
+        }
         if !standing {
             self.stopped = None;
             self.unlocked = false;
@@ -102,7 +115,7 @@ impl Bucket {
         self.least = self.least.min(bucket);
         self.most = self.most.max(bucket);
         if bucket - self.least > EMPTIED {
-            self.emptied = true;
+            (self.emptied, self.opened) = (true, true);
             self.most = bucket;
             self.least = bucket - EMPTIED;
         }
@@ -111,6 +124,21 @@ impl Bucket {
             self.least = bucket;
             self.most = bucket + FILLED;
         }
+    }
+
+    /// It weighs what it holds.
+    pub(super) fn keeps(&mut self) {
+        self.turned = false;
+    }
+
+    /// It weighs less than it did, in the air. One that opened before, and has not turned while it lost that, has a frozen angle.
+    pub(super) fn loses(&mut self) {
+        self.frozen = self.opened && !self.turned;
+    }
+
+    /// Its angle repeats one value, while what it holds changes.
+    pub(super) fn is_frozen(&self) -> bool {
+        self.frozen
     }
 
     /// The bucket opens, or has just done so.
@@ -136,5 +164,41 @@ impl Bucket {
     /// The bucket was opened wide, and has not been filled since.
     pub(super) fn is_emptied(&self) -> bool {
         self.emptied && !self.is_open() && self.settling == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A standing bucket that opens wide if it `opens`, weighs what is left, and turns by this while it loses that [rad].
+    fn freezes(opens: bool, turns: f64) -> bool {
+        let mut bucket = Bucket::new(0.5);
+        let mut turn = |bucket: &mut Bucket, angle: f64| {
+            let drive = Drive {
+                period: 0.01,
+                posture: [0.6, -1.8, angle],
+                seen: true,
+                ..Drive::default()
+            };
+            bucket.step(&drive, 0.2, true, Some(false));
+        };
+        let open = if opens { -0.2 } else { -1.5 };
+        let opening = |k: u32| -1.5 + (open + 1.5) * f64::from(k.min(300)) / 300.0;
+        (0..400).for_each(|k| turn(&mut bucket, opening(k)));
+        bucket.keeps();
+        turn(&mut bucket, opening(400) + turns);
+        bucket.loses();
+        let freezes = bucket.is_frozen();
+        turn(&mut bucket, opening(400) + turns + 1e-6);
+        assert!(!bucket.is_frozen(), "it turns again");
+        freezes
+    }
+
+    #[test]
+    fn a_bucket_that_opened_before_and_loses_its_load_without_turning_is_frozen() {
+        assert!(freezes(true, 0.0));
+        assert!(!freezes(true, 0.01), "it turned");
+        assert!(!freezes(false, 0.0), "a grapple: it never opened");
     }
 }

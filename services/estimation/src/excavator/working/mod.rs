@@ -44,7 +44,7 @@ pub use self::smoother::{Smoothed, Smoother};
 use self::sway::Sway;
 use self::tail::Tail;
 pub use self::trail::Trail;
-use self::weigh::Weigh;
+use self::weigh::{Weigh, fits};
 use super::doubts::Doubts;
 use super::drive::Drive;
 use super::measurements::boom_moment::FADING;
@@ -344,10 +344,16 @@ impl Working {
         if moment.stood < FADING && !self.parallel.is_driven() {
             self.fade_alone(settings, moment.period, trail);
         }
+        let anything = self.anything();
+        self.scale.stands(self.slow_for);
+        if let Some(weigh) = &self.weigh {
+            self.scale.weigh(weigh, settings, &moment, anything);
+        }
         if self.parallel.is_driven() {
             self.doubt_pressures();
+        } else if self.scale.is_misled() {
+            self.contradiction.outright();
         }
-        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };
@@ -355,7 +361,6 @@ impl Working {
         let believes = !self.scale.is_doubted();
         let said = weigh.measure(settings, &moment, (&mut self.filter, believes), trail);
         let other = weigh.measure(settings, &moment, (parallel, believes), &mut None);
-        self.scale.weigh(weigh, settings, &moment, anything);
         if !believes {
             if self.carries() {
                 let load = (self.filter.load(), self.filter.p[M][M]);
@@ -370,8 +375,14 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
-        let renews = weigh.renews(said);
-        if renews && self.bucket.is_emptied() && self.parallel.is_driven() {
+        let renews = weigh.renews(said, stands && !moment.moves);
+        if fits(said) {
+            self.bucket.keeps();
+        } else if renews && said.value < 0.0 {
+            self.bucket.loses();
+        }
+        let same = self.parallel.is_driven() || self.scale.knows_bucket();
+        if renews && self.bucket.is_emptied() && same {
             // Nothing has been filled in.
             self.contradiction.outright();
         }

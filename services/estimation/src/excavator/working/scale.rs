@@ -11,7 +11,9 @@
 //!
 //! A filter that takes in both bends its constants until both fit. So where they begin to contradict each other, the torque goes on alone,
 //! and weighs each load beside this one. The same ratio, of what both weigh and of emptied buckets, tells whether they differ. Both are
-//! believed again where they do not; where the pressures err with odds of [`SURE`], the torque alone is.
+//! believed again where they do not; where the pressures err with odds of [`SURE`], the torque alone is. An emptied bucket may make them
+//! err so before anything contradicts them. Then it goes on alone too, unless the bucket may be another one: a coupler changes it while the
+//! upper body stands for [`EXCHANGE`].
 //!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
@@ -34,6 +36,8 @@ const SURE: f64 = 20.0;
 const KNOWN: f64 = 0.1;
 /// One emptied bucket says no more than this (logarithm).
 const SAYS: f64 = 12.0;
+/// A hydraulic coupler changes the bucket while the upper body stands for this time \[s\].
+const EXCHANGE: f64 = 10.0;
 
 /// A filter without motion.
 #[derive(Debug, Clone)]
@@ -48,8 +52,11 @@ pub(super) struct Scale {
     doubted: bool,
     differs: f64,
     apart: Option<Innovation>,
-    /// The bucket is emptied, and nothing has weighed it since.
+    /// The bucket is emptied, and nothing has weighed it since. Since the one before, a coupler may have changed it.
     asked: bool,
+    exchanged: bool,
+    /// An emptied bucket makes the pressures err, and it is the one that weighed nothing before.
+    misled: bool,
 }
 
 impl Scale {
@@ -62,6 +69,8 @@ impl Scale {
             contradicted: false,
             doubted: false,
             asked: false,
+            exchanged: true,
+            misled: false,
             differs: LEAST_ODDS,
             apart: None,
         };
@@ -123,6 +132,8 @@ impl Scale {
             let anything = anything * moment.per_payload * moment.per_payload;
             self.errs = weighed(self.errs, said, anything);
             self.differs = weighed(self.differs, said, anything);
+            let exchanged = core::mem::take(&mut self.exchanged);
+            self.misled = self.errs >= SURE && !exchanged;
         }
         if lasts {
             self.filter.p[M][M] += anything;
@@ -130,10 +141,26 @@ impl Scale {
         }
     }
 
-    /// Whether torque and load contradict each other. Where they begin to, the torque goes on alone, until emptied buckets and loads tell
-    /// that both weigh alike. Whether they begin to with this block.
+    /// The upper body stands for this time \[s\].
+    pub(super) fn stands(&mut self, time: f64) {
+        self.exchanged |= time > EXCHANGE;
+    }
+
+    /// Whether the bucket is the one that was weighed when it was emptied last.
+    pub(super) fn knows_bucket(&self) -> bool {
+        !self.exchanged
+    }
+
+    /// Whether an emptied bucket has just told that the pressures err.
+    pub(super) fn is_misled(&mut self) -> bool {
+        core::mem::take(&mut self.misled)
+    }
+
+    /// Whether torque and load contradict each other. Where they begin to, or where an emptied bucket tells that the pressures err, the
+    /// torque goes on alone, until emptied buckets and loads tell that both weigh alike. Whether they begin to with this block.
     pub(super) fn doubts(&mut self, contradicted: bool) -> bool {
-        let begins = contradicted && !self.contradicted;
+        let misled = self.is_misled() && !self.doubted;
+        let begins = contradicted && !self.contradicted || misled;
         self.contradicted = contradicted;
         if begins {
             (self.differs, self.apart, self.doubted) = (1.0, None, true);
@@ -300,6 +327,24 @@ mod tests {
             empty(0.0);
         }
         assert_eq!(empty(0.0), LEAST_ODDS);
+    }
+
+    #[test]
+    fn the_torque_goes_on_alone_where_the_bucket_that_weighed_nothing_weighs_something() {
+        let goes_on_alone = |stood: f64| {
+            let mut std = [0.0; N];
+            std[M] = 30.0;
+            let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+            for load in [0.0, 300.0] {
+                scale.stands(stood);
+                scale.hold((0.0, 30.0), true);
+                weigh(&mut scale, load, 2 * LASTS);
+                assert!(load > 0.0 || !scale.doubts(false));
+            }
+            scale.doubts(false) && scale.is_doubted() && !scale.is_undecided()
+        };
+        assert!(goes_on_alone(0.5 * EXCHANGE));
+        assert!(!goes_on_alone(2.0 * EXCHANGE), "it may be another bucket");
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl Working {
         }
         let goes_on_alone = self.scale.is_doubted() && !self.is_contradicted();
         if let Some(weigh) = &mut self.weigh {
-            weigh.forget();
+            weigh.holds_another();
             if goes_on_alone {
                 self.scale.knows(&self.filter);
             }

@@ -59,7 +59,9 @@ impl Working {
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
         let contradicted = self.is_contradicted();
-        let anything = if contradicted {
+        let weighs_another = self.slow_for > 0.0 && self.weigh.as_ref().is_some_and(Weigh::misfits);
+        let may_hold_anything = contradicted || weighs_another || self.bucket.is_frozen();
+        let anything = if may_hold_anything {
             // Uniform in its range, about the estimate.
             let (width, middle) = (most - least, 0.5 * (most + least));
             width * width / 12.0 + (payload - middle) * (payload - middle)
@@ -106,7 +108,7 @@ impl Working {
             unsettled: at_limit
                 || down
                 || self.bucket.is_settling()
-                || contradicted
+                || may_hold_anything
                 || self.weigh.as_ref().is_some_and(Weigh::swings)
                 || self.change.level() > SUSPICIOUS
                 || self.noise.is_unexplained(),
@@ -188,6 +190,9 @@ impl Working {
 
     /// What differs most from its description, in its own standard deviations.
     pub(super) fn reason(&self, standing: bool, (at_limit, contradicted): (bool, bool)) -> Reason {
+        if self.bucket.is_frozen() {
+            return Reason::Frozen;
+        }
         if standing && self.bucket.is_unlocked() {
             return Reason::Content;
         }

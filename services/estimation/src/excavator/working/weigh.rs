@@ -70,6 +70,8 @@ pub(super) struct Weigh {
     wavering: f64,
     /// Innovations beyond the gate in a row.
     strange: u32,
+    /// The last one was, in the air, though nothing moved.
+    misfits: bool,
     /// Time since the last measurement that fitted \[s\].
     age: f64,
 }
@@ -84,6 +86,7 @@ impl Weigh {
             watched: Watched::default(),
             wavering: 0.0,
             strange: 0,
+            misfits: false,
             age: f64::INFINITY,
         }
     }
@@ -101,6 +104,11 @@ impl Weigh {
     /// The load has been weighed just now.
     pub(super) fn is_fresh(&self) -> bool {
         self.age < HOLDS
+    }
+
+    /// It has just weighed something else: that may be another load.
+    pub(super) fn misfits(&self) -> bool {
+        self.misfits
     }
 
     /// The bucket may be filling.
@@ -177,8 +185,11 @@ impl Weigh {
             velocity,
             turn,
         };
-        self.moments
-            .step(g, &self.cylinder, &front, (constant, touches))
+        let moment = self
+            .moments
+            .step(g, &self.cylinder, &front, (constant, touches))?;
+        self.misfits = false;
+        Some(moment)
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
@@ -311,8 +322,14 @@ impl Weigh {
         watched.last = away;
     }
 
-    /// The bucket holds something else: how it swings is to be seen anew.
-    pub(super) fn forget(&mut self) {
+    /// The bucket holds something else.
+    pub(super) fn holds_another(&mut self) {
+        self.forget();
+        self.strange = 0;
+    }
+
+    /// How the load swings is to be seen anew.
+    fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
         self.watched.settling = SETTLES;
@@ -339,19 +356,21 @@ impl Weigh {
         self.strange == 0
     }
 
-    /// The innovation of a measurement; whether the load must be another one. Where less is carried, the ground may carry the rest.
-    pub(super) fn renews(&mut self, innovation: Innovation) -> bool {
+    /// The innovation of a measurement of a boom that is `still`, or moves; whether the load must be another one. Where less is carried, the
+    /// ground may carry the rest.
+    pub(super) fn renews(&mut self, innovation: Innovation, still: bool) -> bool {
         if fits(innovation) {
             self.age = 0.0;
             self.strange = 0;
-        } else {
-            self.strange = (self.strange + 1) % LASTS;
-            if self.strange == 0 && innovation.value < 0.0 {
-                self.ground.rests();
-            }
-            return self.strange == 0;
+            return false;
         }
-        false
+        self.strange = (self.strange + 1) % LASTS;
+        let another = self.strange == 0;
+        self.misfits = still && !another;
+        if another && innovation.value < 0.0 {
+            self.ground.rests();
+        }
+        another
     }
 }
 
@@ -407,6 +426,29 @@ mod tests {
         let gone = (0..LASTS).map(|_| weigh.sets_down(said(-10.0), load));
         assert_eq!(gone.filter(|gone| *gone).count(), 1);
         assert!((0..9).all(|_| !weigh.sets_down(said(-10.0), (20.0, 1000.0))));
+    }
+
+    #[test]
+    fn another_weight_of_a_still_boom_is_seen_at_once_and_another_load_when_it_lasts() {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let mut weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+        let said = |value: f64| Innovation {
+            value,
+            variance: 1.0,
+        };
+        assert!(!weigh.renews(said(1.0), true) && !weigh.misfits());
+        assert!(!weigh.renews(said(-9.0), false) && !weigh.misfits());
+        for _ in 2..LASTS {
+            assert!(!weigh.renews(said(-9.0), true) && weigh.misfits());
+        }
+        assert!(weigh.renews(said(-9.0), true) && !weigh.misfits());
+        // What does not fit counts for one content.
+        weigh.renews(said(-9.0), true);
+        weigh.holds_another();
+        assert!((1..LASTS).all(|_| !weigh.renews(said(-9.0), true)));
     }
 
     #[test]
