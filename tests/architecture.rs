@@ -253,3 +253,43 @@ fn the_product_has_no_unsafe_code() {
         assert!(!has_unsafe, "{path}");
     }
 }
+
+/// The files of each target of a package that cargo is told not to compile for tests.
+fn untested(folder: &Path) -> Vec<PathBuf> {
+    let text = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+    let mut files = Vec::new();
+    for section in text
+        .split("\n[")
+        .filter(|s| s.lines().any(|l| l == "test = false"))
+    {
+        let path = section.lines().find_map(|l| l.strip_prefix("path = "));
+        let path = folder.join(path.unwrap_or("src/lib.rs").trim_matches('"'));
+        let home = path.parent().expect("a folder");
+        if path.ends_with("src/lib.rs") {
+            sources(home, &mut files);
+            files.retain(|f| !f.ends_with("src/main.rs") && !f.starts_with(home.join("bin")));
+        } else if path.ends_with("main.rs") && !path.ends_with("src/main.rs") {
+            sources(home, &mut files);
+        } else {
+            let text = fs::read_to_string(&path).expect("a program");
+            let has_module = text
+                .lines()
+                .any(|l| l.starts_with("mod ") && l.ends_with(';'));
+            assert!(!has_module, "{} is not all of it", path.display());
+            files.push(path);
+        }
+    }
+    files
+}
+
+#[test]
+fn targets_that_are_not_compiled_for_tests_have_none() {
+    let folders = ARROWS.iter().map(|(folder, _)| root().join(folder));
+    let files: Vec<_> = folders.flat_map(|folder| untested(&folder)).collect();
+    assert!(files.len() > 10, "{files:?}");
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a source file");
+        let has_tests = ["#[test]", "cfg(test)"].iter().any(|w| text.contains(w));
+        assert!(!has_tests, "{} has tests that nobody runs", file.display());
+    }
+}

@@ -1,11 +1,9 @@
 //! Machines whose clocks are wrong, names that are made up, a disk that is full: every message that a machine sends is in
 //! the history, or counted.
 
-mod common;
-
 use std::time::Instant;
 
-use common::{Collector, Router, collector, sleep, until};
+use crate::common::{Collector, Router, collector, sleep, until};
 use gateway::label::Label;
 use gateway::question::{AnswerSummary, END};
 use gateway::status::{Status, Stream};

@@ -1,14 +1,12 @@
 //! A site that is closed: mutual TLS, and a router that lets a machine write its own keys only, both made by
 //! `examples/fleet`. Needs `openssl` and `python3`.
 
-mod common;
-
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use common::{collector, gateway_with, machine, sleep, until};
+use crate::common::{collector, gateway_with, machine, sleep, until};
 use gateway::label::Label;
 use gateway::link::{self, LinkArgs};
 use gateway::wall_ms;
@@ -147,7 +145,7 @@ fn a_gateway_sends_answers_and_recovers_behind_such_a_router() {
         router.is_some()
     });
     machine.process.wait();
-    let whole = common::expected(100, 20);
+    let whole = crate::common::expected(100, 20);
     centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     assert_eq!(centre.account("ex-1"), (0, 0));

@@ -1,8 +1,6 @@
 //! Messages of many senders that cross at a router: the collector takes all, in whatever order they come.
 
-mod common;
-
-use common::{Collector, Router, collector, until};
+use crate::common::{Collector, Router, collector, until};
 use gateway::label::Label;
 use gateway::wall_ms;
 use messages::ExcavatorEstimate;

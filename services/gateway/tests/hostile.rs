@@ -1,9 +1,7 @@
 //! A machine that lies lies about itself only: nothing that it sends is taken for another's, and nothing of it
 //! harms the collector.
 
-mod common;
-
-use common::{Router, collector, sleep, until};
+use crate::common::{Router, collector, sleep, until};
 use gateway::label::Label;
 use gateway::status::{Status, Stream};
 use gateway::wall_ms;

@@ -1,9 +1,7 @@
 //! What a fleet promises over links that are slow, lossy, or silent for a while.
 
-mod common;
-
-use common::relay::{LTE, Quality, Relay, SATELLITE};
-use common::{Collector, Router, collector, expected, gateway, machine, sleep, until};
+use crate::common::relay::{LTE, Quality, Relay, SATELLITE};
+use crate::common::{Collector, Router, collector, expected, gateway, machine, sleep, until};
 
 const UKF: &str = "estimate/inertia_ukf";
 

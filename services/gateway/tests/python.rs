@@ -1,11 +1,9 @@
 //! `examples/fleet/subscribe.py`: what a program in another language reads. Needs python3 with eclipse-zenoh and protobuf,
 //! or an interpreter that has them, named as HEFT_PYTHON.
 
-mod common;
-
 use std::process::Command;
 
-use common::{Router, gateway, machine, of_repository};
+use crate::common::{Router, gateway, machine, of_repository};
 
 #[test]
 fn a_subscriber_in_python_prints_and_plots_what_machines_send() {
@@ -28,7 +26,7 @@ fn a_subscriber_in_python_prints_and_plots_what_machines_send() {
         gateway(&machines[1], "ex-2", &router.address),
     ];
     // The machines tell what their messages mean, so they must be there.
-    common::sleep(3.0);
+    crate::common::sleep(3.0);
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("inertia.png");
     let mut command = Command::new(&python);

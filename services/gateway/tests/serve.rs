@@ -1,7 +1,5 @@
 //! `heft fleet serve`: machines send their samples, and the site's estimates are those that `heft estimate` makes of them.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
@@ -9,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use common::{
+use crate::common::{
     Machine, Router, collector, gateway_with, heft, machine_with_samples, of_repository, until,
 };
 use zenoh::Wait;
@@ -40,7 +38,7 @@ fn processes() -> BTreeMap<u32, (u32, String)> {
 }
 
 /// A site that estimates every sample, in two processes.
-fn site(heft: &Path, router: &Router) -> common::Process {
+fn site(heft: &Path, router: &Router) -> crate::common::Process {
     let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
     command.args(["serve", "excavator", "--site", "north", "--every", "0"]);
     command
@@ -48,7 +46,7 @@ fn site(heft: &Path, router: &Router) -> common::Process {
         .arg(heft);
     command.args(["--", "--shards", "2"]);
     let site = command.stderr(Stdio::piped()).spawn().expect("it starts");
-    common::Process(site)
+    crate::common::Process(site)
 }
 
 /// The shards of the site: children of its `heft serve`.
@@ -220,7 +218,7 @@ fn what_a_site_did_not_estimate_while_it_was_away_is_a_hole_in_the_history() {
     assert_eq!(centre.account("ex-1").0, 0);
     drop(first);
     let before = centre.numbers("ex-1", STREAM).len();
-    common::sleep(2.0);
+    crate::common::sleep(2.0);
     let _second = site(&heft, &router);
     until("another goes on", || {
         centre.numbers("ex-1", STREAM).len() > before + 50

@@ -1,7 +1,5 @@
 //! Processes of a fleet, for tests: a router in this process, and everything else as it is run.
 
-#![allow(dead_code, reason = "each test uses its part")]
-
 pub mod relay;
 
 use std::io::{BufRead, BufReader, Read, Write};
