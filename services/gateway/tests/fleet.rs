@@ -127,7 +127,7 @@ fn a_run_that_was_killed_or_gave_up_is_told_and_one_that_ended_in_order_is_not()
     rustix::process::kill_process(pid, rustix::process::Signal::HUP).expect("it is there");
     let broken = || -> Vec<String> {
         let all = centre.query("alarms");
-        let its = all.iter().filter(|alarm| alarm["kind"] == "broken");
+        let its = all.iter().filter(|alarm| alarm["alarm"] == "broken");
         let machine = |alarm: &serde_json::Value| alarm["machine"].as_str().map(str::to_owned);
         its.filter_map(machine).collect()
     };
@@ -144,7 +144,7 @@ fn a_run_that_was_killed_or_gave_up_is_told_and_one_that_ended_in_order_is_not()
     sleep(9.0);
     let all = centre.query("alarms");
     let others = all.iter().filter(|alarm| alarm["machine"] == "ended");
-    let kinds: Vec<_> = others.map(|alarm| &alarm["kind"]).collect();
+    let kinds: Vec<_> = others.map(|alarm| &alarm["alarm"]).collect();
     assert!(
         !kinds.iter().any(|k| *k == "broken" || *k == "silent"),
         "{kinds:?}"
