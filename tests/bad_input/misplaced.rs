@@ -177,3 +177,37 @@ fn who_states_the_mass_is_told_what_follows_from_it() {
     ]));
     assert!(!refused.contains("note:"), "{refused}");
 }
+
+#[test]
+fn a_machine_of_another_mass_is_not_called_the_reference_machine() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = path_in(folder.path(), "out.csv");
+    let data = golden("weighed/loader_2_24t_locked.csv");
+    let line = ["estimate", "--machine", "loader", "-o", &out];
+    let said = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let data = data.to_str().into_iter();
+        let line: Vec<&str> = line.into_iter().chain(data).chain(sets).collect();
+        let said = both(&run(&line));
+        fs::remove_file(&out).expect("a result");
+        said
+    };
+    let size = [
+        "machine.mass=23713",
+        "machine.wheel_radius=0.9",
+        "machine.wheelbase=3.8",
+    ];
+    let words = said(&size);
+    assert!(!words.contains("the reference loader"), "{words}");
+    let more = [
+        "machine.mass=23713",
+        "sensors.rate=100",
+        "sensors.speed_std=0.02",
+        "sensors.slope_std=0.002",
+        "sensors.acceleration_std=0.05",
+        "sensors.wheel_speed_std=0.002",
+    ];
+    let words = said(&more);
+    let command = "`heft check --machine loader --print` with the same --set shows all";
+    assert!(words.contains(command), "{words}");
+}

@@ -57,6 +57,16 @@ fn in_doubt(input: &str, folder: &Path, words: &str) {
 }
 
 #[test]
+fn a_torque_that_never_changes_while_the_machine_swings_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for value in ["0", "500"] {
+        let day = treated(folder.path(), "swing_torque", |_, _| value.into());
+        let words = format!("swing_torque is exactly {value} N m in all");
+        in_doubt(&day, folder.path(), &words);
+    }
+}
+
+#[test]
 fn what_comes_on_standard_input_is_doubted_like_a_file() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "t", |_, t| (1000.0 * t).to_string());

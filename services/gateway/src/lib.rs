@@ -74,8 +74,26 @@ pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
 /// # Errors
 /// The system refuses.
 pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result<(), String> {
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        let registered = signal_hook::flag::register(signal, std::sync::Arc::clone(stop));
+    catch(
+        &[signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM],
+        stop,
+    )
+}
+
+/// Sets `gave_up` when the process is told that the run beside it failed.
+///
+/// # Errors
+/// The system refuses.
+pub fn on_hang_up(gave_up: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result<(), String> {
+    catch(&[signal_hook::consts::SIGHUP], gave_up)
+}
+
+fn catch(
+    signals: &[i32],
+    flag: &std::sync::Arc<std::sync::atomic::AtomicBool>,
+) -> Result<(), String> {
+    for signal in signals {
+        let registered = signal_hook::flag::register(*signal, std::sync::Arc::clone(flag));
         registered.map_err(|e| {
             error(
                 format!("signals cannot be caught: {e}"),

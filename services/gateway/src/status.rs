@@ -25,8 +25,11 @@ pub struct Status {
     pub count: u64,
     /// The machine's wall clock, the one by which its messages are stamped [ms since 1970].
     pub wall_ms: u64,
-    /// The run is over.
+    /// The run ended in order.
     pub ended: bool,
+    /// The run broke off: its supervisor was killed, or gave up.
+    #[serde(default)]
+    pub broke_off: bool,
     /// Its streams by `KIND/NAME`.
     pub streams: BTreeMap<String, Stream>,
     /// What its gateway counts.

@@ -110,6 +110,48 @@ fn a_gateway_that_is_killed_and_started_again_leaves_no_gap() {
 }
 
 #[test]
+fn a_run_that_was_killed_or_gave_up_is_told_and_one_that_ended_in_order_is_not() {
+    let router = Router::start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
+    let machines = ["ended", "killed", "gave-up"].map(|id| {
+        let seconds = if id == "killed" { 600.0 } else { 8.0 };
+        let machine = machine(100.0, seconds, None);
+        let gateway = gateway(&machine, id, &router.address);
+        until("it is heard", || !centre.numbers(id, UKF).is_empty());
+        (machine, gateway)
+    });
+    let [(ended, _first), (killed, _second), (gave_up, third)] = machines;
+    drop(killed); // kill -9
+    let pid = rustix::process::Pid::from_raw(third.0.id() as i32).expect("a process");
+    rustix::process::kill_process(pid, rustix::process::Signal::HUP).expect("it is there");
+    let broken = || -> Vec<String> {
+        let all = centre.query("alarms");
+        let its = all.iter().filter(|alarm| alarm["alarm"] == "broken");
+        let machine = |alarm: &serde_json::Value| alarm["machine"].as_str().map(str::to_owned);
+        its.filter_map(machine).collect()
+    };
+    ended.process.wait();
+    gave_up.process.wait();
+    let is_broken = |id: &str| broken().iter().any(|machine| machine == id);
+    until("both are broken", || {
+        is_broken("killed") && is_broken("gave-up")
+    });
+    until("the page says so", || {
+        centre.get("/", &centre.page).matches(">broke off<").count() == 2
+    });
+    // Longer than a machine may be silent, if its gateway left.
+    sleep(9.0);
+    let all = centre.query("alarms");
+    let others = all.iter().filter(|alarm| alarm["machine"] == "ended");
+    let kinds: Vec<_> = others.map(|alarm| &alarm["alarm"]).collect();
+    assert!(
+        !kinds.iter().any(|k| *k == "broken" || *k == "silent"),
+        "{kinds:?}"
+    );
+}
+
+#[test]
 fn a_collector_that_was_away_asks_for_what_it_missed() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");

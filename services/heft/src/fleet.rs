@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use runtime::Domain;
+use rustix::process::{Pid, Signal};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -175,6 +176,16 @@ impl Gateway {
             self.spawn();
         }
     }
+
+    /// Tells it that the run has failed, before the domain says that it is over.
+    pub fn gave_up(&self) {
+        let pid = self.child.as_ref().map(Child::id);
+        let pid = pid.and_then(|pid| i32::try_from(pid).ok());
+        if let Some(pid) = pid.and_then(Pid::from_raw) {
+            let _ = rustix::process::kill_process(pid, Signal::HUP);
+        }
+    }
+
     /// Waits for its own end after that of the run, which began at `begun`: a service manager kills what is left when the
     /// process that it started has ended, and with it what is not sent yet. It is told meanwhile that somebody is awake.
     pub fn wait(mut self, begun: Instant, mut notify: Notify) {

@@ -2,6 +2,7 @@
 
 mod excavator;
 mod loader;
+mod still;
 mod units;
 
 use std::ffi::OsString;

@@ -101,6 +101,9 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
     let mut seen = BTreeSet::new();
     found.retain(|f| seen.insert(f.canonicalize().unwrap_or_else(|_| f.clone())));
     if found.is_empty() {
+        if let Some(error) = paths.iter().find_map(|path| recording::foreign(path)) {
+            return Err(error.into());
+        }
         let places: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         let remedy = match tables {
             true => {

@@ -74,7 +74,7 @@ pub fn assumed(
     let all = shown_by(description, args);
     let words = match of_mass(description) {
         Some(words) => words,
-        None if args.config.is_none() => format!(
+        None if args.config.is_none() && is_reference => format!(
             "values that nobody has stated are those of the reference {machine}, whose mass this is"
         ),
         None => return Ok(None),
@@ -110,15 +110,19 @@ pub fn of_mass(description: &Description) -> Option<String> {
     })
 }
 
+/// More keys than these make a command that nobody reads.
+const MOST_SETS: usize = 5;
+
 /// The command that prints every value of what the arguments describe.
 fn shown_by(description: &Description, args: &DescriptionArgs) -> String {
     let file = args.config.iter().map(|f| Quoted(f.display()).to_string());
     let machine = [format!("--machine {}", description.machine())];
     let class = args.class.map(|kg| format!("--class {kg}kg"));
-    let sets = args.set.iter().map(|set| format!("--set {}", Quoted(set)));
+    let are_many = args.set.len() > MOST_SETS;
+    let sets = args.set.iter().filter(|_| !are_many);
+    let sets = sets.map(|set| format!("--set {}", Quoted(set)));
     let words = file.chain(machine).chain(class).chain(sets);
-    format!(
-        "`heft check {} --print`",
-        words.collect::<Vec<_>>().join(" ")
-    )
+    let command = words.collect::<Vec<_>>().join(" ");
+    let same = if are_many { " with the same --set" } else { "" };
+    format!("`heft check {command} --print`{same}")
 }

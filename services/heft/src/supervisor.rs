@@ -186,6 +186,9 @@ impl Supervisor {
         );
         // A run that failed is started again at once: that matters more.
         let waits = notify.has_manager() && !matches!(end, End::Failed(_));
+        if let (Some(gateway), End::Failed(_)) = (&self.gateway, &end) {
+            gateway.gave_up();
+        }
         let gateway = self.gateway.take().filter(|_| waits);
         // The gateway knows of the end by the domain.
         drop(self);

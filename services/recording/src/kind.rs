@@ -34,7 +34,7 @@ macro_rules! rows {
 }
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 41] = rows! {
+const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
     b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
     b"PAR1", "a Parquet file", PYTHON;
@@ -42,8 +42,10 @@ const FOREIGN: [(&[u8], &str, &str); 41] = rows! {
     b"FEA1", "a Feather file", PYTHON;
     b"Obj\x01", "an Avro file", PYTHON;
     b"\x93NUMPY", "an array of NumPy", PYTHON;
+    b"\x80\x04\x95", "a pickle of Python", PYTHON;
+    b"\x80\x05\x95", "a pickle of Python", PYTHON;
     b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON;
-    b"MATLAB", "a MATLAB file", "write a table: writetable(T, 'data.csv')";
+    MATLAB, "a MATLAB file", "write a table: writetable(T, 'data.csv')";
     b"TDSm", "a TDMS file of LabVIEW", EXPORT;
     b"ULog", "a log of PX4 (ULog)", EXPORT;
     b"MDF ", "an MDF file",
@@ -60,10 +62,10 @@ const FOREIGN: [(&[u8], &str, &str); 41] = rows! {
     b"\n\r\r\n", CAPTURE, RECORD;
     b"***BUSMASTER", "a CAN log of BUSMASTER", ASC;
     b"VERSION \"", "a DBC file", "give the log that it describes, and the DBC beside it: `heft map LOG --dbc FILE`";
-    b"#ROSBAG", "a bag of ROS 1", "convert it to MCAP: mcap convert FILE.bag FILE.mcap";
+    b"#ROSBAG", "a bag of ROS 1", BAG;
     b"rosbag2_bagfile", "the contents of a bag of ROS 2",
-        "give the .mcap file beside it; a bag of .db3 files becomes one by ros2 bag convert";
-    b"SQLite", "a database, perhaps a bag of ROS 2", "convert a bag to MCAP: ros2 bag convert";
+        "give the .mcap file beside it; a bag of .db3 files becomes one by `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags)";
+    b"SQLite", "a database, perhaps a bag of ROS 2", BAG;
     b"version https://git-lfs", "the name of a file in Git LFS, not the file", "fetch it: git lfs pull";
     b"%PDF", "a PDF", EXPORT;
     b"{\\rtf", "a text of a word processor", EXPORT;
@@ -81,7 +83,9 @@ const FOREIGN: [(&[u8], &str, &str); 41] = rows! {
 };
 /// How what zstd packed begins.
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+const MATLAB: &[u8] = b"MATLAB";
 const DATE: &[u8] = b"date ";
+const BAG: &str = "convert a bag to MCAP: `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags; BAG is the file of ROS 1, the folder of ROS 2)";
 const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
 const RECORD: &str = "record the bus with candump -L, and give that log";
 const PAGE: &str = "a page, perhaps of a login";
@@ -125,9 +129,7 @@ impl Kind {
         if path.is_dir() || !path.exists() && parts::exists(path) {
             return Ok(Self::Recording);
         }
-        let mut head = Vec::new();
-        let begin = file::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head));
-        begin.map_err(|e| Error::system("read the data", path, &e))?;
+        let head = begin_of(path).map_err(|e| Error::system("read the data", path, &e))?;
         if head.starts_with(MCAP) {
             return Ok(Self::Recording);
         }
@@ -135,18 +137,8 @@ impl Kind {
             return Ok(Self::Recording);
         }
         let place = || path.display().to_string();
-        let begin = behind_comments(&head);
-        let is_foreign = |(magic, ..): &&(&[u8], _, _)| {
-            let is_so = head.starts_with(magic) || begin.starts_with(magic);
-            // A table may begin with a date too.
-            is_so && !(*magic == DATE && is_parted(begin))
-        };
-        if let Some((_, what, remedy)) = FOREIGN.iter().find(is_foreign) {
-            return Err(Error::new(
-                format!("this is {what}, which heft does not read as data"),
-                place(),
-                *remedy,
-            ));
+        if let Some(error) = of_others(&head, path) {
+            return Err(error);
         }
         if head.starts_with(&GZIP) {
             return Ok(named.unwrap_or(Self::Table));
@@ -179,6 +171,41 @@ impl Kind {
         }
         Ok(of_text(text, named))
     }
+}
+
+/// What a folder without data holds instead: of its files that heft knows and does not read, the first by its name.
+#[must_use]
+pub fn foreign(folder: &Path) -> Option<Error> {
+    let files = folder.read_dir().ok()?.flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = files.filter(|file| file.is_file()).collect();
+    files.sort();
+    files
+        .iter()
+        .find_map(|file| of_others(&begin_of(file).ok()?, file))
+}
+
+/// The first bytes of a file.
+fn begin_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    file::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+/// What others write and heft does not read, by its first bytes; the files of MATLAB 4 have no sign but their name.
+fn of_others(head: &[u8], path: &Path) -> Option<Error> {
+    let begin = behind_comments(head);
+    let is_matlab = path.extension().is_some_and(|ending| ending == "mat");
+    let is_foreign = |(magic, ..): &&(&[u8], _, _)| {
+        let is_so = head.starts_with(magic) || begin.starts_with(magic);
+        // A table may begin with a date too.
+        is_so && !(*magic == DATE && is_parted(begin)) || is_matlab && *magic == MATLAB
+    };
+    let (_, what, remedy) = FOREIGN.iter().find(is_foreign)?;
+    Some(Error::new(
+        format!("this is {what}, which heft does not read as data"),
+        path.display().to_string(),
+        *remedy,
+    ))
 }
 
 /// Whether more of the parts of the first line are pairs of a name and its value than are none.

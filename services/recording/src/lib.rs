@@ -53,7 +53,7 @@ mod writer;
 pub use csv::EstimateWriter;
 pub use error::Error;
 pub use gaps::Gaps;
-pub use kind::Kind;
+pub use kind::{Kind, foreign};
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn, NamedLine};
 pub use load::{Samples, load, open};
 pub use map::Map;

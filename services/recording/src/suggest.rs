@@ -4,6 +4,7 @@
 mod absolute;
 mod languages;
 pub(crate) mod names;
+pub(crate) mod ports;
 mod sizes;
 pub(crate) mod suggestion;
 pub(crate) mod table;
@@ -21,8 +22,9 @@ use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, Quoted, packed, parts, steers};
+use crate::{Error, Kind, Quoted, foreign, packed, parts, steers};
 use names::{fitting, quoted, wanted};
+use ports::ports;
 pub use sizes::LARGEST_PRESSURES;
 pub use suggestion::Suggestion;
 use suggestion::{LINKS, missing};
@@ -93,7 +95,10 @@ fn of_folder(path: &Path) -> Error {
             "give one of its files: heft map {}",
             Quoted(first.display())
         ),
-        None => "give a table (.csv), a CAN log (.log) or an MCAP file".to_owned(),
+        None => match foreign(path) {
+            Some(error) => return error,
+            None => "give a table (.csv), a CAN log (.log) or an MCAP file".to_owned(),
+        },
     };
     Error::new(
         "a map is of one file, and this is a folder",
@@ -218,19 +223,22 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
     let (mut found, mut taken) = (Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
+    let place = |name: &str| {
+        let (message, own) = name.split_once('.').unwrap_or((name, ""));
+        format!("message = {}, signal = {}", quoted(message), quoted(own))
+    };
     for signal in wanted::<S>().into_iter().filter(|signal| signal != "t") {
         let Some(at) = fitting(&signal, &names, &taken) else {
             continue;
         };
         taken.push(at);
         let (name, unit, count) = &present[at];
-        let (message, own) = name.split_once('.').unwrap_or((name, ""));
         let unit = if unit.is_empty() {
             "no unit: taken as SI".into()
         } else {
             format!("unit {} by the DBC", shown(unit))
         };
-        let place = format!("message = {}, signal = {}", quoted(message), quoted(own));
+        let place = place(name);
         let link = LINKS.iter().position(|link| *link == signal);
         let before = link.and_then(|at| links[at.checked_sub(1)?].as_ref());
         let _ = match before.filter(|_| absolute::by_name(name)) {
@@ -249,6 +257,9 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         }
         found.push(signal);
     }
+    out += &ports::<S>((&names, &taken, &found), |at, sign| {
+        format!("{{ {}{sign} }}", place(names[at]))
+    });
     let missing = missing::<S>(&found);
     let blank = |_: &str| "{ message = \"...\", signal = \"...\" }".to_owned();
     out += &lacking::<S>(&found, &missing, blank);
@@ -335,6 +346,12 @@ mod tests {
         assert!(said(dir.path()).contains(&format!("heft map {}", table.display())));
         let bag = dir.path().join("metadata.yaml");
         std::fs::write(&bag, "rosbag2_bagfile_information:\n  version: 5\n").expect("writable");
+        std::fs::remove_file(&table).expect("removable");
+        let of_bag = said(dir.path());
+        assert!(
+            of_bag.contains("contents of a bag of ROS 2") && of_bag.contains("rosbags-convert"),
+            "{of_bag}"
+        );
         assert!(
             said(&bag).contains(".mcap file beside it"),
             "{}",

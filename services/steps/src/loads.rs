@@ -6,7 +6,6 @@ use std::collections::VecDeque;
 
 use config::Description;
 use estimation::Quantity;
-use estimation::loader::Reason;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
@@ -295,7 +294,8 @@ impl LoadCounter {
                 .map(|shown| shown.common),
             speed: m.speed,
             changing: match weighed {
-                Some(_) => m.reason == Reason::Load as u32,
+                // Also where a sensor that broke is the reason: what it showed before the change is the load of before.
+                Some(_) => m.flags & loader_bits::CHANGING != 0,
                 None => scale.is_some_and(|shown| shown.changing),
             },
             hangs: false,

@@ -20,6 +20,9 @@ struct Cli {
 fn main() -> ExitCode {
     let _process = gateway::log("heft-gateway");
     let stop = Arc::new(AtomicBool::new(false));
-    let result = gateway::on_signal(&stop).and_then(|()| run(&Cli::parse().args, &stop));
+    let gave_up = Arc::new(AtomicBool::new(false));
+    let result = gateway::on_signal(&stop)
+        .and_then(|()| gateway::on_hang_up(&gave_up))
+        .and_then(|()| run(&Cli::parse().args, &stop, &gave_up));
     gateway::exit("heft-gateway", result)
 }

@@ -1,4 +1,4 @@
-//! Alarms: a machine that is silent, that has not been trusted for long, or whose learnt parameters have
+//! Alarms: a machine whose run broke off, that is silent, that has not been trusted for long, or whose learnt parameters have
 //! drifted beyond what their intervals allow.
 
 use std::collections::BTreeMap;
@@ -16,6 +16,9 @@ const CLOCK_MS: i64 = 10_000;
 
 /// More machines with one alarm at once than this are reported in one line.
 const MANY: usize = 10;
+
+/// Said of a run that was killed, or whose supervisor gave up.
+const BROKE_OFF: &str = "its run broke off: killed, or given up after failures";
 
 /// What is an alarm.
 #[derive(Debug, Clone, clap::Args)]
@@ -82,6 +85,13 @@ fn found(
     limit: Duration,
 ) -> BTreeMap<&'static str, String> {
     let mut on = BTreeMap::new();
+    if machine.broke_off {
+        // What fell silent by that is one fault, and nobody knows whether the rest is over.
+        machine.alarms.untrusted = None;
+        on.clone_from(before);
+        on.insert("broken", BROKE_OFF.to_owned());
+        return on;
+    }
     if !machine.is_here() {
         machine.alarms.untrusted = None;
         if !machine.ended && !machine.is_stranger() {
@@ -230,6 +240,31 @@ mod tests {
         fleet.status(&id, status, 1);
         fleet.token(&id, false);
         assert!(look(&mut fleet, &args()).is_empty());
+    }
+
+    #[test]
+    fn a_run_that_broke_off_is_one_alarm_until_the_next_begins() {
+        let mut fleet = Fleet::default();
+        let id = MachineId::new("north", "ex-1").expect("names");
+        let of = |broke_off| Status {
+            broke_off,
+            wall_ms: crate::wall_ms(),
+            ..Default::default()
+        };
+        let args = AlarmArgs {
+            untrusted_after: 30.0,
+        };
+        let kinds = |fleet: &mut Fleet| -> Vec<String> {
+            let raised = look(fleet, &args).into_iter();
+            raised.map(|a| format!("{} {}", a.kind, a.text)).collect()
+        };
+        fleet.status(&id, of(true), 1);
+        assert_eq!(kinds(&mut fleet), [format!("broken {BROKE_OFF}")]);
+        // Its gateway leaves.
+        fleet.token(&id, false);
+        assert_eq!(kinds(&mut fleet), [""; 0]);
+        fleet.status(&id, of(false), 2);
+        assert_eq!(kinds(&mut fleet), ["broken broken: over"]);
     }
 
     #[test]

@@ -58,6 +58,8 @@ pub struct Machine {
     pub heard: Option<Instant>,
     /// Its latest run ended in order: it said so.
     pub ended: bool,
+    /// Its latest run broke off: it said so.
+    pub broke_off: bool,
     /// Its token is there.
     pub token: bool,
     /// Its clock minus ours [ms], as of the last status.
@@ -162,7 +164,7 @@ impl Fleet {
         }
         machine.run = run;
         machine.heard = Some(Instant::now());
-        machine.ended = status.ended;
+        (machine.ended, machine.broke_off) = (status.ended, status.broke_off);
         machine.kind.clone_from(&status.kind);
         machine.version.clone_from(&status.version);
         machine.clock_ms = status.wall_ms as i64 - crate::wall_ms() as i64;

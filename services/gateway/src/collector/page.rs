@@ -196,6 +196,7 @@ fn body(fleet: &Fleet) -> String {
 fn row(out: &mut String, id: &MachineId, machine: &Machine) {
     let quantity = machine.headline();
     let verdict = match &quantity {
+        _ if machine.broke_off => "<span class=\"bad\">broke off</span>",
         _ if !machine.is_here() => "<span class=\"bad\">away</span>",
         Some(q) if q.trusted => "<span class=\"good\">trusted</span>",
         Some(_) => "not trusted",

@@ -81,8 +81,10 @@ struct Shared {
     samples_sent: AtomicU64,
     /// Samples that did not get as far as Zenoh.
     samples_lost: AtomicU64,
-    /// The run is over; the process ends.
-    ended: AtomicBool,
+    /// The run is over: nothing comes any more.
+    over: AtomicBool,
+    /// It broke off: what kept it is gone, or gave up.
+    broke_off: AtomicBool,
     leave: AtomicBool,
     /// Samples are wanted in full until then [ns of the monotonic clock].
     full_until: AtomicU64,
@@ -106,7 +108,8 @@ impl Shared {
             lost: AtomicU64::new(0),
             samples_sent: AtomicU64::new(0),
             samples_lost: AtomicU64::new(0),
-            ended: AtomicBool::new(false),
+            over: AtomicBool::new(false),
+            broke_off: AtomicBool::new(false),
             leave: AtomicBool::new(false),
             full_until: AtomicU64::new(0),
             plan,
@@ -132,11 +135,11 @@ impl Shared {
     }
 }
 
-/// Is the gateway of a run until it ends, or `stop` is set.
+/// Is the gateway of a run until it ends, or `stop` is set. `gave_up`: the supervisor says that the run failed.
 ///
 /// # Errors
 /// There is no such run, or an argument cannot be used.
-pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
+pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Result<(), String> {
     let id = machine_id(args)?;
     let domain = Domain::new(&args.domain).map_err(|e| e.to_string())?;
     let plan = Plan::read(&domain)?;
@@ -155,11 +158,16 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
     let (mut reader, waiting) = Reader::new(&shared, sensors);
     let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
     let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
-    read(&domain, &mut taps, &mut reader, is_over);
+    let is_finished = read(&domain, &mut taps, &mut reader, is_over);
     drop((taps, ports));
-    shared.ended.store(true, Ordering::Relaxed);
-    let ended = Instant::now();
-    while !is_over() && ended.elapsed().as_secs_f64() < args.linger {
+    // Of a run that goes on without this gateway nothing is said.
+    if !is_over() {
+        let is_in_order = is_finished && !gave_up.load(Ordering::Relaxed);
+        shared.broke_off.store(!is_in_order, Ordering::Relaxed);
+        shared.over.store(true, Ordering::Release);
+    }
+    let over = Instant::now();
+    while !is_over() && over.elapsed().as_secs_f64() < args.linger {
         std::thread::sleep(VISIT);
     }
     shared.leave.store(true, Ordering::Relaxed);
@@ -206,8 +214,13 @@ fn channels(streams: &[StreamInfo], sensors: Option<&'static Channel>) -> Vec<&'
     channels
 }
 
-/// Reads the channels until the run has ended.
-fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: impl Fn() -> bool) {
+/// Reads the channels until the run is over; whether its supervisor has finished it.
+fn read(
+    domain: &Domain,
+    taps: &mut Taps<Reader>,
+    reader: &mut Reader,
+    is_over: impl Fn() -> bool,
+) -> bool {
     let shared = Arc::clone(&reader.shared);
     let visit = Duration::from_secs_f64(VISIT_SAMPLES / shared.plan.rate.max(1.0));
     let visit = VISIT.min(visit);
@@ -218,15 +231,17 @@ fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: 
             looked = Instant::now();
         }
         // Asked before the channels are read: what was sent between the last visit and the end is read too. A domain that
-        // is not alive was left behind by a supervisor that was killed.
-        let goes_on = !is_over() && domain.plan_file().exists() && (!is_due || domain.is_alive());
+        // is not alive was left behind by a supervisor that was killed; one that finishes its run removes the plan first.
+        let is_dead = is_due && !domain.is_alive();
+        let is_finished = !domain.plan_file().exists();
+        let goes_on = !is_over() && !is_finished && !is_dead;
         let lost = taps.drain(reader).lost;
         shared.overwritten.fetch_add(lost, Ordering::Relaxed);
         for (i, head) in shared.heads.iter().enumerate() {
             head.store(reader.downsampler.head(i), Ordering::Relaxed);
         }
         if !goes_on {
-            return;
+            return is_finished;
         }
         std::thread::sleep(visit);
     }

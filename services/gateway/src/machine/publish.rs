@@ -146,6 +146,8 @@ pub fn publisher(
 
 fn status(shared: &Shared) -> Vec<u8> {
     let count = |n: &std::sync::atomic::AtomicU64| n.load(Ordering::Relaxed);
+    let is_over = shared.over.load(Ordering::Acquire);
+    let broke_off = is_over && shared.broke_off.load(Ordering::Relaxed);
     let streams = shared
         .streams
         .iter()
@@ -165,7 +167,8 @@ fn status(shared: &Shared) -> Vec<u8> {
         count: shared.plan.run_count,
         // Not the clock of the host as it is now: it may have been set since this process began.
         wall_ms: shared.wall_ms(runtime::now_ns()),
-        ended: shared.ended.load(Ordering::Relaxed),
+        ended: is_over && !broke_off,
+        broke_off,
         streams: streams.collect(),
         counts: Counts {
             since_ms: shared.since_ms,

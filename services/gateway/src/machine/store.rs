@@ -205,7 +205,7 @@ impl Visitor for StoredReader<'_> {
         }
         // Behind the last message of a live recording more may be on its way to the disk.
         let is_whole = !is_full
-            && (downsampler.seen(self.stream) >= upto || self.shared.ended.load(Ordering::Relaxed));
+            && (downsampler.seen(self.stream) >= upto || self.shared.over.load(Ordering::Relaxed));
         served.upto = last;
         if is_whole && upto > last {
             served.lost += lost_behind(last, upto, per_period);

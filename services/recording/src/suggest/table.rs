@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
-use super::languages::english;
 use super::names::{fitting, is_pressure, may_be, wanted};
+use super::ports::ports;
 use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{lacking, opening, quoted, shown, sizes, unit_of};
 use crate::Error;
@@ -47,7 +47,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let mut text = opening::<S>(path);
     text.push_str("\n[columns]\n");
     text += &draft.out;
-    text += &draft.ports();
+    text += &draft.ports::<S>();
     let mut offered = draft.taken.clone();
     text += &lacking::<S>(&draft.found, &missing, |signal| {
         draft.by_unit::<S>(signal, &mut offered)
@@ -224,33 +224,16 @@ impl<'a> Draft<'a> {
         found.unwrap_or_else(|| "\"...\"".to_owned())
     }
 
-    /// Two pressures of the swing motor as a comment, where nothing is its torque: their difference is, times its displacement.
-    fn ports(&self) -> String {
-        let is_port = |at: &usize| {
-            let name = english(&self.names[*at]);
-            name.contains("swing") && is_pressure(&name) && may_be("swing_pressure", &name)
-        };
-        let free = (0..self.names.len()).filter(|at| !self.taken.contains(at));
-        let ports: Vec<usize> = free.filter(is_port).collect();
-        let is_open = !self.found.iter().any(|signal| signal == "swing_torque");
-        let [a, b] = match ports[..] {
-            [a, b] if is_open => [a, b],
-            _ => return String::new(),
-        };
-        let unit = |at: usize| {
-            let told = unit::of_name(&self.names[at], "Pa");
+    /// Two pressures of the swing motor, where nothing is its torque.
+    fn ports<S: Sensors>(&self) -> String {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        ports::<S>((&names, &self.taken, &self.found), |at, sign| {
+            let told = unit::of_name(names[at], "Pa");
             let unit = told.or(sizes::pressure(self.largest_pressure).0);
-            unit.map_or("Pa", |unit| unit.name)
-        };
-        let term = |at: usize, sign: &str| {
+            let unit = unit.map_or("Pa", |unit| unit.name);
             let column = quoted(&self.look.header[at]);
-            format!("{{ column = {column}, unit = \"{}\"{sign} }}", unit(at))
-        };
-        format!(
-            "# swing_torque = {{ terms = [{}, {}], scale = SCALE }}  # SCALE by the motor's displacement and gear: docs/map.md\n",
-            term(a, ""),
-            term(b, ", sign = -1")
-        )
+            format!("{{ column = {column}, unit = \"{unit}\"{sign} }}")
+        })
     }
 
     /// The line of a link whose angle is from the horizontal: less that of the link before.

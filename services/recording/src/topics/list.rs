@@ -11,6 +11,7 @@ use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
+use crate::suggest::ports::ports;
 use crate::suggest::suggestion::{Suggestion, links, missing};
 use crate::unit;
 use crate::{Error, Quoted};
@@ -161,6 +162,12 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
             "{mark}{name} = {{ {line}{converts} }}  # {guess}{unit}"
         );
     }
+    let labels: Vec<&str> = places.iter().map(|place| place.whole.as_str()).collect();
+    text += &ports::<S>((&labels, &taken, &found_all), |at, sign| {
+        let told = unit::of_name(labels[at], "Pa");
+        let unit = told.map_or(String::new(), |unit| format!(", unit = \"{}\"", unit.name));
+        format!("{{ {}{unit}{sign} }}", places[at].line)
+    });
     Suggestion {
         text,
         missing: missing::<S>(&found_all),

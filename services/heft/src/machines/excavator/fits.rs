@@ -9,6 +9,7 @@ use super::ground::Ground;
 use super::postures::Postures;
 use super::speed::Speed;
 use crate::commands::estimate::look::Look;
+use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder};
 
 /// Mass of the reference machine \[kg\], which a description without an operating mass is of.
@@ -26,6 +27,7 @@ pub(in crate::machines) struct Fits {
     postures: Postures,
     boom: Boom,
     ground: Ground,
+    torque: Still<1>,
     plausible: Plausible,
     mass: f64,
 }
@@ -44,6 +46,7 @@ impl Look for Fits {
             postures: Postures::default(),
             boom: Boom::default(),
             ground: Ground::default(),
+            torque: Still::new(["swing_torque"]),
             plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
@@ -65,6 +68,9 @@ impl Look for Fits {
             self.postures.see([boom, arm, bucket].map(joint));
         }
         let swings = sample.velocity.is_some_and(|v| v.abs() > SWINGS);
+        if swings {
+            self.torque.see([sample.torque]);
+        }
         let [boom, arm] = &mut self.cylinders;
         boom.see(sample.boom_head_pressure, sample.boom_rod_pressure, swings);
         // The head side of the arm's cylinder curls it.
@@ -74,7 +80,8 @@ impl Look for Fits {
     fn fault(&self) -> Option<String> {
         let columns = self.angles.fault().or_else(|| self.speed.fault());
         let columns = columns.or_else(|| self.cylinders.iter().find_map(Cylinder::fault));
-        if let Some(said) = columns.or_else(|| self.postures.fault()) {
+        let columns = columns.or_else(|| self.postures.fault());
+        if let Some(said) = columns.or_else(|| self.torque.fault()) {
             return Some(said);
         }
         let Some(mismatch) = self.plausible.mismatch() else {

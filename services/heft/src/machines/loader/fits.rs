@@ -7,6 +7,7 @@ use recording::STEEPEST;
 use super::axles::Axles;
 use super::turning::Turning;
 use crate::commands::estimate::look::Look;
+use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder, TURNING};
 
 /// A sensor shows a slope that is too steep for less than this share of the rows.
@@ -27,6 +28,7 @@ const LIFTS: f64 = 1.0;
 pub(in crate::machines) struct Fits {
     angles: Angles<3>,
     cylinder: Cylinder,
+    torques: Still<2>,
     /// Driving rows, and those in which the angle of the arm, that of the bucket, is beyond an arm's.
     driving: u32,
     beyond: [u32; 2],
@@ -115,6 +117,7 @@ impl Look for Fits {
         Self {
             angles: Angles::new(["lift_angle", "tilt_angle", "articulation"]),
             cylinder: Cylinder::new("lift"),
+            torques: Still::new(["front_torque", "rear_torque"]),
             driving: 0,
             beyond: [0; 2],
             axles: Axles::default(),
@@ -155,6 +158,9 @@ impl Look for Fits {
         let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
         self.cylinder
             .see(sample.lift_head_pressure, sample.lift_rod_pressure, drives);
+        if drives {
+            self.torques.see([sample.front_torque, sample.rear_torque]);
+        }
         if let ([Some(lift), Some(tilt)], true) = (angles, drives) {
             self.driving += 1;
             for (count, angle) in self.beyond.iter_mut().zip([lift, tilt]) {
@@ -171,6 +177,7 @@ impl Look for Fits {
 
     fn fault(&self) -> Option<String> {
         let columns = self.angles.fault().or_else(|| self.cylinder.fault());
+        let columns = columns.or_else(|| self.torques.fault());
         if columns.is_some() {
             return columns;
         }

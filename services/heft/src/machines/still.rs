@@ -1,0 +1,76 @@
+//! Torques that never change while the machine moves: nothing measures them.
+
+/// Moving rows that tell: some ten seconds.
+const FEWEST: u32 = 1000;
+
+/// Torques of which one at least must change in a machine that moves.
+pub(super) struct Still<const N: usize> {
+    names: [&'static str; N],
+    /// The first values, and whether another one came.
+    first: Option<[f64; N]>,
+    changes: bool,
+    rows: u32,
+}
+
+impl<const N: usize> Still<N> {
+    pub(super) fn new(names: [&'static str; N]) -> Self {
+        Self {
+            names,
+            first: None,
+            changes: false,
+            rows: 0,
+        }
+    }
+
+    /// A row in which the machine moves.
+    pub(super) fn see(&mut self, torques: [Option<f64>; N]) {
+        if torques.iter().all(Option::is_some) {
+            let torques = torques.map(Option::unwrap_or_default);
+            self.changes |= *self.first.get_or_insert(torques) != torques;
+            self.rows += 1;
+        }
+    }
+
+    /// That none changes, and what to do.
+    pub(super) fn fault(&self) -> Option<String> {
+        let first = self.first.filter(|_| !self.changes)?;
+        let said = self.names.iter().zip(first);
+        let said: Vec<_> = said
+            .map(|(name, value)| format!("{name} is exactly {value} N m"))
+            .collect();
+        let none = self.names.map(|name| format!("`{name} = \"none\"`"));
+        (self.rows >= FEWEST).then(|| {
+            format!(
+                "{} in all {} rows in which the machine moves: nothing seems to measure it\n  \
+                 what to do: check the sensor and its line of the signal map; where there is no such sensor, write {} there",
+                said.join(" and "),
+                self.rows,
+                none.join(" and ")
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(rows: u32, torques: fn(u32) -> [Option<f64>; 2]) -> Option<String> {
+        let mut still = Still::new(["front_torque", "rear_torque"]);
+        (0..rows).for_each(|k| still.see(torques(k)));
+        still.fault()
+    }
+
+    #[test]
+    fn torques_that_never_change_are_named_and_one_axle_alone_may_be_idle() {
+        let words = said(FEWEST, |_| [Some(0.0), Some(-1.5)]).unwrap_or_default();
+        assert!(
+            words.contains("front_torque is exactly 0 N m and rear_torque is exactly -1.5 N m")
+                && words.contains("`rear_torque = \"none\"`"),
+            "{words}"
+        );
+        assert_eq!(said(FEWEST, |k| [Some(f64::from(k)), Some(0.0)]), None);
+        assert_eq!(said(FEWEST, |_| [Some(0.0), None]), None);
+        assert_eq!(said(FEWEST - 1, |_| [Some(0.0), Some(0.0)]), None);
+    }
+}
