@@ -10,6 +10,8 @@
 //! E is the ratio of the evidences. The interval is that of the mixture ([`crate::mixture`]). Where another attachment has more than half,
 //! the bucket's mass is open by b from then on, so that it takes what the content was too much; a gain that is off is then the rival.
 //! What is undecided when the content is over is mixed by its moments.
+//!
+//! A coupler needs an upper body that stands for [`EXCHANGE`]. Where [`KNOWN`] emptied buckets were weighed since, it is the same bucket.
 
 use super::Working;
 use super::filter::{BUCKET, Filter, M};
@@ -24,6 +26,10 @@ const OTHERS: f64 = 0.4;
 /// So often is it changed [1/s], once in an hour of work, and the time within which the last exchange may be overlooked [s].
 const CHANGES: f64 = 1.0 / 3600.0;
 const LONGEST: f64 = 1800.0;
+/// A hydraulic coupler changes the bucket while the upper body stands for this time \[s\].
+const EXCHANGE: f64 = 10.0;
+/// So many emptied buckets tell whether it has.
+const KNOWN: u8 = 3;
 /// Logarithm of the odds beyond which it is all the same.
 const MOST: f64 = 20.0;
 /// An emptied bucket that weighs less than so many standard deviations is no question: what speaks for another one is then less than
@@ -58,8 +64,9 @@ pub(super) struct Attachment {
     most: f64,
     /// What sticks in a bucket of known mass.
     sticking: Sticking,
-    /// Time since an emptied bucket was weighed last \[s\].
+    /// Time since an emptied bucket was weighed last \[s\]; so many were since a coupler could have changed it.
     since: f64,
+    weighed: u8,
     /// The last question: the content's prior, content that weighs as much as a kilogram of bucket (c), logarithm of the odds.
     emptied: Emptied,
     share: f64,
@@ -82,6 +89,7 @@ impl Attachment {
             most: norm(&[std, OTHERS * mass]),
             sticking,
             since: 0.0,
+            weighed: 0,
             emptied: Emptied {
                 variance: 0.0,
                 tared: false,
@@ -96,9 +104,17 @@ impl Attachment {
         }
     }
 
-    /// Time passes.
-    pub(super) fn wait(&mut self, period: f64) {
+    /// Time passes; the upper body has stood for so long \[s\].
+    pub(super) fn wait(&mut self, period: f64, stood: f64) {
         self.since += period;
+        if stood > EXCHANGE {
+            self.weighed = 0;
+        }
+    }
+
+    /// Whether a coupler may have changed the bucket since an emptied one was weighed.
+    pub(super) fn may_be_another(&self) -> bool {
+        self.weighed == 0
     }
 
     /// Another attachment cannot be excluded.
@@ -135,6 +151,7 @@ impl Attachment {
     pub(super) fn is_known(&mut self) {
         self.since = 0.0;
         self.same = false;
+        self.weighed = self.weighed.saturating_add(1);
         self.forget();
     }
 
@@ -157,7 +174,7 @@ impl Attachment {
     fn ask(&mut self, filter: &Filter, emptied: Emptied, usual: f64, now: &Inertia) -> bool {
         self.forget();
         let (x, p, a) = (filter.x[M], filter.p[M][M], emptied.variance);
-        if emptied.tared && p > TOLD * a {
+        if emptied.tared && p > TOLD * a || emptied.seen && self.weighed >= KNOWN {
             return false;
         }
         let told = if emptied.tared { a / (a - p) } else { 1.0 };
@@ -282,7 +299,10 @@ impl Working {
         self.holds_nothing(variance, gate, trail);
         self.tared = seen;
         self.attachment.is_known();
-        self.attachment.bare = !seen;
+        if !seen {
+            // The next bucket is another one.
+            (self.attachment.bare, self.attachment.weighed) = (true, 0);
+        }
     }
 
     /// The bucket has been another one with this probability: its description says less of it, and of what sticks in it.
@@ -385,7 +405,7 @@ mod tests {
 
     fn attachment() -> Attachment {
         let mut attachment = Attachment::new(BUCKET_MASS, 40.0, Sticking::default());
-        attachment.wait(30.0);
+        attachment.wait(30.0, 0.0);
         attachment
     }
 
@@ -409,6 +429,21 @@ mod tests {
     }
 
     #[test]
+    fn a_bucket_that_is_known_is_another_one_only_after_a_stand() {
+        let mut attachment = attachment();
+        for weighed in 0..=KNOWN {
+            let asked = attachment.ask(&filter(40.0, 400.0), EMPTIED, 1.0, &posture());
+            assert_eq!(asked, weighed < KNOWN);
+            assert_eq!(attachment.may_be_another(), weighed == 0);
+            attachment.is_known();
+            attachment.wait(30.0, 0.5 * EXCHANGE);
+        }
+        attachment.wait(30.0, 1.5 * EXCHANGE);
+        assert!(attachment.may_be_another());
+        assert!(attachment.ask(&filter(40.0, 400.0), EMPTIED, 1.0, &posture()));
+    }
+
+    #[test]
     fn a_bucket_that_is_opened_afterwards_is_one_that_was_open_before() {
         let (mut attachment, mut later) = (attachment(), filter(40.0, 400.0));
         assert!(attachment.ask(&later, EMPTIED, 1.0, &posture()));
@@ -429,7 +464,7 @@ mod tests {
         let settings = Settings::of(&Description::default());
         let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
         working.filter.set(BUCKET, 0.0, 100.0, &mut None);
-        working.attachment.wait(30.0);
+        working.attachment.wait(30.0, 0.0);
         working
     }
 
@@ -523,7 +558,7 @@ mod tests {
     #[test]
     fn one_that_weighs_what_it_did_was_not_changed_before() {
         let mut working = working();
-        working.attachment.wait(600.0);
+        working.attachment.wait(600.0, 0.0);
         let before = working.attachment.prior();
         assert!(!weighs(&mut working, 0.01, true));
         let settings = Settings::of(&Description::default());

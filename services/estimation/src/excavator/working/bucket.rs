@@ -174,7 +174,7 @@ mod tests {
     /// A standing bucket that opens wide if it `opens`, weighs what is left, and turns by this while it loses that [rad].
     fn freezes(opens: bool, turns: f64) -> bool {
         let mut bucket = Bucket::new(0.5);
-        let mut turn = |bucket: &mut Bucket, angle: f64| {
+        let turn = |bucket: &mut Bucket, angle: f64| {
             let drive = Drive {
                 period: 0.01,
                 posture: [0.6, -1.8, angle],

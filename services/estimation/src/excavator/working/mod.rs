@@ -306,7 +306,7 @@ impl Working {
                 self.set_off(w, drive, settings.inertia_min, trail)
             }
         };
-        self.attachment.wait(drive.period);
+        self.attachment.wait(drive.period, self.slow_for);
         self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
         let state = self.state(settings, drive, innovation, standing);
@@ -345,9 +345,10 @@ impl Working {
             self.fade_alone(settings, moment.period, trail);
         }
         let anything = self.anything();
-        self.scale.stands(self.slow_for);
         if let Some(weigh) = &self.weigh {
-            self.scale.weigh(weigh, settings, &moment, anything);
+            let known = !self.attachment.may_be_another();
+            self.scale
+                .weigh(weigh, settings, &moment, (anything, known));
         }
         if self.parallel.is_driven() {
             self.doubt_pressures();
@@ -381,7 +382,7 @@ impl Working {
         } else if renews && said.value < 0.0 {
             self.bucket.loses();
         }
-        let same = self.parallel.is_driven() || self.scale.knows_bucket();
+        let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {
             // Nothing has been filled in.
             self.contradiction.outright();

@@ -12,8 +12,8 @@
 //! A filter that takes in both bends its constants until both fit. So where they begin to contradict each other, the torque goes on alone,
 //! and weighs each load beside this one. The same ratio, of what both weigh and of emptied buckets, tells whether they differ. Both are
 //! believed again where they do not; where the pressures err with odds of [`SURE`], the torque alone is. An emptied bucket may make them
-//! err so before anything contradicts them. Then it goes on alone too, unless the bucket may be another one: a coupler changes it while the
-//! upper body stands for [`EXCHANGE`].
+//! err so before anything contradicts them. Then it goes on alone too, unless the bucket may be another one: a coupler needs a stand
+//! ([`super::attachment`]).
 //!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
@@ -36,8 +36,6 @@ const SURE: f64 = 20.0;
 const KNOWN: f64 = 0.1;
 /// One emptied bucket says no more than this (logarithm).
 const SAYS: f64 = 12.0;
-/// A hydraulic coupler changes the bucket while the upper body stands for this time \[s\].
-const EXCHANGE: f64 = 10.0;
 
 /// A filter without motion.
 #[derive(Debug, Clone)]
@@ -52,9 +50,8 @@ pub(super) struct Scale {
     doubted: bool,
     differs: f64,
     apart: Option<Innovation>,
-    /// The bucket is emptied, and nothing has weighed it since. Since the one before, a coupler may have changed it.
+    /// The bucket is emptied, and nothing has weighed it since.
     asked: bool,
-    exchanged: bool,
     /// An emptied bucket makes the pressures err, and it is the one that weighed nothing before.
     misled: bool,
 }
@@ -69,7 +66,6 @@ impl Scale {
             contradicted: false,
             doubted: false,
             asked: false,
-            exchanged: true,
             misled: false,
             differs: LEAST_ODDS,
             apart: None,
@@ -112,13 +108,14 @@ impl Scale {
         }
     }
 
-    /// A block of the pressures; `anything`: variance of a load of which nothing is known [kg^2].
+    /// A block of the pressures; `anything`: variance of a load of which nothing is known [kg^2]; whether the bucket is `known`: nobody
+    /// can have changed it.
     pub(super) fn weigh(
         &mut self,
         weigh: &Weigh,
         settings: &Settings,
         moment: &Moment,
-        anything: f64,
+        (anything, known): (f64, bool),
     ) {
         let said = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
         if moment.touches || fits(said) {
@@ -132,23 +129,12 @@ impl Scale {
             let anything = anything * moment.per_payload * moment.per_payload;
             self.errs = weighed(self.errs, said, anything);
             self.differs = weighed(self.differs, said, anything);
-            let exchanged = core::mem::take(&mut self.exchanged);
-            self.misled = self.errs >= SURE && !exchanged;
+            self.misled = self.errs >= SURE && known;
         }
         if lasts {
             self.filter.p[M][M] += anything;
             self.strange = 0;
         }
-    }
-
-    /// The upper body stands for this time \[s\].
-    pub(super) fn stands(&mut self, time: f64) {
-        self.exchanged |= time > EXCHANGE;
-    }
-
-    /// Whether the bucket is the one that was weighed when it was emptied last.
-    pub(super) fn knows_bucket(&self) -> bool {
-        !self.exchanged
     }
 
     /// Whether an emptied bucket has just told that the pressures err.
@@ -254,6 +240,11 @@ mod tests {
 
     /// A scale that takes blocks of a moment, 40 N m for each kilogram of load.
     fn weigh(scale: &mut Scale, load: f64, blocks: u32) -> f64 {
+        weigh_bucket(scale, load, blocks, false)
+    }
+
+    /// The same in a bucket that is `known`.
+    fn weigh_bucket(scale: &mut Scale, load: f64, blocks: u32, known: bool) -> f64 {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;
         (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
@@ -269,7 +260,7 @@ mod tests {
             ..Moment::default()
         };
         let settings = Settings::of(&d);
-        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, ANYTHING));
+        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, (ANYTHING, known)));
         scale.filter.x[M]
     }
 
@@ -330,21 +321,20 @@ mod tests {
     }
 
     #[test]
-    fn the_torque_goes_on_alone_where_the_bucket_that_weighed_nothing_weighs_something() {
-        let goes_on_alone = |stood: f64| {
+    fn the_torque_goes_on_alone_where_a_known_bucket_weighs_something_when_it_is_emptied() {
+        let goes_on_alone = |known: bool| {
             let mut std = [0.0; N];
             std[M] = 30.0;
             let mut scale = Scale::new(&Filter::new([0.0; N], &std));
             for load in [0.0, 300.0] {
-                scale.stands(stood);
                 scale.hold((0.0, 30.0), true);
-                weigh(&mut scale, load, 2 * LASTS);
+                weigh_bucket(&mut scale, load, 2 * LASTS, known);
                 assert!(load > 0.0 || !scale.doubts(false));
             }
             scale.doubts(false) && scale.is_doubted() && !scale.is_undecided()
         };
-        assert!(goes_on_alone(0.5 * EXCHANGE));
-        assert!(!goes_on_alone(2.0 * EXCHANGE), "it may be another bucket");
+        assert!(goes_on_alone(true));
+        assert!(!goes_on_alone(false), "it may be another bucket");
     }
 
     #[test]
