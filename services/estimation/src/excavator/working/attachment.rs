@@ -104,10 +104,14 @@ impl Attachment {
         }
     }
 
-    /// Time passes; the upper body has stood for so long \[s\].
-    pub(super) fn wait(&mut self, period: f64, stood: f64) {
+    /// Time passes.
+    pub(super) fn wait(&mut self, period: f64) {
         self.since += period;
-        if stood > EXCHANGE {
+    }
+
+    /// The upper body stands for so long \[s\].
+    pub(super) fn stands(&mut self, time: f64) {
+        if time > EXCHANGE {
             self.weighed = 0;
         }
     }
@@ -405,7 +409,7 @@ mod tests {
 
     fn attachment() -> Attachment {
         let mut attachment = Attachment::new(BUCKET_MASS, 40.0, Sticking::default());
-        attachment.wait(30.0, 0.0);
+        attachment.wait(30.0);
         attachment
     }
 
@@ -436,9 +440,10 @@ mod tests {
             assert_eq!(asked, weighed < KNOWN);
             assert_eq!(attachment.may_be_another(), weighed == 0);
             attachment.is_known();
-            attachment.wait(30.0, 0.5 * EXCHANGE);
+            attachment.wait(30.0);
+            attachment.stands(0.5 * EXCHANGE);
         }
-        attachment.wait(30.0, 1.5 * EXCHANGE);
+        attachment.stands(1.5 * EXCHANGE);
         assert!(attachment.may_be_another());
         assert!(attachment.ask(&filter(40.0, 400.0), EMPTIED, 1.0, &posture()));
     }
@@ -464,7 +469,7 @@ mod tests {
         let settings = Settings::of(&Description::default());
         let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
         working.filter.set(BUCKET, 0.0, 100.0, &mut None);
-        working.attachment.wait(30.0, 0.0);
+        working.attachment.wait(30.0);
         working
     }
 
@@ -558,7 +563,7 @@ mod tests {
     #[test]
     fn one_that_weighs_what_it_did_was_not_changed_before() {
         let mut working = working();
-        working.attachment.wait(600.0, 0.0);
+        working.attachment.wait(600.0);
         let before = working.attachment.prior();
         assert!(!weighs(&mut working, 0.01, true));
         let settings = Settings::of(&Description::default());

@@ -39,12 +39,11 @@ pub(super) struct Bucket {
     most: f64,
     emptied: bool,
     settling: u32,
-    /// Its angle \[rad\]; it has changed since the bucket weighed what it held. It has opened wide before.
-    angle: f64,
-    turned: bool,
+    /// It has opened wide before.
     opened: bool,
-    /// It was emptied, and its angle did not change.
-    frozen: bool,
+    /// Its angle when it weighed what it held, and the one that did not change while it lost that \[rad\].
+    weighed: f64,
+    frozen: f64,
 }
 
 impl Bucket {
@@ -59,10 +58,9 @@ impl Bucket {
             most: f64::NEG_INFINITY,
             emptied: false,
             settling: 0,
-            angle: f64::NAN,
-            turned: true,
             opened: false,
-            frozen: false,
+            weighed: f64::NAN,
+            frozen: f64::NAN,
         }
     }
 
@@ -91,9 +89,6 @@ impl Bucket {
         let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
         self.posture = Some(now);
         self.follow(now[2], standing);
-        if drive.posture[2] != self.angle {
-            (self.angle, self.turned, self.frozen) = (drive.posture[2], true, false);
-        }
         if !standing {
             self.stopped = None;
             self.unlocked = false;
@@ -126,19 +121,24 @@ impl Bucket {
         }
     }
 
-    /// It weighs what it holds.
-    pub(super) fn keeps(&mut self) {
-        self.turned = false;
+    /// It weighs what it holds, at this angle \[rad\].
+    pub(super) fn keeps(&mut self, angle: f64) {
+        self.weighed = angle;
+        if angle != self.frozen {
+            self.frozen = f64::NAN;
+        }
     }
 
     /// It weighs less than it did, in the air. One that opened before, and has not turned while it lost that, has a frozen angle.
-    pub(super) fn loses(&mut self) {
-        self.frozen = self.opened && !self.turned;
+    pub(super) fn loses(&mut self, angle: f64) {
+        if self.opened && angle == self.weighed {
+            self.frozen = angle;
+        }
     }
 
-    /// Its angle repeats one value, while what it holds changes.
-    pub(super) fn is_frozen(&self) -> bool {
-        self.frozen
+    /// Its angle still repeats the value at which what it held has changed \[rad\].
+    pub(super) fn is_frozen(&self, angle: f64) -> bool {
+        angle == self.frozen
     }
 
     /// The bucket opens, or has just done so.
@@ -186,12 +186,14 @@ mod tests {
         let open = if opens { -0.2 } else { -1.5 };
         let opening = |k: u32| -1.5 + (open + 1.5) * f64::from(k.min(300)) / 300.0;
         (0..400).for_each(|k| turn(&mut bucket, opening(k)));
-        bucket.keeps();
-        turn(&mut bucket, opening(400) + turns);
-        bucket.loses();
-        let freezes = bucket.is_frozen();
-        turn(&mut bucket, opening(400) + turns + 1e-6);
-        assert!(!bucket.is_frozen(), "it turns again");
+        let angle = opening(400);
+        bucket.keeps(angle);
+        bucket.loses(angle + turns);
+        let freezes = bucket.is_frozen(angle + turns);
+        // It turns, and is back there later.
+        assert!(!bucket.is_frozen(angle + turns + 1e-6));
+        bucket.keeps(angle + turns + 1e-6);
+        assert!(!bucket.is_frozen(angle + turns));
         freezes
     }
 

@@ -294,6 +294,7 @@ impl Working {
             Phase::Held => {
                 self.rides = false;
                 if self.slow_for > TRAVEL {
+                    self.attachment.stands(self.slow_for);
                     self.travel(TRAVELS * drive.period);
                 }
                 self.rest(0.0, 1e-6, trail)
@@ -306,7 +307,7 @@ impl Working {
                 self.set_off(w, drive, settings.inertia_min, trail)
             }
         };
-        self.attachment.wait(drive.period, self.slow_for);
+        self.attachment.wait(drive.period);
         self.doubt_gain(drive);
         let anew = core::mem::take(&mut self.anew);
         let state = self.state(settings, drive, innovation, standing);
@@ -378,9 +379,9 @@ impl Working {
         weigh.watch(&moment, said, load, stands);
         let renews = weigh.renews(said, stands && !moment.moves);
         if fits(said) {
-            self.bucket.keeps();
+            self.bucket.keeps(drive.posture[2]);
         } else if renews && said.value < 0.0 {
-            self.bucket.loses();
+            self.bucket.loses(drive.posture[2]);
         }
         let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {

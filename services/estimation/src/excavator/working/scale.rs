@@ -207,11 +207,9 @@ impl Scale {
         let weight = filter.payload(sticks);
         let [left, variance] = filter.variances(now, sticks);
         let payload = weight.clamp(least, most);
-        let (beyond, middle, width) = (weight - payload, 0.5 * (least + most), most - least);
+        let beyond = weight - payload;
         let right = exp(-0.5 * beyond * beyond / left.max(1.0));
-        // Uniform in its range, about the estimate.
-        let anything = width * width / 12.0 + (payload - middle) * (payload - middle);
-        let wrong = self.errs / (self.errs + right) * anything;
+        let wrong = self.errs / (self.errs + right) * anything([least, most], payload);
         let g = now.per_payload;
         [
             (payload, left + wrong),
@@ -221,6 +219,12 @@ impl Scale {
             ),
         ]
     }
+}
+
+/// Variance of anything within a range, about an estimate [kg^2].
+pub(super) fn anything([least, most]: [f64; 2], estimate: f64) -> f64 {
+    let (width, away) = (most - least, estimate - 0.5 * (most + least));
+    width * width / 12.0 + away * away
 }
 
 /// Odds of anything beside what is expected, after an innovation; `anything`: variance of what it would add.

@@ -3,6 +3,7 @@
 use super::filter::{
     BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
 };
+use super::scale::anything;
 use super::weigh::Weigh;
 use super::{GAIN_WALK, SUSPICIOUS, Working};
 use crate::excavator::drive::Drive;
@@ -60,11 +61,10 @@ impl Working {
         let factor = self.disagreement() * self.doubt();
         let contradicted = self.is_contradicted();
         let weighs_another = self.slow_for > 0.0 && self.weigh.as_ref().is_some_and(Weigh::misfits);
-        let may_hold_anything = contradicted || weighs_another || self.bucket.is_frozen();
+        let frozen = self.bucket.is_frozen(drive.posture[2]);
+        let may_hold_anything = contradicted || weighs_another || frozen;
         let anything = if may_hold_anything {
-            // Uniform in its range, about the estimate.
-            let (width, middle) = (most - least, 0.5 * (most + least));
-            width * width / 12.0 + (payload - middle) * (payload - middle)
+            anything([least, most], payload)
         } else {
             0.0
         };
@@ -115,6 +115,8 @@ impl Working {
             opening: self.bucket.is_open(),
             reason: if down {
                 Reason::Sign
+            } else if frozen {
+                Reason::Frozen
             } else {
                 self.reason(standing, (at_limit, contradicted))
             },
@@ -190,9 +192,6 @@ impl Working {
 
     /// What differs most from its description, in its own standard deviations.
     pub(super) fn reason(&self, standing: bool, (at_limit, contradicted): (bool, bool)) -> Reason {
-        if self.bucket.is_frozen() {
-            return Reason::Frozen;
-        }
         if standing && self.bucket.is_unlocked() {
             return Reason::Content;
         }
