@@ -39,11 +39,6 @@ pub(super) struct Bucket {
     most: f64,
     emptied: bool,
     settling: u32,
-    /// It has opened wide before.
-    opened: bool,
-    /// Its angle when it weighed what it held, and the one that did not change while it lost that \[rad\].
-    weighed: f64,
-    frozen: f64,
 }
 
 impl Bucket {
@@ -58,9 +53,6 @@ impl Bucket {
             most: f64::NEG_INFINITY,
             emptied: false,
             settling: 0,
-            opened: false,
-            weighed: f64::NAN,
-            frozen: f64::NAN,
         }
     }
 
@@ -110,7 +102,7 @@ impl Bucket {
         self.least = self.least.min(bucket);
         self.most = self.most.max(bucket);
         if bucket - self.least > EMPTIED {
-            (self.emptied, self.opened) = (true, true);
+            self.emptied = true;
             self.most = bucket;
             self.least = bucket - EMPTIED;
         }
@@ -119,26 +111,6 @@ impl Bucket {
             self.least = bucket;
             self.most = bucket + FILLED;
         }
-    }
-
-    /// It weighs what it holds, at this angle \[rad\].
-    pub(super) fn keeps(&mut self, angle: f64) {
-        self.weighed = angle;
-        if angle != self.frozen {
-            self.frozen = f64::NAN;
-        }
-    }
-
-    /// It weighs less than it did, in the air. One that opened before, and has not turned while it lost that, has a frozen angle.
-    pub(super) fn loses(&mut self, angle: f64) {
-        if self.opened && angle == self.weighed {
-            self.frozen = angle;
-        }
-    }
-
-    /// Its angle still repeats the value at which what it held has changed \[rad\].
-    pub(super) fn is_frozen(&self, angle: f64) -> bool {
-        angle == self.frozen
     }
 
     /// The bucket opens, or has just done so.
@@ -164,43 +136,5 @@ impl Bucket {
     /// The bucket was opened wide, and has not been filled since.
     pub(super) fn is_emptied(&self) -> bool {
         self.emptied && !self.is_open() && self.settling == 0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A standing bucket that opens wide if it `opens`, weighs what is left, and turns by this while it loses that [rad].
-    fn freezes(opens: bool, turns: f64) -> bool {
-        let mut bucket = Bucket::new(0.5);
-        let turn = |bucket: &mut Bucket, angle: f64| {
-            let drive = Drive {
-                period: 0.01,
-                posture: [0.6, -1.8, angle],
-                seen: true,
-                ..Drive::default()
-            };
-            bucket.step(&drive, 0.2, true, Some(false));
-        };
-        let open = if opens { -0.2 } else { -1.5 };
-        let opening = |k: u32| -1.5 + (open + 1.5) * f64::from(k.min(300)) / 300.0;
-        (0..400).for_each(|k| turn(&mut bucket, opening(k)));
-        let angle = opening(400);
-        bucket.keeps(angle);
-        bucket.loses(angle + turns);
-        let freezes = bucket.is_frozen(angle + turns);
-        // It turns, and is back there later.
-        assert!(!bucket.is_frozen(angle + turns + 1e-6));
-        bucket.keeps(angle + turns + 1e-6);
-        assert!(!bucket.is_frozen(angle + turns));
-        freezes
-    }
-
-    #[test]
-    fn a_bucket_that_opened_before_and_loses_its_load_without_turning_is_frozen() {
-        assert!(freezes(true, 0.0));
-        assert!(!freezes(true, 0.01), "it turned");
-        assert!(!freezes(false, 0.0), "a grapple: it never opened");
     }
 }

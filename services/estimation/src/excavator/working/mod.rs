@@ -44,7 +44,7 @@ pub use self::smoother::{Smoothed, Smoother};
 use self::sway::Sway;
 use self::tail::Tail;
 pub use self::trail::Trail;
-use self::weigh::{Weigh, fits};
+use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
 use super::measurements::boom_moment::FADING;
@@ -377,12 +377,7 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([said, other], gate, usual);
         weigh.watch(&moment, said, load, stands);
-        let renews = weigh.renews(said, stands && !moment.moves);
-        if fits(said) {
-            self.bucket.keeps(drive.posture[2]);
-        } else if renews && said.value < 0.0 {
-            self.bucket.loses(drive.posture[2]);
-        }
+        let renews = weigh.renews(said, (drive.posture[2], stands && !moment.moves));
         let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {
             // Nothing has been filled in.

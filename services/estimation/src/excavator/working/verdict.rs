@@ -60,9 +60,9 @@ impl Working {
         let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.disagreement() * self.doubt();
         let contradicted = self.is_contradicted();
-        let weighs_another = self.slow_for > 0.0 && self.weigh.as_ref().is_some_and(Weigh::misfits);
-        let frozen = self.bucket.is_frozen(drive.posture[2]);
-        let may_hold_anything = contradicted || weighs_another || frozen;
+        let frozen = self.weigh.as_ref().is_some_and(Weigh::is_frozen);
+        let misfits = self.weigh.as_ref().is_some_and(Weigh::misfits);
+        let may_hold_anything = contradicted || frozen || misfits && self.slow_for > 0.0;
         let anything = if may_hold_anything {
             anything([least, most], payload)
         } else {

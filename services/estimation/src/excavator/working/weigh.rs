@@ -72,6 +72,10 @@ pub(super) struct Weigh {
     strange: u32,
     /// The last one was, in the air, though nothing moved.
     misfits: bool,
+    /// The bucket has opened. Its angle at the last measurement that fitted \[rad\], which did not change while the load left.
+    opened: bool,
+    angle: f64,
+    frozen: bool,
     /// Time since the last measurement that fitted \[s\].
     age: f64,
 }
@@ -87,6 +91,9 @@ impl Weigh {
             wavering: 0.0,
             strange: 0,
             misfits: false,
+            opened: false,
+            angle: f64::NAN,
+            frozen: false,
             age: f64::INFINITY,
         }
     }
@@ -109,6 +116,11 @@ impl Weigh {
     /// It has just weighed something else: that may be another load.
     pub(super) fn misfits(&self) -> bool {
         self.misfits
+    }
+
+    /// The bucket's angle repeats one value, while what it holds changes.
+    pub(super) fn is_frozen(&self) -> bool {
+        self.frozen
     }
 
     /// The bucket may be filling.
@@ -169,6 +181,7 @@ impl Weigh {
             .step(drive.posture, g.lengths, velocity, drive.period);
         if opens {
             self.ground.opens();
+            self.opened = true;
         }
         if self.ground.may_touch() {
             // What lies on the ground swings no more.
@@ -356,12 +369,16 @@ impl Weigh {
         self.strange == 0
     }
 
-    /// The innovation of a measurement of a boom that is `still`, or moves; whether the load must be another one. Where less is carried, the
-    /// ground may carry the rest.
-    pub(super) fn renews(&mut self, innovation: Innovation, still: bool) -> bool {
+    /// The innovation of a measurement, the bucket's angle \[rad\], whether nothing moves; whether the load must be another one. Where less
+    /// is carried, the ground may carry the rest; a bucket that has opened before, and does not turn while its load leaves, has a frozen
+    /// angle.
+    pub(super) fn renews(&mut self, innovation: Innovation, (angle, still): (f64, bool)) -> bool {
+        let turned = angle != self.angle;
         if fits(innovation) {
             self.age = 0.0;
             self.strange = 0;
+            self.frozen &= !turned;
+            self.angle = angle;
             return false;
         }
         self.strange = (self.strange + 1) % LASTS;
@@ -369,6 +386,7 @@ impl Weigh {
         self.misfits = still && !another;
         if another && innovation.value < 0.0 {
             self.ground.rests();
+            self.frozen = self.opened && !turned;
         }
         another
     }
@@ -439,16 +457,44 @@ mod tests {
             value,
             variance: 1.0,
         };
-        assert!(!weigh.renews(said(1.0), true) && !weigh.misfits());
-        assert!(!weigh.renews(said(-9.0), false) && !weigh.misfits());
+        let (still, moves) = ((0.0, true), (0.0, false));
+        assert!(!weigh.renews(said(1.0), still) && !weigh.misfits());
+        assert!(!weigh.renews(said(-9.0), moves) && !weigh.misfits());
         for _ in 2..LASTS {
-            assert!(!weigh.renews(said(-9.0), true) && weigh.misfits());
+            assert!(!weigh.renews(said(-9.0), still) && weigh.misfits());
         }
-        assert!(weigh.renews(said(-9.0), true) && !weigh.misfits());
+        assert!(weigh.renews(said(-9.0), still) && !weigh.misfits());
         // What does not fit counts for one content.
-        weigh.renews(said(-9.0), true);
+        weigh.renews(said(-9.0), still);
         weigh.holds_another();
-        assert!((1..LASTS).all(|_| !weigh.renews(said(-9.0), true)));
+        assert!((1..LASTS).all(|_| !weigh.renews(said(-9.0), still)));
+    }
+
+    #[test]
+    fn a_bucket_that_opened_before_and_loses_its_load_without_turning_is_frozen() {
+        let freezes = |opened: bool, turns: f64| {
+            let mut d = Description::default();
+            let c = &mut d.boom_cylinder;
+            (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+            (c.base_distance, c.rod_distance) = (0.6, 1.3);
+            let mut weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+            weigh.opened = opened;
+            let said = |value: f64| Innovation {
+                value,
+                variance: 1.0,
+            };
+            weigh.renews(said(0.0), (-1.5, true));
+            (0..LASTS).for_each(|_| {
+                weigh.renews(said(-9.0), (-1.5 + turns, true));
+            });
+            let freezes = weigh.is_frozen();
+            weigh.renews(said(0.0), (-1.4, true));
+            assert!(!weigh.is_frozen(), "it turns again");
+            freezes
+        };
+        assert!(freezes(true, 0.0));
+        assert!(!freezes(true, 0.01), "it turned");
+        assert!(!freezes(false, 0.0), "a grapple: it never opened");
     }
 
     #[test]
