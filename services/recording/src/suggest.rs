@@ -207,10 +207,8 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     }
     let present = present(&frames(path)?, dbc)?;
     let mut out = opening::<S>(path);
-    let files: Vec<String> = dbc
-        .iter()
-        .map(|f| quoted(&f.display().to_string()))
-        .collect();
+    let files = dbc.iter().map(|f| quoted(&f.display().to_string()));
+    let files: Vec<String> = files.collect();
     let _ = writeln!(
         out,
         "\n[can]\ndbc = [{}]  # paths beside this map",
