@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x6444ddaeu
+#define HEFT_ABI 0x5fca4baau
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -55,7 +55,7 @@ uint32_t heft_abi(void);
 #define HEFT_OTHER_HEADER (-7) /* the program was compiled with the header of another library: take both from one */
 
 /* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */
-#define HEFT_SIZE_MAX 32768
+#define HEFT_SIZE_MAX 34816
 
 /* ---- excavator ---- */
 
@@ -264,6 +264,7 @@ typedef struct {
     double friction; /* Friction of the seals, as a share of all pistons at 20 MPa. */
     double friction_std; /* Its standard deviation. */
     double friction_kept; /* Share of it that is left when the cylinder stops: all of it where it stops at once, none where it bounces. */
+    double friction_kept_std; /* Its standard deviation. */
     double force_offset; /* Force that the pressures show too much, by the zeros of their sensors. [N] */
     double force_offset_std; /* Its standard deviation; "none" takes that of the sensors' zeros. [N] */
     double span_std; /* Relative standard deviation of the moment; "none" takes those of areas, distances and angle. */

@@ -25,10 +25,6 @@ use crate::output::Pen;
 const CENTRE: f64 = 0.02;
 /// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
-/// Standard deviation of the share of the friction that the seals of a machine keep at rest: none or all of it. What is left of
-/// [`Moment::rest`] is another share at each stop.
-const KEPT_STD: f64 = 0.5;
-
 /// Unknowns behind those of every cylinder and the six moments that the drawing misses: friction at rest, slopes, then the load of each
 /// recording.
 const HELD: usize = CURVE + CURVES.len();
@@ -167,10 +163,10 @@ fn equation(
     let mut row = vec![0.0; unknowns];
     row[SPAN] = tau / m.lever;
     row[ZERO] = 1.0;
-    let (friction, unknown, common) = if m.moves {
-        (frictions[0], FRICTION, 0.0)
+    let (friction, unknown) = if m.moves {
+        (frictions[0], FRICTION)
     } else {
-        (frictions[1], HELD, KEPT_STD * frictions[0])
+        (frictions[1], HELD)
     };
     row[unknown] = m.direction;
     for (i, part) in m.directions.iter().flatten().enumerate() {
@@ -182,7 +178,7 @@ fn equation(
     Equation {
         row,
         value: (m.measured - tau) / m.lever - friction * m.direction,
-        rest: m.rest(frictions[0]) - common * common,
+        rest: m.rest(frictions[0]),
         noise: m.variance / (m.lever * m.lever),
         period: m.period,
     }
@@ -200,7 +196,7 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
             .iter()
             .flat_map(|m| [links.max(CENTRE) * m, CENTRE * m]),
     );
-    stds.push(KEPT_STD * cylinder.friction[0]);
+    stds.push(cylinder.kept_std * cylinder.friction[0]);
     stds.extend([LEVEL; 2]);
     stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
     let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
@@ -213,6 +209,7 @@ pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
         .common
         .write(pen, "machine.boom_cylinder", &CURVES, 0.0);
     pen.value("machine.boom_cylinder.friction_kept", learnt.kept);
+    pen.std("machine.boom_cylinder.friction_kept_std", learnt.kept.std);
 }
 
 /// In words.
@@ -373,7 +370,7 @@ mod tests {
     fn a_boom_that_stops_tells_what_its_seals_keep() {
         let [none, all] = [0.0, 1.0].map(kept);
         assert!(none.value < 0.3 && all.value > 0.8, "{none:?} {all:?}");
-        assert!(none.std < 0.6 * KEPT_STD, "{none:?}");
+        assert!(none.std < 0.3, "{none:?}");
     }
 
     #[test]

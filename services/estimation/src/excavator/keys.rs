@@ -145,6 +145,8 @@ table! {
         friction_std: f64 = 0.02, "", 0.0 to 0.5;
         /// Share of it that is left when the cylinder stops: all of it where it stops at once, none where it bounces.
         friction_kept: f64 = 0.5, "", 0.0 to 1.0;
+        /// Its standard deviation.
+        friction_kept_std: f64 = 0.5, "", 0.0 to 1.0;
         /// Force that the pressures show too much, by the zeros of their sensors.
         force_offset: f64 = 0.0, "N", -1e6 to 1e6;
         /// Its standard deviation; "none" takes that of the sensors' zeros.

@@ -5,7 +5,8 @@
 //!       + sum_j [I_j alpha_j'' + w^2 (I_j - I_axial,j) sin(alpha_j) cos(alpha_j)]
 //!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          what the drawing misses, learnt by `calibrate`
 //!                                                      i = boom, arm, bucket, payload;  j = boom, arm, bucket
-//! r F = (1 + s) tau + r (z + f + F_c d)        F = n (A_h p_h - A_r p_r)
+//! r F = (1 + s) tau + r (z + f + F_c d)            F = n (A_h p_h - A_r p_r)
+//! after a stop (kept F_c + h) d in place of F_c d
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -16,6 +17,7 @@
 //! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
 //! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
 //! | F_c, d | friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
+//! | kept, h | described share of it that a stop leaves, and what it leaves beyond that: a slow state | -, N |
 //!
 //! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the
 //! middle one. The mean of three blocks in the proportion 1 : 4 : 1 is smoothed as their second difference is (a quadratic
@@ -48,8 +50,8 @@ pub const FADING: f64 = 3.0;
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
 
-/// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
-const UNMODELLED: [f64; 2] = [0.15, 0.7];
+/// Share of the seals' friction that is another one at each time, while the cylinder moves and while it stands.
+const UNMODELLED: [f64; 2] = [0.15, 0.49];
 /// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
 const DRAWN: f64 = 0.01;
 
@@ -104,10 +106,14 @@ pub struct Moment {
     pub directions: [[f64; 2]; 3],
     /// Lever \[m\].
     pub lever: f64,
-    /// Direction of the seals' friction, as far as it is known: 1 while the cylinder extends.
+    /// Direction in which the cylinder moves or moved last, as far as its seals have followed: 1 where it extends.
+    pub side: f64,
+    /// The same of their friction: a stop leaves the described share of it.
     pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
+    /// How the direction of the moving seals' friction differs from that at the measurement before; 0 is that of a cylinder that stands.
+    pub turned: f64,
     /// The ground may carry part of it.
     pub touches: bool,
     /// Sine and cosine of the swing angle.
@@ -168,6 +174,8 @@ pub(in crate::excavator) struct BoomMoment {
     unread: f64,
     last: [Option<Block>; 2],
     direction: f64,
+    /// Direction of the moving seals' friction at the last measurement.
+    rubbed: f64,
     since: f64,
     /// The posture that no joint has left for so long [rad, s].
     posture: [f64; 3],
@@ -182,6 +190,7 @@ impl BoomMoment {
             unread: 0.0,
             last: [None; 2],
             direction: 0.0,
+            rubbed: 0.0,
             since: 0.0,
             posture: [0.0; 3],
             stood: 0.0,
@@ -246,16 +255,17 @@ impl BoomMoment {
             (self.posture, self.stood) = (newest.alpha, 0.0);
         }
         let kept = if moves { 1.0 } else { cylinder.kept };
-        let direction = kept * 0.5 * (before + self.direction);
+        let side = 0.5 * (before + self.direction);
         let oldest = oldest?;
         if !(oldest.constant && middle.constant && newest.constant) {
             return None;
         }
         let blocks = [&oldest, &middle, &newest];
-        let mut moment = moment(geometry, cylinder, blocks, direction, moves, self.stood);
+        let mut moment = moment(geometry, cylinder, blocks, (side, kept), moves, self.stood);
         moment.touches = blocks.iter().any(|block| block.touches);
-        moment.period = self.since;
-        self.since = 0.0;
+        moment.period = core::mem::take(&mut self.since);
+        let rubs = if moves { side } else { 0.0 };
+        moment.turned = rubs - core::mem::replace(&mut self.rubbed, rubs);
         // A cylinder in line with the pin carries nothing, whatever it presses.
         (moment.lever.abs() > LEAST_LEVER).then_some(moment)
     }
@@ -333,7 +343,7 @@ fn moment(
     g: &Geometry,
     cylinder: &Cylinder,
     blocks: [&Block; 3],
-    direction: f64,
+    (side, kept): (f64, f64),
     moves: bool,
     stood: f64,
 ) -> Moment {
@@ -388,8 +398,10 @@ fn moment(
         tilt_payload: tilt[3],
         directions,
         lever: smooth(blocks.map(|b| b.lever)),
-        direction,
+        side,
+        direction: kept * side,
         moves,
+        turned: 0.0,
         touches: false,
         turn: [
             smooth(blocks.map(|b| b.turn[0])),

@@ -28,6 +28,8 @@ pub struct Cylinder {
     pub friction: [f64; 2],
     /// Share of it that is left when the cylinder stops.
     pub kept: f64,
+    /// Its standard deviation.
+    pub kept_std: f64,
     /// Relative standard deviation of the moment: areas, lengths, angle, pressures.
     pub span_std: f64,
     /// Force by the zeros of the two pressures \[N\].
@@ -66,6 +68,7 @@ impl Cylinder {
             angle: sin_cos(c.angle),
             friction: [c.friction * full, c.friction_std * full],
             kept: c.friction_kept,
+            kept_std: c.friction_kept_std,
             span_std: c
                 .span_std
                 .unwrap_or(sqrt(doubts.iter().map(|doubt| doubt * doubt).sum())),
@@ -96,6 +99,14 @@ impl Cylinder {
         let square = a * a + c * c - 2.0 * a * c * cos;
         let length = sqrt(square.max(1e-6 * (a * a + c * c)));
         (length, a * c * sin / length)
+    }
+
+    /// Standard deviation of what a stop leaves of the seals' friction \[N\].
+    #[must_use]
+    pub fn held_std(&self) -> f64 {
+        let [friction, std] = self.friction;
+        let (share, moving) = (self.kept_std * friction, self.kept * std);
+        sqrt(share * share + moving * moving)
     }
 
     /// Force of these pressures of head and rod side, without the zero \[N\].

@@ -21,7 +21,7 @@
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
-//! | s, z, f | [`SPAN`], [`ZERO`], [`REST`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N |
+//! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N |
 //!
 //! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
 //! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
@@ -140,7 +140,7 @@ impl Filter {
         let step = dt / inertia;
         // The noise is that of the measured torque.
         let of_torque = step * gain;
-        let mut row = [0.0; N];
+        let mut row = [0.0; ACTING];
         row[W] = exp(-step * (gain * (x[DAMPING] + steep) + rate));
         let heavier = |radius, rate, inertia| step * (lean * radius - rate * w - f * inertia);
         let (of, rates) = (&input.inertia, &input.rate);
@@ -160,11 +160,14 @@ impl Filter {
         x[W] += dt * f;
         self.acceleration = f;
         if let Some(trail) = trail {
-            trail.row(W, &row);
+            let mut whole = [0.0; N];
+            whole[..ACTING].copy_from_slice(&row);
+            trail.row(W, &whole);
         }
 
-        let column = self.along(row[..ACTING].iter().copied().enumerate());
-        let variance = dot(&column, &row) + input.torque_variance * of_torque * of_torque;
+        let column = self.along(row.into_iter().enumerate());
+        let own: f64 = row.iter().zip(&column).map(|(entry, c)| entry * c).sum();
+        let variance = own + input.torque_variance * of_torque * of_torque;
         for (i, &covariance) in column.iter().enumerate() {
             self.p[W][i] = covariance;
             self.p[i][W] = covariance;
@@ -660,7 +663,7 @@ mod tests {
             filter.p[i][j] = covariance;
             filter.predict(&input, 0.01, 1000.0, &mut None);
             filter.correct(1.0, 1.0, 1e3, &mut None);
-            let pressures = [(SPAN, 1.0), (ZERO, 1.0), (REST, 1.0)];
+            let pressures = [(SPAN, 1.0), (ZERO, 1.0), (REST, 1.0), (HELD, 1.0)];
             filter.measure(pressures, 0.0, 1.0, 1e3, &mut None);
             filter
         };

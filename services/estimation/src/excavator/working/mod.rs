@@ -162,6 +162,10 @@ pub(super) struct Working {
     slow_for: f64,
     before: f64,
     gaining: f64,
+    /// The last period, and what is kept of the smoothed torque in it.
+    smoothing: (f64, f64),
+    /// Ticks, for what not each of them asks.
+    ticks: u32,
     /// What each tick does is kept; the next one is the first.
     trailing: bool,
     anew: bool,
@@ -245,6 +249,8 @@ impl Working {
             slow_for: 0.0,
             before: 0.0,
             gaining: 0.0,
+            smoothing: (0.0, 1.0),
+            ticks: 0,
             trailing: false,
             anew: true,
         }
@@ -262,7 +268,8 @@ impl Working {
         if self.trailing {
             *trail = Some(Trail::NOTHING);
         }
-        let kept = exp(-drive.period / GAINS);
+        self.ticks = self.ticks.wrapping_add(1);
+        let kept = self.kept_in(drive.period);
         let share = 1.0 - kept * kept;
         let gained = (self.filter.x[W] - self.before) / drive.period;
         self.before = self.filter.x[W];
@@ -322,6 +329,17 @@ impl Working {
             trail.doubts(&state);
         }
         state
+    }
+
+    /// What is kept of the smoothed torque: periods are mostly alike.
+    fn kept_in(&mut self, period: f64) -> f64 {
+        let (known, kept) = self.smoothing;
+        if known == period {
+            return kept;
+        }
+        let kept = exp(-period / GAINS);
+        self.smoothing = (period, kept);
+        kept
     }
 
     /// The moment of the boom's cylinders, where one is there; whether the load must be another one.
@@ -704,9 +722,14 @@ impl Working {
         }
     }
 
+    /// Whether the numbers of the filter that answers are sound; those of the others are asked in turn.
     pub(super) fn is_sound(&self) -> bool {
-        let weighs = self.weigh.is_none() || self.scale.filter.is_sound();
-        self.filter.is_sound() && self.parallel.is_sound() && weighs
+        let others = match self.ticks % 4 {
+            0 => self.parallel.is_sound(),
+            2 => self.weigh.is_none() || self.scale.filter.is_sound(),
+            _ => true,
+        };
+        self.filter.is_sound() && others
     }
 }
 

@@ -3,8 +3,8 @@
 use super::states::{N, Vector};
 use crate::CommonError;
 
-/// Most that a tick does. The longest stand in which boom pressures begin: content over and unknown, span, zero, rest and gain anew, two
-/// inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom,
+/// Most that a tick does. The longest stand in which boom pressures begin: content over and unknown, span, zero, rest, held and gain anew,
+/// two inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom,
 /// constants that fade.
 const MOST: usize = 12;
 

@@ -9,7 +9,7 @@ use super::super::measurements::boom_moment::{BoomMoment, Front, GRAVITY, Moment
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
-use super::filter::{BUCKET, Filter, GAIN, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
+use super::filter::{BUCKET, Filter, GAIN, HELD, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::sqrt;
@@ -147,6 +147,7 @@ impl Weigh {
                 (SPAN, c.span_std),
                 (ZERO, c.zero_std),
                 (REST, c.friction[0]),
+                (HELD, c.held_std()),
             ] {
                 filter.set(i, 0.0, std * std, trail);
             }
@@ -217,11 +218,7 @@ impl Weigh {
         trail: &mut Option<Trail>,
     ) {
         let c = &self.cylinder;
-        let doubt = if m.moves {
-            c.friction[1]
-        } else {
-            0.5 * c.friction[1]
-        };
+        let doubt = if m.moves { c.friction[1] } else { 0.0 };
         let load = filter.load().max(0.0) * m.per_payload / m.lever;
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
@@ -237,10 +234,13 @@ impl Weigh {
             filter.p[REST][i] *= kept;
             filter.p[i][REST] *= kept;
         }
-        filter.p[REST][REST] += (1.0 - kept * kept) * variance;
+        // What is open of the seals' friction turns with the motion.
+        let turned = m.turned * c.friction[1];
+        filter.p[REST][REST] += (1.0 - kept * kept) * variance + turned * turned;
         let lost = m.period / LASTING;
         filter.p[ZERO][ZERO] += lost * c.zero_std * c.zero_std;
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
+        filter.p[HELD][HELD] += lost * c.held_std() * c.held_std();
     }
 
     /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
@@ -267,8 +267,13 @@ impl Weigh {
             + payload * load
             + pitch * m.tilt;
         let span = 1.0 + x[SPAN];
-        let expected =
-            span * tau + m.lever * (x[ZERO] + x[REST] + self.cylinder.friction[0] * m.direction);
+        let described = self.cylinder.friction[0];
+        let (of_held, friction) = if m.moves {
+            (0.0, described)
+        } else {
+            (m.lever * m.side, self.cylinder.kept * described + x[HELD])
+        };
+        let expected = span * tau + m.lever * (x[ZERO] + x[REST] + friction * m.side);
         let row = [
             (M, span * load * of_load.1),
             (GAIN, span * load * of_gain.1),
@@ -277,6 +282,7 @@ impl Weigh {
             (SPAN, tau),
             (ZERO, m.lever),
             (REST, m.lever),
+            (HELD, of_held),
             (SLOPE, -span * tilt * sin),
             (SLOPE + 1, -span * tilt * cos),
         ];
@@ -520,6 +526,51 @@ mod tests {
             !stands(800.0, |t| noise[(t * 5.0) as usize % 8]),
             "0.24 % of noise"
         );
+    }
+
+    /// Moments of a boom that is raised and lowered in turn, by a second each, and stands for a second after each, with this load \[kg\]; a stop leaves
+    /// this share of the friction \[N\].
+    fn lifts(load: f64, friction: f64, kept: f64) -> impl Iterator<Item = Moment> {
+        (0..800).map(move |block: u32| {
+            let side = if block / 10 % 2 == 0 { 1.0 } else { -1.0 };
+            let moves = block % 10 < 5;
+            let (lever, per_payload) = (0.5, 40.0);
+            let left = if moves { friction } else { kept * friction };
+            let starts = block % 10 == 0;
+            Moment {
+                measured: MOMENT + per_payload * load + lever * side * left,
+                empty: MOMENT,
+                per_payload,
+                lever,
+                side,
+                moves,
+                turned: if starts || block % 10 == 5 { 1.0 } else { 0.0 },
+                variance: 200.0 * 200.0,
+                period: 0.2,
+                ..Moment::default()
+            }
+        })
+    }
+
+    #[test]
+    fn what_a_stop_leaves_of_the_friction_is_learnt_and_is_no_load() {
+        for kept in [0.0, 1.0] {
+            let weigh = described();
+            let [friction, _] = weigh.cylinder.friction;
+            let settings = Settings::of(&Description::default());
+            let mut filter = Filter::new([0.0; N], &[0.0; N]);
+            filter.set(HELD, 0.0, weigh.cylinder.held_std().powi(2), &mut None);
+            filter.set(M, 0.0, 1e6, &mut None);
+            for moment in lifts(500.0, friction, kept) {
+                weigh.measure(&settings, &moment, (&mut filter, true), &mut None);
+            }
+            let off = filter.x[HELD] - (kept - 0.5) * friction;
+            let std = sqrt(filter.p[HELD][HELD]);
+            assert!(off.abs() < 2.0 * std, "{kept}: {off} +- {std}");
+            assert!(std < 0.5 * weigh.cylinder.held_std(), "{kept}: {std}");
+            let off = filter.load() - 500.0;
+            assert!(off.abs() < 2.0 * sqrt(filter.p[M][M]), "{kept}: {off}");
+        }
     }
 
     #[test]
