@@ -76,7 +76,10 @@ mod tests {
     #[test]
     fn what_people_write_for_a_number_is_told_how_to_write_it() {
         for (line, remedy) in [
-            ("mass = 17000 kg", "the number alone, in the unit that mass has"),
+            (
+                "mass = 17000 kg",
+                "the number alone, in the unit that mass has",
+            ),
             ("angle = 74.5°", "the number alone"),
             ("efficiency = 95 %", "the number alone"),
             ("length = 5,2", "write length with a decimal point"),

@@ -402,7 +402,8 @@ fn a_switch_may_be_a_word_and_nothing_else_may() {
     let table = |brakes: [&str; 3], map: Option<&str>| {
         let row = |(k, brake): (usize, &str)| format!("{k},0.5,1,1,10,10,0,{brake}\n");
         let rows: String = brakes.into_iter().enumerate().map(row).collect();
-        let head = "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque,slope,brake\n";
+        let head =
+            "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque,slope,brake\n";
         let path = written(folder.path(), "a.csv", format!("{head}{rows}").as_bytes());
         let map = map.map(|text| Map::parse(text, "map.toml").expect("a map"));
         let rows = recording::load::<LoaderSensors>(path, map.as_ref())?;

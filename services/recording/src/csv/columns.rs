@@ -505,14 +505,30 @@ impl Sampler {
 
 /// What is on, and what is off, as programs and sheets of several languages write it.
 const SWITCHED: [&[&str]; 2] = [
-    &["false", "off", "no", "falsch", "aus", "nein", "faux", "non", "falso"],
-    &["true", "on", "yes", "wahr", "ein", "an", "ja", "vrai", "oui", "verdadero", "vero"],
+    &[
+        "false", "off", "no", "falsch", "aus", "nein", "faux", "non", "falso",
+    ],
+    &[
+        "true",
+        "on",
+        "yes",
+        "wahr",
+        "ein",
+        "an",
+        "ja",
+        "vrai",
+        "oui",
+        "verdadero",
+        "vero",
+    ],
 ];
 
 /// 1 for what is on, 0 for what is off.
 fn switched(cell: &[u8]) -> Option<f64> {
     let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
-    let state = SWITCHED.iter().position(|words| words.iter().any(is_word))?;
+    let state = SWITCHED
+        .iter()
+        .position(|words| words.iter().any(is_word))?;
     Some(state as f64)
 }
 

@@ -322,8 +322,8 @@ fn milliseconds(at: usize, names: &[String], look: &Look) -> Option<usize> {
     }
     let is_one = |other: &usize| {
         let name = names[*other].to_lowercase();
-        let words = unit::words(&name);
-        let is_named = words.iter().any(|word| MILLISECONDS.contains(word));
+        let mut words = name.split(|c: char| !c.is_alphanumeric());
+        let is_named = words.any(|word| MILLISECONDS.contains(&word));
         let values = &look.columns[*other];
         let begins_anew = values.windows(2).any(|w| w[1] < w[0]);
         // A date is no number here; what counts milliseconds itself goes on in each row.
