@@ -16,7 +16,7 @@ pub fn exit(error: &clap::Error) -> ! {
 
 /// Where a machine belongs whose option the command does not have.
 fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
-    let is_it = |value| matches!(value, Some(ContextValue::String(word)) if word == "--machine");
+    let is_it = |value: Option<&ContextValue>| matches!(value, Some(ContextValue::String(word)) if word == "--machine");
     if !is_it(error.get(ContextKind::InvalidArg)) {
         return None;
     }
