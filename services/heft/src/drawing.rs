@@ -62,8 +62,8 @@ const BORES: &[(&str, &str)] = &[
     ),
 ];
 
-/// No bore is a larger part of the distance from the pivot to the cylinder's base: .03 to .27 on the machines of the tests, and .19 by
-/// the example of the documents.
+/// No bore is a larger part of the distance from the pivot to the cylinder's base: .03 to .10 on the recordings of others, .19 in the
+/// example of the documents.
 const WIDEST: f64 = 0.5;
 
 /// What of a machine file cannot be, or hardly.
