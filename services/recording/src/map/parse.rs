@@ -56,7 +56,7 @@ impl Parser<'_> {
             self.error(
                 line.unwrap_or(1),
                 what,
-                &config::toml_remedy(self.text, line),
+                config::toml_remedy(self.text, line),
             )
         })?;
         let mut map = Map {

@@ -327,8 +327,9 @@ fn milliseconds(at: usize, names: &[String], look: &Look) -> Option<usize> {
         let values = &look.columns[*other];
         let begins_anew = values.windows(2).any(|w| w[1] < w[0]);
         // A date is no number here; what counts milliseconds itself goes on in each row.
-        let mut steps = look.columns[at].windows(2).zip(values.windows(2));
-        let goes_on = steps.all(|(s, ms)| !(s[1] > s[0]) || ms[1] < ms[0]);
+        let steps = look.columns[at].windows(2).zip(values.windows(2));
+        let mut seconds = steps.filter(|(s, _)| s[1] > s[0]);
+        let goes_on = seconds.all(|(_, ms)| ms[1] < ms[0]);
         let in_second = values.iter().all(|ms| (0.0..1000.0).contains(ms));
         is_named && in_second && begins_anew && goes_on && values.iter().any(|ms| *ms > 1.0)
     };
