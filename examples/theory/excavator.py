@@ -439,6 +439,8 @@ def number(text):
 
 
 def main():
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
     machine = Machine(sys.argv[1])
     rows, heft = table(sys.argv[2]), table(sys.argv[3])
     stood, bias, std = at_rest(rows, machine)

@@ -573,8 +573,19 @@ def number(text):
         return False
 
 
+# What heft uses where it is measured, and this does not.
+OTHERS = ["articulation", "yaw_rate", "brake", "lift_angle", "tilt_angle", "lift_head_pressure", "lift_rod_pressure"]
+
+
 def main():
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
     (rows, _), (heft, method) = table(sys.argv[2]), table(sys.argv[3])
+    if method not in ("ekf", "full-ekf"):
+        sys.exit(f"{sys.argv[3]} is by {method}: this follows full-ekf and ekf (heft estimate --method full-ekf)")
+    unused = [name for name in OTHERS if any(row.get(name) for row in rows)]
+    if unused:
+        print(f"heft uses these too, and the page's clean rows do not have them: {', '.join(unused)}")
     estimator = Estimator(Machine(sys.argv[1], method == "ekf"), rows[0])
     largest, squares = {}, []
     for row, answer in zip(rows[1:], heft[1:], strict=True):

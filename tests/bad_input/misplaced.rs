@@ -45,6 +45,18 @@ fn a_file_or_a_machine_at_the_place_of_something_else_is_told_its_own() {
 }
 
 #[test]
+fn a_machine_by_an_option_that_the_command_lacks_is_told_its_place() {
+    let alone = [
+        "unexpected argument '--machine'",
+        "the machine as a word of its own",
+    ];
+    said(&["serve", "day 1.csv", "--machine", "excavator"], &alone);
+    said(&["run", "--machine", "excavator"], &alone);
+    let none = ["unexpected argument '--machine'", "needs no machine"];
+    said(&["report", "day 1.csv", "--machine", "excavator"], &none);
+}
+
+#[test]
 fn a_folder_of_data_has_no_single_result() {
     let line = [
         "estimate",

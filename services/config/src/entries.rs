@@ -3,7 +3,7 @@
 use toml_edit::{Document, Item, TableLike};
 
 use crate::renamed::today;
-use crate::toml_error::{TOML_REMEDY, line_of, toml_error};
+use crate::toml_error::{line_of, toml_error, toml_remedy};
 use crate::{Error, Errors, Key, Keyed, nearest};
 
 /// One `key = value` of a file.
@@ -22,7 +22,7 @@ pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Error
             file: file.into(),
             line,
             key: String::new(),
-            remedy: TOML_REMEDY.into(),
+            remedy: toml_remedy(text, line),
         })
     })
 }
@@ -121,11 +121,17 @@ pub(crate) fn table_names<M: Keyed>() -> Vec<&'static str> {
     M::default().tables().iter().map(|t| t.name()).collect()
 }
 
+/// Whether this is the last word of a key, without its tables.
+fn is_without_table<M: Keyed>(path: &str) -> bool {
+    let keys = all_keys::<M>();
+    keys.iter().any(|key| key.rsplit('.').next() == Some(path))
+}
+
 pub(crate) fn known_keys<M: Keyed>(document: &Document<String>, text: &str, file: &str) -> usize {
     let (entries, _) = entries::<M>(document, text, file);
     entries
         .iter()
-        .filter(|e| find::<M>(&e.path).is_some())
+        .filter(|e| find::<M>(&e.path).is_some() || is_without_table::<M>(&e.path))
         .count()
 }
 

@@ -37,4 +37,4 @@ pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
 pub use renamed::{old_names, renamed};
 pub use tables::Tables;
-pub use toml_error::{TOML_REMEDY, toml_error};
+pub use toml_error::{toml_error, toml_remedy};

@@ -183,6 +183,7 @@ fn numbers<M: Keyed>(path: &str, text: &str) -> Option<Item> {
 pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors> {
     let document = document(text, file)?;
     let named = document.get("machine").and_then(|m| m.get("kind"));
+    let named = named.or_else(|| document.get("kind"));
     if let Some(kind) = named {
         let machine = kind.as_str().and_then(Machine::from_name);
         return match machine {
@@ -365,6 +366,9 @@ fn explain<M: Keyed>(defect: Defect, path: &str, file: &str, line: Option<usize>
 }
 
 fn suggestion<M: Keyed>(path: &str) -> String {
+    if path == "kind" {
+        return "the key is machine.kind: put it under [machine]".into();
+    }
     let name = path.rsplit('.').next().unwrap_or(path);
     let keys = all_keys::<M>();
     let elsewhere = keys.iter().find(|k| k.rsplit('.').next() == Some(name));
@@ -374,7 +378,11 @@ fn suggestion<M: Keyed>(path: &str) -> String {
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
         Some(*full)
     });
-    let belongs = |other: &Machine| *other != M::MACHINE && known::all_keys(*other).contains(&path);
+    let belongs = |other: &Machine| {
+        let keys = known::all_keys(*other);
+        let is_its = |key: &&str| *key == path || key.rsplit('.').next() == Some(path);
+        *other != M::MACHINE && keys.iter().any(is_its)
+    };
     let other = Machine::ALL.into_iter().find(belongs);
     match (elsewhere, other, similar) {
         (Some(full), ..) => format!("the key is {full}: put it under [{}]", table_of(full)),

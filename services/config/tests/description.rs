@@ -559,3 +559,22 @@ fn a_text_states_what_stands_in_it() {
         "machine.mass"
     ));
 }
+
+#[test]
+fn keys_without_their_tables_are_answered_with_the_tables_of_their_machine() {
+    let said = |text: &str| {
+        let errors = Description::parse(text, "m.toml", None).expect_err("keys without tables");
+        let all = errors.0.into_iter().map(|e| e.to_string());
+        all.collect::<Vec<_>>().join("\n")
+    };
+    let excavator = said("operating_mass = 17000\nboom_length = 5.2\nboom_pin = 0.2\n");
+    for table in ["[machine]", "[machine.geometry]"] {
+        let remedy = format!("put it under {table}");
+        assert!(excavator.contains(&remedy), "{excavator}");
+    }
+    let loader = said("kind = \"loader\"\n[machine]\nmass = 5200\n");
+    assert!(loader.contains("put it under [machine]"), "{loader}");
+    assert!(!loader.contains("the tables are"), "{loader}");
+    let other = said("kind = \"digger\"\n");
+    assert!(other.contains("there is no machine \"digger\""), "{other}");
+}

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::net::SocketAddr;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,7 @@ use recording::{Kind, Reader};
 use steps::Idle;
 use steps::stages::Pipeline;
 
+use crate::drawing;
 use crate::failure::Failure;
 use crate::small_file;
 
@@ -64,10 +66,44 @@ pub fn assignment(text: &str) -> Result<String, String> {
 pub fn tonnes(text: &str) -> Result<f64, String> {
     let text = text.trim().to_lowercase();
     let (number, factor) = in_mass_unit(&text).ok_or("write it like 21t or 21500kg")?;
-    let mass = number.trim().parse::<f64>().map(|number| number * factor);
-    mass.ok()
-        .filter(|mass| (200.0..=1e6).contains(mass))
-        .ok_or_else(|| "a mass from 200kg to 1000t".into())
+    let number = number.trim().parse::<f64>();
+    let mass = number.map_err(|_| "write it like 21.5t or 21500kg")? * factor;
+    match (200.0..=1e6).contains(&mass) {
+        true => Ok(mass),
+        false => Err("a mass from 200kg to 1000t".into()),
+    }
+}
+
+/// A load such as 300, 300kg or 0.3t \[kg\].
+pub fn kilograms(text: &str) -> Result<f64, String> {
+    let text = text.trim().to_lowercase();
+    let (number, factor) = in_mass_unit(&text).unwrap_or((&text, 1.0));
+    let number = number.trim().parse::<f64>();
+    let number = number.map_err(|_| "write it in kg, such as 300, 300kg or 0.3t")?;
+    Ok(number * factor)
+}
+
+/// Where the live page is: an address with its port, or one of both. A port alone is one of this computer, and so is `localhost`.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
+    let default: SocketAddr = view::live::DEFAULT_ADDRESS
+        .parse()
+        .map_err(|_| "no default")?;
+    let port = ["", ":", "localhost:"]
+        .into_iter()
+        .find_map(|before| text.strip_prefix(before)?.parse().ok());
+    let of_port = port.map(|port| SocketAddr::new(default.ip(), port));
+    let host = || {
+        text.parse()
+            .map(|host| SocketAddr::new(host, default.port()))
+    };
+    let found = text.parse().ok().or(of_port).or_else(|| host().ok());
+    let found = found.or_else(|| (text == "localhost").then_some(default));
+    found.ok_or_else(|| {
+        format!(
+            "write it like {default}, or a port alone; 0.0.0.0:{} is for all computers",
+            default.port()
+        )
+    })
 }
 
 /// What stands before `t` or `kg`, and how many kilograms that unit is.
@@ -245,8 +281,11 @@ pub fn tell_old_names(keys: &[&str]) {
     }
 }
 
-/// Warns of keys that were set and do nothing.
-pub fn tell_idle_keys(description: &Description, methods: &[&str]) {
+/// Warns of keys that were set and do nothing, and of those that exclude each other.
+pub fn tell_odd_keys(description: &Description, methods: &[&str]) {
+    for words in drawing::contradictions(description) {
+        eprintln!("warning: {words}");
+    }
     for words in idle_words(&steps::idle_keys(description, methods)) {
         eprintln!("warning: {words}");
     }
@@ -297,6 +336,41 @@ mod tests {
                 "machine.boom.x, y have no effect under auto"
             ]
         );
+    }
+
+    #[test]
+    fn a_mass_is_written_as_people_write_it_or_told_how() {
+        for text in ["300", "300kg", "0.3t", " 0.3 T "] {
+            assert_eq!(kilograms(text), Ok(300.0), "{text}");
+        }
+        assert!(kilograms("a lot").is_err_and(|e| e.contains("300kg")));
+        assert_eq!(tonnes("21.5t"), Ok(21_500.0));
+        // What is no number is not told a range.
+        assert!(tonnes("21,5t").is_err_and(|e| e.contains("like 21.5t")));
+        assert!(tonnes("5000t").is_err_and(|e| e.contains("to 1000t")));
+    }
+
+    #[test]
+    fn an_address_may_be_a_port_or_a_host() {
+        for (text, meant) in [
+            ("127.0.0.1:8441", "127.0.0.1:8441"),
+            ("[::1]:8441", "[::1]:8441"),
+            ("8441", "127.0.0.1:8441"),
+            (":8441", "127.0.0.1:8441"),
+            ("localhost:8441", "127.0.0.1:8441"),
+            ("localhost", "127.0.0.1:8440"),
+            ("0.0.0.0", "0.0.0.0:8440"),
+            ("::1", "[::1]:8440"),
+        ] {
+            let said = address(text).map(|address| address.to_string());
+            assert_eq!(said, Ok(meant.to_owned()), "{text}");
+        }
+        for text in ["", "8440x", "127.0.0.1:99999", "http://localhost:8440"] {
+            assert!(
+                address(text).is_err_and(|e| e.contains("127.0.0.1:8440")),
+                "{text}"
+            );
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod build;
 mod commands;
 mod compare;
 mod doubts;
+mod drawing;
 mod failure;
 mod fault;
 mod fleet;

@@ -59,6 +59,11 @@ impl Signal {
         }
     }
 
+    /// Whether it is on or off.
+    pub(crate) fn is_switch(&self) -> bool {
+        matches!(self.slot, Slot::Flag(_))
+    }
+
     /// Whether it is a number that a sensor gives.
     pub(crate) fn is_measured(&self) -> bool {
         matches!(self.slot, Slot::Sensor(..))

@@ -39,7 +39,8 @@ fn digits(text: &str) -> Option<i64> {
 }
 
 /// The times in a table, one after the other, that are no numbers: dates with a time, the time of day alone, with its seconds,
-/// which goes on behind midnight, minutes and seconds as Excel shows them, which go on behind the hour, or durations.
+/// which goes on behind midnight or counts more than a day's hours, minutes and seconds as Excel shows them, which go on behind the
+/// hour, or durations.
 ///
 /// A date whose order is not clear (`03/04/26`) counts while it stays the same, and changes at midnight only.
 #[derive(Debug, Default)]
@@ -60,6 +61,8 @@ pub(crate) struct Dates {
 
 const SECOND: i64 = 1_000_000_000;
 const HOUR: i64 = 3600 * SECOND;
+/// No recording is longer \[h\]: a year. A sheet's `[h]:mm:ss` and an operating hours' counter go on behind 24.
+const LONGEST: i64 = 8784;
 /// At the end of summer time, from 3 or 2 o'clock on, local time goes an hour back, in Lisbon at 2 and in the Azores at 1. Rows are
 /// no further apart than the second.
 const STEP: i64 = 10_000_000_000;
@@ -128,7 +131,7 @@ impl Dates {
             0 => return None,
             1 if text.contains(['.', ',']) => (HOUR, of_day(&format!("0:{text}"))?),
             1 => return None,
-            _ => (24 * HOUR, of_day(text)?),
+            _ => (24 * HOUR, of_hours(text, 0..LONGEST)?),
         };
         // A clock that was set by less is no midnight.
         self.periods += i64::from(clock < self.last - period / 2);
@@ -291,8 +294,15 @@ pub(crate) fn is_ambiguous(text: &str) -> bool {
 const MORNING: [&str; 6] = ["AM", "A.M.", "A. M.", "午前", "上午", "오전"];
 const AFTERNOON: [&str; 6] = ["PM", "P.M.", "P. M.", "午後", "下午", "오후"];
 
-/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM.
+/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM, and
+/// `24:00:00`, the end of a day by ISO 8601.
 fn of_day(clock: &str) -> Option<i64> {
+    let end = |ns: &i64| *ns == 24 * HOUR;
+    of_hours(clock, 0..24).or_else(|| of_hours(clock, 24..25).filter(end))
+}
+
+/// The same with these hours, where neither AM nor PM stands beside it.
+fn of_hours(clock: &str, hours: Range<i64>) -> Option<i64> {
     let upper = clock.to_uppercase();
     let half = |mark: &str| {
         let clock = upper
@@ -304,7 +314,7 @@ fn of_day(clock: &str) -> Option<i64> {
     let (clock, hours, noon) = match (halves(MORNING), halves(AFTERNOON)) {
         (Some(clock), _) => (clock, 1..13, 0),
         (_, Some(clock)) => (clock, 1..13, 12),
-        (None, None) => (clock, 0..24, 0),
+        (None, None) => (clock, hours, 0),
     };
     let mut parts = clock.split(':');
     let (hour, minute) = (digits(parts.next()?)?, digits(parts.next()?)?);
@@ -320,7 +330,7 @@ fn of_day(clock: &str) -> Option<i64> {
         && (0..61_000_000_000).contains(&second)
         && parts.next().is_none();
     // Of twelve hours the twelfth is the first.
-    let hour = if hours.end == 13 {
+    let hour = if hours.start == 1 {
         hour % 12 + noon
     } else {
         hour
@@ -557,13 +567,41 @@ mod tests {
             "12:30",
             "1:2:3:4",
             "01:02:03:04",
-            "25:00:00",
+            "10:60:00",
+            "9000:00:00",
+            "2026-11-28 25:00:00",
+            "25:00:00 PM",
             "1,5",
             "5 kg",
             "x sec",
             "1 days 2",
         ] {
             assert_eq!(dates.seconds(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_day_and_hours_beyond_it_are_times() {
+        for times in [
+            // ISO 8601's end of a day, alone, with its date, and with one of an unclear order.
+            ["23:59:59.5", "24:00:00.0", "00:00:00.5"],
+            [
+                "2026-11-28 23:59:59.5",
+                "2026-11-28 24:00:00",
+                "2026-11-29 00:00:00.5",
+            ],
+            [
+                "28.11.26 23:59:59,5",
+                "28.11.26 24:00:00,0",
+                "29.11.26 00:00:00,5",
+            ],
+            // A sheet's [h]:mm:ss, and a counter of operating hours.
+            ["23:59:59.5", "24:00:00.0", "24:00:00.5"],
+            ["1207:59:59.5", "1208:00:00.0", "1208:00:00.5"],
+        ] {
+            let mut dates = Dates::default();
+            let seconds = times.map(|text| dates.seconds(text));
+            assert_eq!(seconds, [Some(0.0), Some(0.5), Some(1.0)], "{times:?}");
         }
     }
 
@@ -598,7 +636,7 @@ mod tests {
             "99999999999.0",
             "2014-04-10 21:30:09+019223372036854775807",
             "2014-13-01 00:00",
-            "2014-01-01 24:00",
+            "2014-01-01 24:01",
             "2014-01-01 13:00 PM",
             "2014-01-01 00:00 AM",
             "04/10/2014 9:30:09 PM",

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use messages::ExcavatorSensors;
+use messages::{ExcavatorSensors, LoaderSensors, loader_bits};
 use recording::{Error, LineDecoder, Map, csv};
 
 const HEADER: &str = "t,swing_velocity,swing_torque";
@@ -394,4 +394,82 @@ fn what_nobody_sees_and_rows_of_nothing_change_no_table() {
         let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(found, expected, "{name}");
     }
+}
+
+#[test]
+fn a_switch_may_be_a_word_and_nothing_else_may() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = |brakes: [&str; 3], map: Option<&str>| {
+        let row = |(k, brake): (usize, &str)| format!("{k},0.5,1,1,10,10,0,{brake}\n");
+        let rows: String = brakes.into_iter().enumerate().map(row).collect();
+        let head =
+            "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque,slope,brake\n";
+        let path = written(folder.path(), "a.csv", format!("{head}{rows}").as_bytes());
+        let map = map.map(|text| Map::parse(text, "map.toml").expect("a map"));
+        let rows = recording::load::<LoaderSensors>(path, map.as_ref())?;
+        let is_on = |(s, _): &(LoaderSensors, _)| s.valid & loader_bits::BRAKE != 0;
+        Ok::<_, Error>(rows.iter().map(is_on).collect::<Vec<_>>())
+    };
+    for brakes in [
+        ["0", "1", "0"],
+        ["False", "True", "FALSE"],
+        ["off", "ON", "Off"],
+        ["aus", "ein", "nein"],
+        ["non", "oui", ""],
+    ] {
+        let said = table(brakes, None).expect("rows");
+        assert_eq!(said, [false, true, false], "{brakes:?}");
+    }
+    let map = "[columns]\nbrake = \"brake\"\n";
+    let said = table(["no", "yes", "no"], Some(map)).expect("rows");
+    assert_eq!(said, [false, true, false]);
+    assert!(table(["0", "half", "0"], None).is_err());
+    // Of a measurement a word is no number.
+    let torque = format!("{HEADER}\n0,0,true\n");
+    assert!(read(&written(folder.path(), "b.csv", torque.as_bytes())).is_err());
+}
+
+#[test]
+fn milliseconds_beside_whole_seconds_are_a_part_of_the_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let machine = Some(messages::Machine::Excavator);
+    let map = |names: &str, time: fn(usize) -> String| {
+        let row = |k: usize| format!("{},{},0.1,1\n", time(k), k % 100 * 10);
+        let rows: String = (0..250).map(row).collect();
+        let text = format!("{names},swing_velocity,swing_torque\n{rows}");
+        let path = written(folder.path(), "a.csv", text.as_bytes());
+        let text = recording::suggest(&path, &[], machine).expect("a map").text;
+        let map = Map::parse(&text, "map.toml").expect("what heft writes");
+        let rows = csv::read::<ExcavatorSensors>(path, Some(&map)).expect("rows");
+        let times = rows.iter().map(|(s, _)| s.stamp.time);
+        (text, times.collect::<Vec<_>>())
+    };
+    let date: fn(usize) -> String = |k| format!("2026-11-28 10:00:{:02}", k / 100);
+    let unix: fn(usize) -> String = |k| format!("{}", 1_795_334_511 + k / 100);
+    for (names, time) in [
+        ("timestamp,millisecond", date),
+        ("Time,Time [ms]", date),
+        ("timestamp,Msec", unix),
+    ] {
+        let (text, times) = map(names, time);
+        assert!(text.contains("t = { terms = "), "{names}: {text}");
+        let step = times[249] - times[248];
+        assert!((step - 0.01).abs() < 1e-6, "{names}: {step}");
+    }
+    // Where the time has its own parts of a second they are no more.
+    let whole: fn(usize) -> String = |k| format!("2026-11-28 10:00:{:05.2}", k as f64 / 100.0);
+    let (text, _) = map("timestamp,millisecond", whole);
+    assert!(!text.contains("t = { terms"), "{text}");
+}
+
+#[test]
+fn a_blank_at_which_no_line_may_break_is_a_blank() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = "t,swing velocity,boom head pressure,boom rod pressure".replace(' ', "\u{a0}");
+    let text = format!("{names}\n0,0.1,8e6,1e6\n1,0.1,8e6,1e6\n");
+    let path = written(folder.path(), "a.csv", text.as_bytes());
+    let machine = Some(messages::Machine::Excavator);
+    let text = recording::suggest(&path, &[], machine).expect("a map").text;
+    let line = "\nboom_head_pressure = \"boom\u{a0}head\u{a0}pressure\"";
+    assert!(text.contains(line), "{text}");
 }

@@ -8,6 +8,7 @@ use messages::Machine;
 use recording::{Kind, Reader};
 
 use crate::args::{assignment, is_for, is_mass_stated, machine, of_class, tell_old_names, tonnes};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::size::{self, ALIKE};
 use crate::small_file;
@@ -69,7 +70,15 @@ fn text_of(file: &Path) -> Result<String, Failure> {
     if !Kind::of(file).is_ok_and(|kind| kind == Kind::Recording) {
         return small_file::text(file);
     }
-    let found = Reader::open(file)?.metadata().get("description").cloned();
+    let reader = Reader::open(file);
+    if file.is_dir() && reader.is_err() {
+        return Err(Failure::input(
+            "this is a folder without a recording",
+            file.display(),
+            "name a machine file (TOML), or a recording of heft",
+        ));
+    }
+    let found = reader?.metadata().get("description").cloned();
     found.ok_or_else(|| {
         Failure::input(
             "there is no machine file in this recording",
@@ -156,6 +165,7 @@ fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
             ));
         }
     }
+    found.extend(drawing::contradictions(description));
     found.extend(size::of_mass(description));
     found.extend(steps::loads::guessed(description));
     Ok(found)
@@ -192,6 +202,13 @@ mod tests {
         }
         assert_eq!(said("", Machine::Excavator), "");
         assert_eq!(said("", Machine::Loader), "");
+    }
+
+    #[test]
+    fn a_folder_is_told_what_belongs_in_its_place() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let error = text_of(folder.path()).expect_err("nothing in it");
+        assert!(error.to_string().contains("machine file"), "{error}");
     }
 
     #[test]

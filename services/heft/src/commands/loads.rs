@@ -13,6 +13,7 @@ use view::number::{grouped, interval_95, value_and_std};
 use view::words::wrapped;
 
 use crate::args::{EstimationArgs, described, machine};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
 use crate::{machines, many, page, quantity, size, target};
@@ -142,6 +143,11 @@ fn count(
         && notes.insert(note.clone())
     {
         eprintln!("{note}");
+    }
+    for words in drawing::contradictions(&description) {
+        if notes.insert(words.clone()) {
+            eprintln!("warning: {words}");
+        }
     }
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();

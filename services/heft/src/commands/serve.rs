@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::Args;
 use messages::Machine;
 
-use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_idle_keys};
+use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_odd_keys};
 use crate::failure::Failure;
 use crate::serve::{Form, Input};
 use crate::way::{method, way};
@@ -58,7 +58,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     }
     // What cannot work is said once, here.
     way(&description, method)?;
-    tell_idle_keys(&description, &[method]);
+    tell_odd_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
     let input = match &args.file {
         Some(folder) if folder.is_dir() => {

@@ -49,6 +49,8 @@ struct Line {
     /// The map's entry; none for a column of heft's own name.
     entry: Option<Entry>,
     is_time: bool,
+    /// It is on or off, which tables write as words too.
+    is_switch: bool,
     parts: Vec<Part>,
     /// It is a sensor's, and no row had a value so far.
     is_silent: bool,
@@ -204,6 +206,7 @@ impl<S: Sensors> Columns<S> {
                 signal: signal.name.clone(),
                 entry: entry.cloned(),
                 is_time,
+                is_switch: signal.is_switch(),
                 parts,
                 is_silent: signal.is_measured(),
             });
@@ -375,6 +378,9 @@ impl<S: Sensors> Columns<S> {
                                     };
                                     conversion.apply(x)
                                 }
+                                None if line.is_switch && switched(cell).is_some() => {
+                                    conversion.apply(switched(cell).unwrap_or(f64::NAN))
+                                }
                                 _ => {
                                     let text = std::str::from_utf8(cell).ok();
                                     let text = text.map(|text| text.trim_start_matches('\u{feff}'));
@@ -495,6 +501,35 @@ impl Sampler {
         let row = self.rows.next(&mut self.series, at_end)?;
         Some((row.ns, self.times.pop_front()?))
     }
+}
+
+/// What is on, and what is off, as programs and sheets of several languages write it.
+const SWITCHED: [&[&str]; 2] = [
+    &[
+        "false", "off", "no", "falsch", "aus", "nein", "faux", "non", "falso",
+    ],
+    &[
+        "true",
+        "on",
+        "yes",
+        "wahr",
+        "ein",
+        "an",
+        "ja",
+        "vrai",
+        "oui",
+        "verdadero",
+        "vero",
+    ],
+];
+
+/// 1 for what is on, 0 for what is off.
+fn switched(cell: &[u8]) -> Option<f64> {
+    let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
+    let state = SWITCHED
+        .iter()
+        .position(|words| words.iter().any(is_word))?;
+    Some(state as f64)
 }
 
 fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {

@@ -385,6 +385,8 @@ pub(crate) struct Look {
     pub units: Vec<String>,
     /// Numbers by column; NaN where a cell holds none.
     pub columns: Vec<Vec<f64>>,
+    /// Whether each cell of a column is a whole number, or a time of day or date without a part of a second.
+    pub is_whole_second: Vec<bool>,
     /// Names in the row above the header, if there is one.
     pub above: Vec<String>,
 }
@@ -397,6 +399,7 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         return Err(absent(&["t"], "any machine", &header, &table.file));
     }
     let mut columns = vec![Vec::new(); header.len()];
+    let mut is_whole_second = vec![true; header.len()];
     for row in 0..most {
         match records.advance() {
             Ok(true) => {}
@@ -407,8 +410,9 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         }
         let record = records.record();
         for (at, column) in columns.iter_mut().enumerate() {
-            let number = table.dialect.number(record.get(at).unwrap_or_default());
-            column.push(number.unwrap_or(f64::NAN));
+            let cell = record.get(at).unwrap_or_default();
+            is_whole_second[at] &= is_of_whole_seconds(cell);
+            column.push(table.dialect.number(cell).unwrap_or(f64::NAN));
         }
     }
     let units = table
@@ -418,6 +422,13 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         header,
         units,
         columns,
+        is_whole_second,
         above: table.above,
     })
+}
+
+/// Whether a time has no part of a second: behind its last colon, or in all of it, there is no decimal mark.
+fn is_of_whole_seconds(cell: &[u8]) -> bool {
+    let seconds = cell.rsplit(|b| *b == b':').next().unwrap_or_default();
+    !seconds.iter().any(|b| b".,eE".contains(b))
 }

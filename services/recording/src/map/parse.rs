@@ -53,7 +53,11 @@ impl Parser<'_> {
     fn map(&self) -> Result<Map, Error> {
         let document = Document::parse(self.text.to_owned()).map_err(|e| {
             let (line, what) = config::toml_error(self.text, &e);
-            self.error(line.unwrap_or(1), what, config::TOML_REMEDY)
+            self.error(
+                line.unwrap_or(1),
+                what,
+                config::toml_remedy(self.text, line),
+            )
         })?;
         let mut map = Map {
             file: self.path.to_owned(),

@@ -105,6 +105,9 @@ struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
+        // Sheets and web pages have blanks at which no line may break.
+        let plain = |label: String| label.replace(char::is_whitespace, " ");
+        let labels: Vec<String> = labels.into_iter().map(plain).collect();
         let named = labels
             .iter()
             .zip(&look.units)
@@ -189,6 +192,16 @@ impl<'a> Draft<'a> {
         let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
         if ambiguous.is_some_and(|a| a.is_asked) {
             self.of_second.push(format!("{signal} (column {name})"));
+        }
+        let below = milliseconds(at, &self.labels, self.look);
+        if let Some(below) = below.filter(|_| signal == "t") {
+            let ms = quoted(&self.look.header[below]);
+            self.out += &format!(
+                "t = {{ terms = [{{ column = {name} }}, {{ column = {ms}, unit = \"ms\" }}] }}  # whole seconds, and milliseconds beside them\n"
+            );
+            self.taken.push(below);
+            self.found.push(signal);
+            return;
         }
         let column = Column {
             at,
@@ -288,6 +301,39 @@ fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
         });
         pairs.find_map(|pair| pair)
     })
+}
+
+/// What loggers call the milliseconds that they write beside whole seconds.
+const MILLISECONDS: [&str; 8] = [
+    "ms",
+    "msec",
+    "msecs",
+    "millis",
+    "millisec",
+    "millisecond",
+    "milliseconds",
+    "millisekunden",
+];
+
+/// The column of the milliseconds beside the whole seconds of column `at`: it stays below 1000, and begins anew with the next second.
+fn milliseconds(at: usize, names: &[String], look: &Look) -> Option<usize> {
+    if !look.is_whole_second[at] {
+        return None;
+    }
+    let is_one = |other: &usize| {
+        let name = names[*other].to_lowercase();
+        let mut words = name.split(|c: char| !c.is_alphanumeric());
+        let is_named = words.any(|word| MILLISECONDS.contains(&word));
+        let values = &look.columns[*other];
+        let begins_anew = values.windows(2).any(|w| w[1] < w[0]);
+        // A date is no number here; what counts milliseconds itself goes on in each row.
+        let steps = look.columns[at].windows(2).zip(values.windows(2));
+        let mut seconds = steps.filter(|(s, _)| s[1] > s[0]);
+        let goes_on = seconds.all(|(_, ms)| ms[1] < ms[0]);
+        let in_second = values.iter().all(|ms| (0.0..1000.0).contains(ms));
+        is_named && in_second && begins_anew && goes_on && values.iter().any(|ms| *ms > 1.0)
+    };
+    (0..names.len()).filter(|other| *other != at).find(is_one)
 }
 
 /// The line of a column in this unit, with the reason.

@@ -15,7 +15,7 @@ use super::args::EstimateArgs;
 use super::found::InputSummary;
 use super::look::Look;
 use super::many;
-use crate::args::tell_idle_keys;
+use crate::args::tell_odd_keys;
 use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::way::{Way, method, way};
@@ -35,7 +35,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     samples.on_progress(parts::progress());
     let method = method(description.machine(), args.with.method.as_deref());
     let mut way = way(description, method)?;
-    tell_idle_keys(description, &[method]);
+    tell_odd_keys(description, &[method]);
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
     let mut found = InputSummary::<E>::new();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use messages::Machine;
 
-use crate::args::{DescriptionArgs, machine};
+use crate::args::{DescriptionArgs, address, kilograms, machine};
 use crate::bounds::LimitArgs;
 use crate::fleet::FleetArgs;
 use crate::serve::MOST_MACHINES;
@@ -41,7 +41,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub scenario: Option<String>,
     /// Payload of the simulator, in kg
-    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG", value_parser = kilograms, allow_negative_numbers = true)]
     pub payload: Option<f64>,
     /// Leave out a kind of sensors that simulated machines have
     #[arg(long, value_enum, value_name = "KIND", conflicts_with = "input")]
@@ -111,8 +111,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
         conflicts_with = "rt")]
     pub spin: Option<String>,
-    /// Show a live page; this computer alone reaches it, unless an address is given
-    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
+    /// Show a live page; this computer alone reaches it, unless an address is given, such as 0.0.0.0:8440; a port alone will do
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, value_parser = address, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
     /// Folder for the recording and the report
     #[arg(long, value_name = "DIR")]

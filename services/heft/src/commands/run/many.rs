@@ -8,7 +8,7 @@ use recording::Output;
 
 use super::args::RunArgs;
 use super::plan::{absolute, described, folder};
-use crate::args::tell_idle_keys;
+use crate::args::tell_odd_keys;
 use crate::commands::serve::{shard_arguments, usual_shards};
 use crate::failure::Failure;
 use crate::machines;
@@ -29,7 +29,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let (machine, entry) = (args.machine, machines::entry(args.machine));
     let method = method(machine, args.method.as_deref());
     way(&description, method)?;
-    tell_idle_keys(&description, &[method]);
+    tell_odd_keys(&description, &[method]);
     size::tell_other_size(&plan, &description);
     let inputs = args.input.as_deref().map(|input| inputs(input, count));
     let machines = Machines {

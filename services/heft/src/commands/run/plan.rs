@@ -7,7 +7,7 @@ use runtime::realtime;
 use steps::stages::Pipeline;
 
 use super::args::{Equipment, Pace, RunArgs};
-use crate::args::{DescriptionArgs, description, tell_idle_keys};
+use crate::args::{DescriptionArgs, description, tell_odd_keys};
 use crate::failure::Failure;
 use crate::fleet::Fleet;
 use crate::fleet_run::FleetRun;
@@ -38,7 +38,7 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     let (mut plan, description) = Plan::of(args)?;
     check(&plan, &description)?;
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
-    tell_idle_keys(&description, &methods);
+    tell_odd_keys(&description, &methods);
     size::tell_other_size(&plan, &description);
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     if let Some(group) = plan.group {
