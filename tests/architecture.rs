@@ -30,6 +30,8 @@ const ARROWS: &[(&str, &str)] = &[
         "services/gateway",
         "diagnostics messages recording runtime statistics steps view",
     ),
+    // Features that both workspaces compile with.
+    ("services/alike", ""),
     ("bindings/c", "estimation sheet"),
     ("bindings/fmu", "estimation messages"),
     ("services/calibrate", "config estimation"),

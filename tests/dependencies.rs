@@ -1,6 +1,7 @@
 //! What others wrote and we ship: licences that fit ours, few things twice.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
 use std::process::Command;
 
 use serde_json::Value;
@@ -123,4 +124,63 @@ fn nothing_is_shipped_in_two_versions_without_a_reason() {
     versions.retain(|_, versions| versions.len() > 1);
     let found: BTreeSet<&str> = versions.keys().copied().collect();
     assert_eq!(found, TWICE.iter().copied().collect(), "{versions:?}");
+}
+
+/// What fleets compile with other features, and nothing stands on but ours, or what runs while compiling.
+const UNLIKE: &[&str] = &["anyhow", "fastrand", "flate2", "libc", "tracing-subscriber"];
+
+/// Each package with a set of features that a workspace compiles it with for its tests; none where the registry's part of it is not here.
+fn compiled(manifest: &str) -> Option<BTreeSet<(String, String)>> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--manifest-path", manifest, "--workspace", "-e"])
+        .args(["normal,build,dev", "--prefix", "none", "-f", "{p}|{f}"])
+        .args(["--locked", "--offline"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs the test, so it is there");
+    let lines = String::from_utf8_lossy(&output.stdout).into_owned();
+    let of_others = lines.lines().filter(|line| !line.contains(" (/"));
+    let parts = of_others.filter_map(|line| line.trim_end_matches(" (*)").split_once('|'));
+    let found = parts.map(|(p, f)| (p.replace(" (proc-macro)", ""), f.to_owned()));
+    output.status.success().then(|| found.collect())
+}
+
+/// Each table of a profile of tests, by the package that it is for.
+fn profiles(manifest: &str) -> BTreeMap<String, String> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(manifest);
+    let text = std::fs::read_to_string(path).expect("a manifest");
+    let tables = text.split("\n[").filter_map(|table| {
+        let (name, settings) = table
+            .strip_prefix("profile.dev.package.")?
+            .split_once("]\n")?;
+        let settings = settings.lines().filter(|line| line.contains(" = "));
+        Some((name.to_owned(), settings.collect::<Vec<_>>().join(", ")))
+    });
+    tables.collect()
+}
+
+#[test]
+fn what_both_workspaces_compile_is_compiled_once() {
+    let fleets = "services/gateway/Cargo.toml";
+    let (Some(main), Some(fleet)) = (compiled("Cargo.toml"), compiled(fleets)) else {
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: what fleets stand on was never fetched"
+        );
+        return;
+    };
+    let ours: BTreeSet<&String> = main.iter().map(|(package, _)| package).collect();
+    let both = fleet.iter().filter(|(package, _)| ours.contains(package));
+    let name = |package: &str| package.split(' ').next().unwrap_or_default().to_owned();
+    let unlike = both.clone().filter(|&unit| !main.contains(unit));
+    let unlike: BTreeSet<String> = unlike.map(|(package, _)| name(package)).collect();
+    assert_eq!(
+        unlike,
+        UNLIKE.iter().map(|&name| name.to_owned()).collect(),
+        "services/alike/Cargo.toml asks for the features of both"
+    );
+    let [ours, theirs] = ["Cargo.toml", fleets].map(profiles);
+    for name in both.map(|(package, _)| name(package)) {
+        assert_eq!(ours.get(&name), theirs.get(&name), "the profile of {name}");
+    }
 }

@@ -1,0 +1,1 @@
+//! Nothing: a list of features, in its manifest.
