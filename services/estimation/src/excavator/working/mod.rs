@@ -176,6 +176,7 @@ impl Working {
         let (p, s) = (&settings.prior, settings);
         let (moment, moment_std) = doubts.upper_moment(&settings.geometry);
         let bucket = doubts.bucket_share * settings.geometry.masses[2];
+        let upper = doubts.upper_share * settings.geometry.upper_inertia;
         let sticking = p.sticking();
         let sticks = sticking.among(bucket);
         let mut x = [0.0; N];
@@ -192,11 +193,7 @@ impl Working {
             (SLOPE + 1, 0.0, doubts.slope_std),
             (MOMENT, moment, moment_std),
             (DELAY, doubts.delay, doubts.delay_std),
-            (
-                UPPER,
-                0.0,
-                doubts.upper_share * settings.geometry.upper_inertia,
-            ),
+            (UPPER, 0.0, upper),
             (BUCKET, sticking.expected, bucket),
             (LINKS, 0.0, doubts.links_share),
         ] {

@@ -532,11 +532,15 @@ mod tests {
     /// this share of the friction \[N\].
     fn lifts(load: f64, friction: f64, kept: f64) -> impl Iterator<Item = Moment> {
         (0..800).map(move |block: u32| {
-            let side = if block / 10 % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if (block / 10).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             let moves = block % 10 < 5;
             let (lever, per_payload) = (0.5, 40.0);
             let left = if moves { friction } else { kept * friction };
-            let starts = block % 10 == 0;
+            let starts = block.is_multiple_of(10);
             Moment {
                 measured: MOMENT + per_payload * load + lever * side * left,
                 empty: MOMENT,
