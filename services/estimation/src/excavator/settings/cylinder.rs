@@ -101,12 +101,12 @@ impl Cylinder {
         (length, a * c * sin / length)
     }
 
-    /// Standard deviation of what a stop leaves of the seals' friction \[N\].
+    /// Variance of what a stop leaves of the seals' friction [N^2].
     #[must_use]
-    pub fn held_std(&self) -> f64 {
+    pub fn held_variance(&self) -> f64 {
         let [friction, std] = self.friction;
         let (share, moving) = (self.kept_std * friction, self.kept * std);
-        sqrt(share * share + moving * moving)
+        share * share + moving * moving
     }
 
     /// Force of these pressures of head and rod side, without the zero \[N\].

@@ -495,18 +495,31 @@ impl Filter {
         self
     }
 
-    /// Whether every state and variance is a number, and no variance negative.
-    pub(super) fn is_sound(&self) -> bool {
+    /// Whether every state and variance is a number.
+    pub(super) fn is_finite(&self) -> bool {
         // What is not finite beside the diagonal shows in the states with the next motion, that of the pressures with their next moment.
-        let (mut sum, mut variances, mut least) = (0.0, 0.0, 0.0);
+        let variances: f64 = (0..N).map(|i| self.p[i][i]).sum();
+        (self.sum() + variances).is_finite()
+    }
+
+    /// The same, and no variance is negative.
+    pub(super) fn is_sound(&self) -> bool {
+        let (mut variances, mut least) = (0.0, 0.0);
         for i in 0..N {
             let variance = self.p[i][i];
-            sum += self.x[i];
             variances += variance;
             // One instruction; one that is no number shows in the sum.
             least = if least < variance { least } else { variance };
         }
-        least == 0.0 && (sum + variances).is_finite()
+        least == 0.0 && (self.sum() + variances).is_finite()
+    }
+
+    /// Of all states, two at a time.
+    fn sum(&self) -> f64 {
+        let pairs = self.x.as_chunks::<2>();
+        let add = |[a, b]: [f64; 2], pair: &[f64; 2]| [a + pair[0], b + pair[1]];
+        let [a, b] = pairs.0.iter().fold([0.0; 2], add);
+        a + b + pairs.1.iter().sum::<f64>()
     }
 }
 

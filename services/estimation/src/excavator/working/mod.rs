@@ -719,14 +719,16 @@ impl Working {
         }
     }
 
-    /// Whether the numbers of the filter that answers are sound; those of the others are asked in turn.
+    /// Whether all numbers are sound. A variance below zero is looked for in the two filters beside the first in turn, each every 16 ticks.
     pub(super) fn is_sound(&self) -> bool {
-        let others = match self.ticks % 4 {
-            0 => self.parallel.is_sound(),
-            2 => self.weigh.is_none() || self.scale.filter.is_sound(),
+        let beside = [&self.parallel.filter, &self.scale.filter];
+        let in_turn = match self.ticks % 16 {
+            0 => beside[0].is_sound(),
+            8 => beside[1].is_sound(),
             _ => true,
         };
-        self.filter.is_sound() && others
+        let weighs = self.weigh.is_none() || self.scale.filter.is_finite();
+        self.filter.is_sound() && self.parallel.is_finite() && weighs && in_turn
     }
 }
 
@@ -768,6 +770,30 @@ mod tests {
         working.filter.p[GAIN][GAIN] = 1e-4;
         working.begin_weighing(&drive, &mut None);
         assert!((working.filter.p[GAIN][GAIN] - 1e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_filter_beside_the_first_that_is_no_number_shows_at_once_and_a_negative_variance_within_16_ticks()
+     {
+        let settings = Settings::of(&Description::default());
+        let sound = Working::new(&settings, &settings.doubts.expect("doubts"));
+        let shows = |working: &Working| {
+            let at = |ticks| Working {
+                ticks,
+                ..working.clone()
+            };
+            (0..16).filter(|&ticks| !at(ticks).is_sound()).count()
+        };
+        assert_eq!(shows(&sound), 0);
+        let mut broken = sound.clone();
+        broken.parallel.filter.x[M] = f64::NAN;
+        assert_eq!(shows(&broken), 16);
+        let mut broken = sound.clone();
+        broken.parallel.filter.p[M][M] = -1.0;
+        assert_eq!(shows(&broken), 1);
+        let mut broken = sound;
+        broken.scale.filter.p[M][M] = -1.0;
+        assert_eq!(shows(&broken), 1);
     }
 
     #[test]

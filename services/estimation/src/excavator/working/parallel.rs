@@ -194,9 +194,9 @@ impl ParallelFilter {
         })
     }
 
-    /// Whether its numbers are sound.
-    pub(super) fn is_sound(&self) -> bool {
-        self.filter.is_sound() && self.odds.is_finite()
+    /// Whether its numbers are numbers.
+    pub(super) fn is_finite(&self) -> bool {
+        self.filter.is_finite() && self.odds.is_finite()
     }
 }
 

@@ -147,10 +147,10 @@ impl Weigh {
                 (SPAN, c.span_std),
                 (ZERO, c.zero_std),
                 (REST, c.friction[0]),
-                (HELD, c.held_std()),
             ] {
                 filter.set(i, 0.0, std * std, trail);
             }
+            filter.set(HELD, 0.0, c.held_variance(), trail);
             trail = &mut none;
             self.correlate(filter);
         }
@@ -240,7 +240,7 @@ impl Weigh {
         let lost = m.period / LASTING;
         filter.p[ZERO][ZERO] += lost * c.zero_std * c.zero_std;
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
-        filter.p[HELD][HELD] += lost * c.held_std() * c.held_std();
+        filter.p[HELD][HELD] += lost * c.held_variance();
     }
 
     /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
@@ -267,13 +267,9 @@ impl Weigh {
             + payload * load
             + pitch * m.tilt;
         let span = 1.0 + x[SPAN];
-        let described = self.cylinder.friction[0];
-        let (of_held, friction) = if m.moves {
-            (0.0, described)
-        } else {
-            (m.lever * m.side, self.cylinder.kept * described + x[HELD])
-        };
-        let expected = span * tau + m.lever * (x[ZERO] + x[REST] + friction * m.side);
+        let held = if m.moves { 0.0 } else { m.side };
+        let friction = self.cylinder.friction[0] * m.direction + x[HELD] * held;
+        let expected = span * tau + m.lever * (x[ZERO] + x[REST] + friction);
         let row = [
             (M, span * load * of_load.1),
             (GAIN, span * load * of_gain.1),
@@ -282,7 +278,7 @@ impl Weigh {
             (SPAN, tau),
             (ZERO, m.lever),
             (REST, m.lever),
-            (HELD, of_held),
+            (HELD, m.lever * held),
             (SLOPE, -span * tilt * sin),
             (SLOPE + 1, -span * tilt * cos),
         ];
@@ -547,6 +543,8 @@ mod tests {
                 per_payload,
                 lever,
                 side,
+                // Half of it is described to be left.
+                direction: if moves { side } else { 0.5 * side },
                 moves,
                 turned: if starts || block % 10 == 5 { 1.0 } else { 0.0 },
                 variance: 200.0 * 200.0,
@@ -563,7 +561,8 @@ mod tests {
             let [friction, _] = weigh.cylinder.friction;
             let settings = Settings::of(&Description::default());
             let mut filter = Filter::new([0.0; N], &[0.0; N]);
-            filter.set(HELD, 0.0, weigh.cylinder.held_std().powi(2), &mut None);
+            let before = weigh.cylinder.held_variance();
+            filter.set(HELD, 0.0, before, &mut None);
             filter.set(M, 0.0, 1e6, &mut None);
             for moment in lifts(500.0, friction, kept) {
                 weigh.measure(&settings, &moment, (&mut filter, true), &mut None);
@@ -571,7 +570,7 @@ mod tests {
             let off = filter.x[HELD] - (kept - 0.5) * friction;
             let std = sqrt(filter.p[HELD][HELD]);
             assert!(off.abs() < 2.0 * std, "{kept}: {off} +- {std}");
-            assert!(std < 0.5 * weigh.cylinder.held_std(), "{kept}: {std}");
+            assert!(std < 0.5 * sqrt(before), "{kept}: {std}");
             let off = filter.load() - 500.0;
             assert!(off.abs() < 2.0 * sqrt(filter.p[M][M]), "{kept}: {off}");
         }
