@@ -40,7 +40,7 @@ const CHANGES_OVER_LANDINGS: f64 = 0.04;
 /// hour [1/s^.5].
 const WARMS: f64 = 4.2e-4;
 /// Time between two changes of a sensor: ten hours of work, a shift [s]. One that is missed costs more than one that is looked for in vain.
-const BETWEEN_CHANGES: f64 = 3.6e4;
+pub(super) const BETWEEN_CHANGES: f64 = 3.6e4;
 /// Share of the tipped buckets that keep a part of their load: frozen, sticky.
 const PARTS: f64 = 0.03;
 /// What sticks in an emptied bucket, standard deviation as a share of the capacity.

@@ -32,6 +32,8 @@ pub(super) struct Drive {
     least: f64,
     /// What the wheels accelerate with a full bucket, their own inertia too, over the mass of the empty machine.
     full: f64,
+    pub rolling: f64,
+    rolls: f64,
     /// Time of the last row, and of the last speed [s].
     time: f64,
     told: f64,
@@ -58,6 +60,8 @@ impl Drive {
             per_torque: 1.0 / (radius * machine.mass),
             least: (machine.rolling_resistance + PUSHES) * GRAVITY,
             full: 1.0 + (capacity + wheels) / machine.mass,
+            rolling: machine.mass + wheels,
+            rolls: machine.mass / (machine.mass + wheels),
             time: f64::NEG_INFINITY,
             told: f64::NEG_INFINITY,
             torque_told: f64::NEG_INFINITY,
@@ -116,6 +120,11 @@ impl Drive {
     /// Somebody tells what the wheels do.
     pub fn tells_torque(&self) -> bool {
         (0.0..GAP).contains(&(self.time - self.torque_told))
+    }
+
+    /// Specific force, force of the wheels over the mass that rolls while the bucket is empty, and speed.
+    pub fn pull(&self) -> [f64; 3] {
+        [self.specific, self.force * self.rolls, self.speed]
     }
 
     /// The wheels push with more than it takes to roll and to accelerate any load.

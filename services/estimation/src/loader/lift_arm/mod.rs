@@ -18,8 +18,9 @@
 //! | `saturation` | a pressure sensor at its end |
 //! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
-//! | `repeats` | how far emptied buckets differ from each other |
+//! | `repeats` | how far emptied buckets, or loads that move, differ from each other |
 //! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
+//! | `pulled` | a load that does not move as it weighs tells of a sensor too |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
@@ -50,6 +51,7 @@ mod grading;
 mod lifts;
 mod linkage;
 mod numbers;
+mod pulled;
 mod repeats;
 mod saturation;
 mod scale;
@@ -81,6 +83,7 @@ use grading::Grading;
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
+use pulled::Pulled;
 use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
@@ -137,6 +140,7 @@ pub(super) struct LiftWitness {
     angle_steps: [AngleSteps; 2],
     moment_steps: MomentSteps,
     changed: Changed,
+    pulled: Pulled,
     answer: Option<Weighed>,
 }
 
@@ -223,6 +227,7 @@ impl LiftWitness {
             angle_steps: [AngleSteps::default(); 2],
             moment_steps: MomentSteps::NEW,
             changed: Changed::default(),
+            pulled: Pulled::default(),
             answer: None,
         })
     }
@@ -284,6 +289,7 @@ impl LiftWitness {
             self.emptied = Emptied::default();
             if !(0.0..CHANGED).contains(&dt) {
                 self.doubts.forget();
+                self.pulled = Pulled::default();
             }
             self.seals.forget();
             self.moment_steps.gap();
@@ -297,8 +303,19 @@ impl LiftWitness {
         self.follow([lift, bucket], dt);
         let angles = self.angles.unwrap_or_default();
         let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
-        self.weigh(posture, sample, dt);
+        self.weigh(angles, posture, sample, dt);
+        if self.pulled.is_due(dt) {
+            self.pull();
+        }
         self.answer.as_ref().map(Said::Weighed)
+    }
+
+    /// Whether what is weighed moves as it weighs.
+    fn pull(&mut self) {
+        let open = self.answer.is_none_or(|answer| answer.carried.open);
+        let masses = [self.drive.rolling, self.drawing.capacity];
+        self.pulled
+            .see(self.drive.pull(), self.scale.payload(), open, masses);
     }
 
     /// The last answer counts still.
@@ -346,24 +363,25 @@ impl LiftWitness {
         }
     }
 
-    fn weigh(&mut self, mut posture: Posture, sample: &Sample, dt: f64) {
+    fn weigh(&mut self, [lift, bucket]: [f64; 2], mut posture: Posture, sample: &Sample, dt: f64) {
         let stance = self.drawing.stance(&self.drawing.values, &posture);
         self.seals.take(stance.rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
-        let mut motion =
-            self.content
-                .motion(self.rates, [low, self.drive.pushes()], sample.speed, dt);
+        let (pushes, driving) = (self.drive.pushes(), drives(sample));
+        let mut motion = self
+            .content
+            .motion(self.rates, [low, pushes], sample.speed, dt);
         self.learn(&posture, &motion);
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         posture.seals = self.seals.share();
         let shown = drawing.shown(values, &stance, &posture);
         // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
-        let rests = low && !drives(sample);
-        self.watch_steps(&shown, &motion, rests, dt);
+        let rests = low && !driving;
+        self.watch_steps(&shown, &motion, [rests, pushes], dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
-        self.take(&shown, posture.head, sample, &motion, dt);
+        self.take(&shown, [posture.head, lift], driving, &motion, dt);
         // What swings is not known, whatever comes of it.
         motion.open |= self.scale.swings();
         posture.rest = self.scale.rest();
@@ -374,10 +392,9 @@ impl LiftWitness {
         };
         let payload = self.scale.payload();
         let empty = drawing.empty_at(values, &stance);
-        let bucket = self.angles.map(|[_, bucket]| bucket).filter(|_| low);
         let known = (!motion.open).then_some(payload);
         let moment = shown.lifting / shown.per_load;
-        if !self.drive.tells_torque() && self.grading.see(known, bucket, moment) {
+        if !self.drive.tells_torque() && self.grading.see(known, low.then_some(bucket), moment) {
             motion = self.content.put_down(&motion);
         }
         self.doubts.see(
@@ -394,27 +411,26 @@ impl LiftWitness {
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, hangs, capacity);
         self.doubts.empty(tare);
-        let bucket = Bucket {
+        let row = Bucket {
             shown: payload,
             doubts: &self.doubts,
             motion: &motion,
-            in_the_air: self.angles.map(|[_, bucket]| bucket).filter(|_| !low),
+            in_the_air: (!low).then_some(bucket),
             is_empty: tare.is_some_and(|tare| tare.at_dump),
             rests,
             capacity,
         };
-        self.changed.see(&bucket, dt);
+        self.changed.see(&row, dt);
         if !motion.open {
             self.below.see(shown, empty.most(), rests, dt);
         }
         self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
     }
 
-    /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it.
-    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, rests: bool, dt: f64) {
-        let acts = motion.turning
-            || self.drive.pushes()
-            || self.stops.carry() && !self.moment_steps.is_stepping();
+    /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it; `pushes`: the wheels do.
+    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, [rests, pushes]: [bool; 2], dt: f64) {
+        let acts =
+            motion.turning || pushes || self.stops.carry() && !self.moment_steps.is_stepping();
         let rows = [shown.payload(), shown.lifting / shown.per_load];
         let Quantity { value, std } = self.scale.payload();
         // What the ground carries a part of is not known.
@@ -426,8 +442,14 @@ impl LiftWitness {
     }
 
     /// The payload by this row, as far as no stop and no ground carries.
-    fn take(&mut self, shown: &Shown, head: f64, sample: &Sample, motion: &Motion, dt: f64) {
-        let lift = self.angles.map_or(0.0, |[lift, _]| lift);
+    fn take(
+        &mut self,
+        shown: &Shown,
+        [head, lift]: [f64; 2],
+        driving: bool,
+        motion: &Motion,
+        dt: f64,
+    ) {
         self.stops.see(lift);
         let drawing = &self.drawing;
         self.scale.walk(drawing, &self.seals, motion, dt);
@@ -435,7 +457,7 @@ impl LiftWitness {
             self.scale.stop();
             return;
         }
-        let moves = motion.lifting || drives(sample);
+        let moves = motion.lifting || driving;
         if self.saturation.see(head, moves, dt) {
             return;
         }
@@ -479,7 +501,8 @@ impl LiftWitness {
         if self.angle_steps.iter().any(AngleSteps::has_stepped) {
             1.0
         } else {
-            self.changed.probability()
+            let (weighed, pulled) = (self.changed.probability(), self.pulled.probability());
+            if weighed > pulled { weighed } else { pulled }
         }
     }
 

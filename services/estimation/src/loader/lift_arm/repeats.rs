@@ -28,7 +28,12 @@ pub(super) struct Repeats {
 impl Repeats {
     /// Share of the rows' variance that is left between emptied buckets.
     pub fn share(&self) -> f64 {
-        ((PRIOR + self.sum) / (PRIOR + self.count)).min(1.0)
+        self.ratio().min(1.0)
+    }
+
+    /// The same, beyond 1 where they differ by more.
+    pub fn ratio(&self) -> f64 {
+        (PRIOR + self.sum) / (PRIOR + self.count)
     }
 
     /// An emptied bucket differs by so many deviations of its rows; it is like the others, or not.
