@@ -20,7 +20,7 @@
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
 //! | `repeats` | how far emptied buckets, or loads that move, differ from each other |
 //! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
-//! | `pulled` | a load that does not move as it weighs tells of a sensor too |
+//! | `inertial_mass` | a load that does not move as it weighs tells of a sensor too |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
@@ -48,10 +48,10 @@ mod drawing;
 mod drive;
 mod geometry;
 mod grading;
+mod inertial_mass;
 mod lifts;
 mod linkage;
 mod numbers;
-mod pulled;
 mod repeats;
 mod saturation;
 mod scale;
@@ -80,10 +80,10 @@ use drawing::Drawing;
 use drive::Drive;
 use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
 use grading::Grading;
+use inertial_mass::InertialMass;
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
 use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
-use pulled::Pulled;
 use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
@@ -140,7 +140,7 @@ pub(super) struct LiftWitness {
     angle_steps: [AngleSteps; 2],
     moment_steps: MomentSteps,
     changed: Changed,
-    pulled: Pulled,
+    inertial: InertialMass,
     answer: Option<Weighed>,
 }
 
@@ -227,7 +227,7 @@ impl LiftWitness {
             angle_steps: [AngleSteps::default(); 2],
             moment_steps: MomentSteps::NEW,
             changed: Changed::default(),
-            pulled: Pulled::default(),
+            inertial: InertialMass::default(),
             answer: None,
         })
     }
@@ -289,7 +289,7 @@ impl LiftWitness {
             self.emptied = Emptied::default();
             if !(0.0..CHANGED).contains(&dt) {
                 self.doubts.forget();
-                self.pulled = Pulled::default();
+                self.inertial = InertialMass::default();
             }
             self.seals.forget();
             self.moment_steps.gap();
@@ -304,17 +304,17 @@ impl LiftWitness {
         let angles = self.angles.unwrap_or_default();
         let posture = self.posture(angles, [head, rod.unwrap_or(USUAL_ROD_PRESSURE)], sample);
         self.weigh(angles, posture, sample, dt);
-        if self.pulled.is_due(dt) {
-            self.pull();
+        if self.inertial.is_due(dt) {
+            self.compare_masses();
         }
         self.answer.as_ref().map(Said::Weighed)
     }
 
-    /// Whether what is weighed moves as it weighs.
-    fn pull(&mut self) {
+    /// Inertial mass and weight of the load.
+    fn compare_masses(&mut self) {
         let open = self.answer.is_none_or(|answer| answer.carried.open);
         let masses = [self.drive.rolling, self.drawing.capacity];
-        self.pulled
+        self.inertial
             .see(self.drive.pull(), self.scale.payload(), open, masses);
     }
 
@@ -501,8 +501,8 @@ impl LiftWitness {
         if self.angle_steps.iter().any(AngleSteps::has_stepped) {
             1.0
         } else {
-            let (weighed, pulled) = (self.changed.probability(), self.pulled.probability());
-            if weighed > pulled { weighed } else { pulled }
+            let (emptied, moved) = (self.changed.probability(), self.inertial.probability());
+            if emptied > moved { emptied } else { moved }
         }
     }
 
