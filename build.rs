@@ -5,7 +5,13 @@ use std::process::Command;
 
 fn main() {
     let git = |args: &[&str]| {
-        let output = Command::new("git").args(args).output().ok()?;
+        // It looks, and writes nothing: a refreshed index would be news for the next build.
+        let mut git = Command::new("git");
+        let output = git
+            .env("GIT_OPTIONAL_LOCKS", "0")
+            .args(args)
+            .output()
+            .ok()?;
         let text = String::from_utf8(output.stdout).ok()?;
         output.status.success().then(|| text.trim().to_owned())
     };
@@ -40,10 +46,16 @@ fn main() {
     );
     if let (true, Some(folder)) = (is_ours, git(&["rev-parse", "--absolute-git-dir"])) {
         println!("cargo::rerun-if-changed={folder}/HEAD");
-        println!("cargo::rerun-if-changed={folder}/index");
+        // What is not committed, and not the index: each `git status` writes that anew.
+        println!("cargo::rerun-if-changed=services");
+        println!("cargo::rerun-if-changed=sim");
         if let Some(common) = git(&["rev-parse", "--path-format=absolute", "--git-common-dir"]) {
             println!("cargo::rerun-if-changed={common}/refs/heads");
-            println!("cargo::rerun-if-changed={common}/packed-refs");
+            // A file that is not there would be news each time.
+            let packed = format!("{common}/packed-refs");
+            if std::fs::exists(&packed).is_ok_and(|exists| exists) {
+                println!("cargo::rerun-if-changed={packed}");
+            }
         }
     }
     println!("cargo::rerun-if-changed=build.rs");
