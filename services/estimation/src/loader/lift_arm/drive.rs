@@ -32,6 +32,7 @@ pub(super) struct Drive {
     least: f64,
     /// What the wheels accelerate with a full bucket, their own inertia too, over the mass of the empty machine.
     full: f64,
+    /// Mass of the empty machine and what its wheels turn [kg], and the share of the machine in it.
     pub rolling: f64,
     rolls: f64,
     /// Time of the last row, and of the last speed [s].
