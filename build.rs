@@ -47,8 +47,16 @@ fn main() {
     if let (true, Some(folder)) = (is_ours, git(&["rev-parse", "--absolute-git-dir"])) {
         println!("cargo::rerun-if-changed={folder}/HEAD");
         // What is not committed, and not the index: each `git status` writes that anew.
-        println!("cargo::rerun-if-changed=services");
-        println!("cargo::rerun-if-changed=sim");
+        let crates = std::fs::read_dir("services")
+            .into_iter()
+            .flatten()
+            .flatten();
+        for folder in crates.map(|entry| entry.path()).chain(["sim".into()]) {
+            let sources = folder.join("src");
+            if sources.is_dir() {
+                println!("cargo::rerun-if-changed={}", sources.display());
+            }
+        }
         if let Some(common) = git(&["rev-parse", "--path-format=absolute", "--git-common-dir"]) {
             println!("cargo::rerun-if-changed={common}/refs/heads");
             // A file that is not there would be news each time.

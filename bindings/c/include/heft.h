@@ -457,7 +457,7 @@ int32_t heft_excavator_restore(void *memory, size_t size, const void *state, siz
 #define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* both axles turn alike: the reported axle torques are not theirs */
 #define HEFT_LOADER_REASON_ONE_WAY 21 /* driven one way only: how the tyres give under a load is not known */
 #define HEFT_LOADER_REASON_WHEEL_RADIUS 22 /* speed and wheel speeds do not fit the rolling radius that is described */
-#define HEFT_LOADER_REASON_LIFT_CYLINDER 23 /* the lift cylinder shows less than nothing in the bucket, or more than the machine can carry */
+#define HEFT_LOADER_REASON_LIFT_CYLINDER 23 /* the lift cylinder shows a weight that no bucket holds, or that does not fit emptied buckets or the load's motion */
 #define HEFT_LOADER_REASON_ACCELEROMETER 24 /* no accelerometer tells the slope from the acceleration */
 
 /* Name of a reason; empty for none. */

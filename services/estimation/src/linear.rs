@@ -38,6 +38,17 @@ impl<const N: usize> Measurement<N> {
     }
 }
 
+/// Covariance of states of these standard deviations that know nothing of each other.
+pub const fn diagonal<const N: usize>(stds: [f64; N]) -> [[f64; N]; N] {
+    let mut covariance = [[0.0; N]; N];
+    let mut i = 0;
+    while i < N {
+        covariance[i][i] = stds[i] * stds[i];
+        i += 1;
+    }
+    covariance
+}
+
 /// h'x.
 pub fn dot<const N: usize>(x: &[f64; N], by: &[f64; N]) -> f64 {
     x.iter().zip(by).map(|(x, h)| x * h).sum()

@@ -1,4 +1,4 @@
-//! The interval of a mixture of two hypotheses.
+//! A mixture of two hypotheses: its moments, for a filter that goes on, and its interval, for who reads it.
 //!
 //! Moments of a mixture make a bad interval of it: of a hypothesis with a probability of .01 they show a tenth of the distance,
 //! though the 95 % interval may leave it out; of one with .2 not half of it, though the interval must reach it.
@@ -21,6 +21,26 @@ pub fn spread(probability: f64, away: f64, std: f64) -> f64 {
     let shifted = away.abs() + std * upper_quantile(outside);
     let about = std * upper_quantile(0.5 * outside);
     shifted.max(about) / HALF_WIDTH
+}
+
+/// Mean and covariance become those of the mixture with another hypothesis, its own in `other`, of this probability.
+pub fn mix<const N: usize>(
+    state: &mut [f64; N],
+    covariance: &mut [[f64; N]; N],
+    other: (&[f64; N], &[[f64; N]; N]),
+    probability: f64,
+) {
+    let mut apart = [0.0; N];
+    for (i, apart) in apart.iter_mut().enumerate() {
+        *apart = other.0[i] - state[i];
+        state[i] += probability * *apart;
+    }
+    let spread = probability * (1.0 - probability);
+    for (i, row) in covariance.iter_mut().enumerate() {
+        for (j, p) in row.iter_mut().enumerate() {
+            *p += probability * (other.1[i][j] - *p) + spread * apart[i] * apart[j];
+        }
+    }
 }
 
 /// Where the central form of the quantile ends; what is beyond counts as this.

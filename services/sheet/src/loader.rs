@@ -168,7 +168,7 @@ macro_rules! loader_reasons {
             20 Locked "locked drive" "both axles turn alike: the reported axle torques are not theirs";
             21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
             22 Radius "wheel radius" "speed and wheel speeds do not fit the rolling radius that is described";
-            23 LiftCylinder "lift cylinder" "the lift cylinder shows less than nothing in the bucket, or more than the machine can carry";
+            23 LiftCylinder "lift cylinder" "the lift cylinder shows a weight that no bucket holds, or that does not fit emptied buckets or the load's motion";
             24 Accelerometer "accelerometer" "no accelerometer tells the slope from the acceleration";
         }
     };

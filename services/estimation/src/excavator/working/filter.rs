@@ -38,6 +38,7 @@ use crate::excavator::measurements::boom_moment::GRAVITY;
 use crate::excavator::size::Sticking;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
+use crate::mixture::mix;
 
 /// A state that keeps more than this share of the variance that it began with has not been informed.
 const INFORMED: f64 = 0.5;
@@ -481,17 +482,7 @@ impl Filter {
 
     /// Mean and covariance of the mixture with another filter of this probability.
     pub(super) fn mixed(mut self, other: &Self, probability: f64) -> Self {
-        let mut apart = [0.0; N];
-        for (i, apart) in apart.iter_mut().enumerate() {
-            *apart = other.x[i] - self.x[i];
-            self.x[i] += probability * *apart;
-        }
-        let spread = probability * (1.0 - probability);
-        for (i, column) in self.p.iter_mut().enumerate() {
-            for (j, p) in column.iter_mut().enumerate() {
-                *p += probability * (other.p[i][j] - *p) + spread * apart[i] * apart[j];
-            }
-        }
+        mix(&mut self.x, &mut self.p, (&other.x, &other.p), probability);
         self
     }
 

@@ -26,8 +26,9 @@
 use super::changed::BETWEEN_CHANGES;
 use super::repeats::Repeats;
 use crate::Quantity;
-use crate::linear::{Measurement, dot};
+use crate::linear::{Measurement, diagonal, dot};
 use crate::math::{exp, ln, sqrt};
+use crate::mixture::mix;
 
 /// One row in so long is taken: closer ones are smoothed over the same time [s].
 const EVERY: f64 = 0.15;
@@ -99,15 +100,8 @@ impl Line {
 
     /// Becomes the other one with this probability.
     fn mix(&mut self, other: &Self, probability: f64) {
-        let away: [f64; 2] = core::array::from_fn(|i| other.state[i] - self.state[i]);
-        for i in 0..2 {
-            self.state[i] += probability * away[i];
-            for j in 0..2 {
-                let apart = (1.0 - probability) * away[i] * away[j];
-                let fresh = other.covariance[i][j] + apart;
-                self.covariance[i][j] += probability * (fresh - self.covariance[i][j]);
-            }
-        }
+        let other = (&other.state, &other.covariance);
+        mix(&mut self.state, &mut self.covariance, other, probability);
     }
 
     fn open(&mut self, stds: [f64; 2]) {
@@ -115,16 +109,6 @@ impl Line {
             self.covariance[i][i] += std * std;
         }
     }
-}
-
-const fn diagonal<const N: usize>(stds: [f64; N]) -> [[f64; N]; N] {
-    let mut diagonal = [[0.0; N]; N];
-    let mut i = 0;
-    while i < N {
-        diagonal[i][i] = stds[i] * stds[i];
-        i += 1;
-    }
-    diagonal
 }
 
 /// Memory of loads, of the ground and of the sensors.
@@ -143,21 +127,21 @@ pub(super) struct InertialMass {
     told: bool,
     same: Line,
     /// With the arm's sensors changed, and with those of the drive.
-    changed: [Changed; 2],
+    changed: [Hypothesis; 2],
     scatter: Repeats,
-    /// That the arm's have.
+    /// Probability that the arm's have: asked in each row, another one with each load.
     probability: f64,
 }
 
 /// A line after a change, and the odds of that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Changed {
+struct Hypothesis {
     line: Line,
     odds: f64,
 }
 
-impl Changed {
+impl Hypothesis {
     const NEW: Self = Self {
         line: Line::NEW,
         odds: 0.0,
@@ -183,7 +167,7 @@ impl Default for InertialMass {
             weighed: None,
             told: false,
             same: Line::NEW,
-            changed: [Changed::NEW; 2],
+            changed: [Hypothesis::NEW; 2],
             scatter: Repeats::default(),
             probability: 0.0,
         }
@@ -294,7 +278,7 @@ impl InertialMass {
         let drive = self.changed[DRIVE];
         if drive.odds > 1.0 + self.changed[ARM].odds {
             self.same = drive.line;
-            self.changed[DRIVE] = Changed::NEW;
+            self.changed[DRIVE] = Hypothesis::NEW;
             let arm = &mut self.changed[ARM];
             arm.odds /= drive.odds;
             arm.line = self.same;

@@ -16,7 +16,7 @@
 //! Where the mass is reported with its load, that is likelier than a load of which nobody knows, and z is a state; where it is not,
 //! z is nothing and such a row speaks for a load: after each stop there may be one.
 
-use crate::linear::{Measurement, dot};
+use crate::linear::{Measurement, diagonal, dot};
 use crate::math::sqrt;
 
 /// Smoothing of the signals [s].
@@ -55,9 +55,7 @@ impl Default for Force {
     fn default() -> Self {
         Self {
             state: [1.0, ROLLING, 0.0],
-            covariance: core::array::from_fn(|i| {
-                core::array::from_fn(|j| if i == j { START[i] * START[i] } else { 0.0 })
-            }),
+            covariance: diagonal(START),
         }
     }
 }

@@ -16,8 +16,9 @@
 //!
 //! What neither filter knows (how the machine rolls backward, where the accelerometer's zero is) speaks for none of them.
 
-use super::inertia::{Force, LARGEST, STATES};
+use super::inertia::{Force, LARGEST};
 use crate::math::{exp, ln, sqrt};
+use crate::mixture::mix;
 
 /// Slower than this a bucket is filled against the ground: penetration of a V cycle [m/s].
 pub const SLOW: f64 = 1.5;
@@ -82,23 +83,11 @@ impl UnreportedLoad {
         let loaded = same.state[0] < 1.0 - HALF * USUAL_LOAD;
         let by = if loaded { USUAL_LOAD } else { -USUAL_LOAD };
         let weight = changes / self.probability.max(f64::MIN_POSITIVE);
-        let mut away = [0.0; STATES];
-        for (i, away) in away.iter_mut().enumerate() {
-            let moved = if i == 0 { by } else { 0.0 };
-            *away = same.state[i] + moved - other.state[i];
-        }
-        for i in 0..STATES {
-            other.state[i] += weight * away[i];
-            for j in 0..STATES {
-                let of_load = if i + j == 0 {
-                    OTHER_STD * OTHER_STD
-                } else {
-                    0.0
-                };
-                let fresh = same.covariance[i][j] + of_load + (1.0 - weight) * away[i] * away[j];
-                other.covariance[i][j] += weight * (fresh - other.covariance[i][j]);
-            }
-        }
+        let mut anew = *same;
+        anew.state[0] += by;
+        anew.covariance[0][0] += OTHER_STD * OTHER_STD;
+        let anew = (&anew.state, &anew.covariance);
+        mix(&mut other.state, &mut other.covariance, anew, weight);
     }
 
     /// What was learnt is of the load that is carried now.
