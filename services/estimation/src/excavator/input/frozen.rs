@@ -35,20 +35,25 @@ impl Repetition {
         let increment = value - self.last.replace(value).unwrap_or(value);
         if increment == 0.0 {
             self.repeats = self.repeats.saturating_add(1);
-        } else {
-            if !self.is_frozen() {
-                self.longest = self.longest.max(self.repeats);
-            }
-            self.changes = self.changes.saturating_add(1);
-            let alternates = increment * self.increment < 0.0;
-            self.alternating += MEMORY * (f64::from(u8::from(alternates)) - self.alternating);
-            self.increment = increment;
-            // Repeats that end are steps of the sensor, not noise.
-            let steps = f64::from(self.repeats.min(10));
-            self.alternating *= 1.0 - MEMORY * steps;
-            self.repeats = 0;
+            return (!self.is_frozen()).then_some(value);
         }
-        (!self.is_frozen()).then_some(value)
+        if self.repeats > 0 {
+            self.ends();
+        }
+        let alternates = increment * self.increment < 0.0;
+        self.increment = increment;
+        self.alternating += MEMORY * (f64::from(u8::from(alternates)) - self.alternating);
+        self.changes = self.changes.saturating_add(1);
+        Some(value)
+    }
+
+    /// Repeats that end are steps of the sensor, not noise.
+    fn ends(&mut self) {
+        if !self.is_frozen() {
+            self.longest = self.longest.max(self.repeats);
+        }
+        self.alternating *= 1.0 - MEMORY * f64::from(self.repeats.min(10));
+        self.repeats = 0;
     }
 
     /// Whether it repeats one value against its own noise.

@@ -25,6 +25,11 @@ const LEAST_SHARE: f64 = 0.4;
 /// A torque or a joint angle that is missing for longer: the swing tells nothing [s].
 const MISSING: f64 = 0.2;
 
+/// Whether two ticks are as long as each other: differences of stamps are rounded.
+pub(in crate::excavator) fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9 * PERIOD
+}
+
 /// One sample on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -4,6 +4,7 @@
 //! nothing about the inertia; noise would be mistaken for information. Standstill ends by a
 //! measured velocity (whose mean then is the state) or by a torque above friction.
 
+use crate::excavator::grid::{PERIOD, alike};
 use crate::excavator::settings::Settings;
 use crate::math::{exp, ln, sqrt};
 
@@ -33,6 +34,28 @@ const SCATTER: f64 = 2.0;
 #[inline(always)]
 pub(super) fn torque_share(period: f64) -> f64 {
     1.0 - exp(ln(TORQUE_KEPT) * period / TORQUE_TIME)
+}
+
+/// What a tick of some length makes of the smoothed torque; ticks are mostly alike.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Smoothing {
+    period: f64,
+    /// Share of a new value.
+    share: f64,
+    /// Standard deviation of its noise, over that of one value.
+    noise: f64,
+}
+
+impl Smoothing {
+    fn of(period: f64) -> Self {
+        let share = torque_share(period);
+        Self {
+            period,
+            share,
+            noise: sqrt(share / (2.0 - share)),
+        }
+    }
 }
 
 /// What a velocity is off that is late by its age and by what the machine gains meanwhile: it sets off [rad/s].
@@ -66,6 +89,7 @@ pub(in crate::excavator) struct Standstill {
     /// Sign of the last velocity if it was too large for a machine just setting off, else 0.
     large: f64,
     torque: Option<f64>,
+    smoothing: Smoothing,
     friction: f64,
     torque_std: f64,
     velocity_std: f64,
@@ -84,6 +108,7 @@ impl Standstill {
             valid: 0,
             large: 0.0,
             torque: None,
+            smoothing: Smoothing::of(PERIOD),
             friction: settings.coulomb_friction,
             torque_std: settings.sensors.swing_torque_std,
             velocity_std: settings.sensors.swing_velocity_std,
@@ -156,14 +181,14 @@ impl Standstill {
     /// it.
     fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
         let Some(torque) = torque else { return true };
-        let gain = torque_share(period);
+        if !alike(period, self.smoothing.period) {
+            self.smoothing = Smoothing::of(period);
+        }
+        let Smoothing { share, noise, .. } = self.smoothing;
         let smoothed = self.torque.unwrap_or(0.0);
-        let smoothed = smoothed + gain * (torque - smoothed);
+        let smoothed = smoothed + share * (torque - smoothed);
         self.torque = Some(smoothed);
-        smoothed.abs()
-            < self
-                .friction
-                .max(TORQUE_CHANCE * self.torque_std * sqrt(gain / (2.0 - gain)))
+        smoothed.abs() < self.friction.max(TORQUE_CHANCE * self.torque_std * noise)
     }
 
     /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.

@@ -5,8 +5,8 @@
 //!       + sum_j [I_j alpha_j'' + w^2 (I_j - I_axial,j) sin(alpha_j) cos(alpha_j)]
 //!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          what the drawing misses, learnt by `calibrate`
 //!                                                      i = boom, arm, bucket, payload;  j = boom, arm, bucket
-//! r F = (1 + s) tau + r (z + f + F_c d)            F = n (A_h p_h - A_r p_r)
-//! after a stop (kept F_c + h) d in place of F_c d
+//! r F = (1 + s) tau + r [z + f + (F_c + c) d]      F = n (A_h p_h - A_r p_r)
+//! after a stop [kept (F_c + c) + h] d in place of (F_c + c) d
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -16,7 +16,8 @@
 //! | r | lever of the cylinders ([`super::super::cylinder`]) | m |
 //! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
 //! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
-//! | F_c, d | friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
+//! | F_c, d | described friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
+//! | c | friction beyond the described one: a slow state | N |
 //! | kept, h | described share of it that a stop leaves, and what it leaves beyond that: a slow state | -, N |
 //!
 //! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the
@@ -112,8 +113,6 @@ pub struct Moment {
     pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
-    /// How the direction of the moving seals' friction differs from that at the measurement before; 0 is that of a cylinder that stands.
-    pub turned: f64,
     /// The ground may carry part of it.
     pub touches: bool,
     /// Sine and cosine of the swing angle.
@@ -174,8 +173,6 @@ pub(in crate::excavator) struct BoomMoment {
     unread: f64,
     last: [Option<Block>; 2],
     direction: f64,
-    /// Direction of the moving seals' friction at the last measurement.
-    rubbed: f64,
     since: f64,
     /// The posture that no joint has left for so long [rad, s].
     posture: [f64; 3],
@@ -190,7 +187,6 @@ impl BoomMoment {
             unread: 0.0,
             last: [None; 2],
             direction: 0.0,
-            rubbed: 0.0,
             since: 0.0,
             posture: [0.0; 3],
             stood: 0.0,
@@ -264,8 +260,6 @@ impl BoomMoment {
         let mut moment = moment(geometry, cylinder, blocks, (side, kept), moves, self.stood);
         moment.touches = blocks.iter().any(|block| block.touches);
         moment.period = core::mem::take(&mut self.since);
-        let rubs = if moves { side } else { 0.0 };
-        moment.turned = rubs - core::mem::replace(&mut self.rubbed, rubs);
         // A cylinder in line with the pin carries nothing, whatever it presses.
         (moment.lever.abs() > LEAST_LEVER).then_some(moment)
     }
@@ -401,7 +395,6 @@ fn moment(
         side,
         direction: kept * side,
         moves,
-        turned: 0.0,
         touches: false,
         turn: [
             smooth(blocks.map(|b| b.turn[0])),

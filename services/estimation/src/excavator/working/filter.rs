@@ -21,7 +21,7 @@
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
-//! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N |
+//! | s, z, f, c, h | [`SPAN`], [`ZERO`], [`REST`], [`SEALS`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N, N |
 //!
 //! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
 //! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
@@ -29,7 +29,8 @@
 //!
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
 //! identity, in the states before [`ACTING`], so a step costs two passes over the covariance. It lies column by column: the sums
-//! along all its rows run side by side, each in its order.
+//! along all its rows run side by side, each in its order. What the states from [`SEEN`] on have in common with those before lies in the
+//! columns of the former alone.
 
 use super::super::geometry::Inertia;
 pub(super) use super::states::*;
@@ -87,7 +88,7 @@ impl<const K: usize> Measured<K> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter {
     pub(super) x: Vector,
-    /// Covariance, column by column; symmetric but for rounding.
+    /// Covariance, column by column; symmetric but for rounding, and for `p[i][j]` with i < [`SEEN`] <= j, which is not kept.
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
@@ -166,7 +167,7 @@ impl Filter {
             trail.row(W, &whole);
         }
 
-        let column = self.along(row.into_iter().enumerate());
+        let column = self.along_motion(&row);
         let own: f64 = row.iter().zip(&column).map(|(entry, c)| entry * c).sum();
         let variance = own + input.torque_variance * of_torque * of_torque;
         for (i, &covariance) in column.iter().enumerate() {
@@ -197,7 +198,7 @@ impl Filter {
 
     /// A velocity that was measured while it grew with this acceleration is late by the delay.
     pub(super) fn lag(&mut self, acceleration: f64, trail: &mut Option<Trail>) {
-        let of_delay = self.row(DELAY);
+        let of_delay = self.with(DELAY);
         let (x, p) = (&mut self.x, &mut self.p);
         if let Some(trail) = trail {
             let mut row = [0.0; N];
@@ -339,7 +340,7 @@ impl Filter {
             row[GAIN] = per_gain;
             trail.row(M, &row);
         }
-        let of_gain = self.p[GAIN];
+        let of_gain = self.with(GAIN);
         for (j, covariance) in of_gain.iter().enumerate() {
             self.p[M][j] = per_gain * covariance;
             self.p[j][M] = self.p[M][j];
@@ -356,11 +357,11 @@ impl Filter {
             (row[M], row[GAIN]) = (1.0, per_gain);
             trail.row(M, &row);
         }
-        let of_gain = self.p[GAIN];
+        let of_gain = self.with(GAIN);
         let own = self.p[M][M] + per_gain * (2.0 * of_gain[M] + per_gain * of_gain[GAIN]);
         for (j, covariance) in of_gain.iter().enumerate() {
-            self.p[M][j] += per_gain * covariance;
-            self.p[j][M] = self.p[M][j];
+            self.p[j][M] += per_gain * covariance;
+            self.p[M][j] = self.p[j][M];
         }
         self.p[M][M] = own;
     }
@@ -371,7 +372,13 @@ impl Filter {
         for (x, g) in self.x.iter_mut().zip(gain) {
             *x += g * value;
         }
-        for (p, c) in self.p.iter_mut().zip(column) {
+        let (seen, others) = self.p.split_at_mut(SEEN);
+        for (p, c) in seen.iter_mut().zip(column) {
+            for (p, g) in p[..SEEN].iter_mut().zip(gain) {
+                *p -= g * c;
+            }
+        }
+        for (p, c) in others.iter_mut().zip(&column[SEEN..]) {
             for (p, g) in p.iter_mut().zip(gain) {
                 *p -= g * c;
             }
@@ -383,9 +390,25 @@ impl Filter {
     pub(super) fn along(&self, entries: impl Iterator<Item = (usize, f64)>) -> Vector {
         let mut sums = [0.0; N];
         for (j, entry) in entries {
-            for (sum, covariance) in sums.iter_mut().zip(&self.p[j]) {
+            let covariances = self.with(j);
+            for (sum, covariance) in sums.iter_mut().zip(covariances) {
                 *sum += covariance * entry;
             }
+        }
+        sums
+    }
+
+    /// The same of the states before [`ACTING`].
+    #[inline(always)]
+    fn along_motion(&self, row: &[f64; ACTING]) -> Vector {
+        let mut sums = [0.0; N];
+        for (entry, column) in row.iter().zip(&self.p) {
+            for (sum, covariance) in sums[..SEEN].iter_mut().zip(column) {
+                *sum += covariance * entry;
+            }
+        }
+        for (sum, column) in sums[SEEN..].iter_mut().zip(&self.p[SEEN..]) {
+            *sum = dot_pairs(row, &column[..ACTING]);
         }
         sums
     }
@@ -403,7 +426,8 @@ impl Filter {
         let (mut value, mut variance) = (0.0, 0.0);
         for (k, &(i, a)) in row.iter().enumerate() {
             value += a * self.x[i];
-            let beside: f64 = row[k + 1..].iter().map(|&(j, b)| b * self.p[i][j]).sum();
+            let of = |j: usize| self.p[i.max(j)][i.min(j)];
+            let beside: f64 = row[k + 1..].iter().map(|&(j, b)| b * of(j)).sum();
             variance += a * (a * self.p[i][i] + 2.0 * beside);
         }
         (value, variance.max(0.0))
@@ -462,9 +486,16 @@ impl Filter {
         ]
     }
 
-    /// Row `i` of the covariance.
-    pub(super) fn row(&self, i: usize) -> Vector {
-        self.p.map(|column| column[i])
+    /// Covariances of all states with state `i`.
+    #[inline(always)]
+    fn with(&self, i: usize) -> Vector {
+        let mut covariances = self.p[i];
+        if i < SEEN {
+            for (covariance, column) in covariances[SEEN..].iter_mut().zip(&self.p[SEEN..]) {
+                *covariance = column[i];
+            }
+        }
+        covariances
     }
 
     /// State `i` takes a new value with a variance, independent of all others.
@@ -512,6 +543,18 @@ impl Filter {
         let [a, b] = pairs.0.iter().fold([0.0; 2], add);
         a + b + pairs.1.iter().sum::<f64>()
     }
+}
+
+/// Sum of products, two at a time.
+fn dot_pairs(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.as_chunks::<2>(), b.as_chunks::<2>());
+    let mut sums = [0.0; 2];
+    for (a, b) in a.0.iter().zip(b.0) {
+        sums[0] += a[0] * b[0];
+        sums[1] += a[1] * b[1];
+    }
+    let rest: f64 = a.1.iter().zip(b.1).map(|(a, b)| a * b).sum();
+    sums[0] + sums[1] + rest
 }
 
 pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
@@ -651,6 +694,46 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_kept_of_the_covariance_is_not_asked_for() {
+        let all: [(usize, f64); N] = core::array::from_fn(|i| (i, 1.0 - 0.1 * i as f64));
+        let done = |not_kept: f64| {
+            let mut filter = Filter::new([0.5; N], &[1.0; N]);
+            for column in &mut filter.p[..SEEN] {
+                column[SEEN..].fill(not_kept);
+            }
+            let other = Filter::new([0.4; N], &[0.9; N]);
+            let input = Input {
+                period: 0.01,
+                torque: 2000.0,
+                inertia: Inertia {
+                    empty: 6000.0,
+                    per_payload: 9.0,
+                    ..Inertia::default()
+                },
+                leaving: 0.1,
+                ..Input::default()
+            };
+            filter.measure(all, 1.0, 2.0, 1e9, &mut None);
+            filter.predict(&input, 0.01, 1000.0, &mut None);
+            filter.correct(0.4, 0.1, 4.0, &mut None);
+            filter.lag(0.1, &mut None);
+            filter.weighs_true_mass(0.3, &mut None);
+            filter.hold((1.0, 9.0), true, &mut None);
+            filter.measure([(M, 1.0), (ZERO, 1.0)], 0.1, 1.0, 1e9, &mut None);
+            filter.take_back((1.0, 9.0), true, &mut None);
+            filter.fade(&other, 0.9, &[GAIN, ZERO]);
+            filter.set(REST, 0.0, 1.0, &mut None);
+            filter = filter.mixed(&other, 0.3);
+            let along = filter.along(all.into_iter());
+            let (value, variance) = filter.combination(&all);
+            let own: f64 = all.iter().map(|(i, entry)| entry * along[*i]).sum();
+            assert!((variance / own - 1.0).abs() < 1e-12);
+            (filter.x, along, value)
+        };
+        assert_eq!(done(0.0), done(f64::NAN));
+    }
+
+    #[test]
     fn a_covariance_that_is_no_number_anywhere_shows_with_the_next_motion_and_moment_or_is_gone() {
         let input = Input {
             period: 0.01,
@@ -667,7 +750,7 @@ mod tests {
             filter.p[i][j] = covariance;
             filter.predict(&input, 0.01, 1000.0, &mut None);
             filter.correct(1.0, 1.0, 1e3, &mut None);
-            let pressures = [(SPAN, 1.0), (ZERO, 1.0), (REST, 1.0), (HELD, 1.0)];
+            let pressures = [SPAN, ZERO, REST, SEALS, HELD].map(|i| (i, 1.0));
             filter.measure(pressures, 0.0, 1.0, 1e3, &mut None);
             filter
         };
@@ -675,7 +758,7 @@ mod tests {
             let mut filter = Filter::new([1.0; N], &[1.0; N]);
             filter.p[i][i] = -1e-9;
             assert!(!filter.is_sound(), "a negative variance at {i}");
-            for j in (0..N).filter(|j| *j != i) {
+            for j in (0..N).filter(|j| *j != i && (i >= SEEN || *j < SEEN)) {
                 assert!(moved(i, j, 0.1).is_sound());
                 for none in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                     let filter = moved(i, j, none);

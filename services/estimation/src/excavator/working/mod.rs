@@ -47,6 +47,7 @@ pub use self::trail::Trail;
 use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
+use super::grid::alike;
 use super::measurements::boom_moment::FADING;
 use super::settings::Settings;
 use super::size::Sticking;
@@ -331,7 +332,7 @@ impl Working {
     /// What is kept of the smoothed torque: periods are mostly alike.
     fn kept_in(&mut self, period: f64) -> f64 {
         let (known, kept) = self.smoothing;
-        if known == period {
+        if alike(known, period) {
             return kept;
         }
         let kept = exp(-period / GAINS);

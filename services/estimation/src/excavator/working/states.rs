@@ -1,7 +1,7 @@
 //! The states of the default estimator, by their places.
 
 /// Number of states.
-pub(super) const N: usize = 18;
+pub(super) const N: usize = 19;
 /// Swing velocity.
 pub(super) const W: usize = 0;
 /// Payload.
@@ -31,6 +31,8 @@ pub(super) const ACTING: usize = 13;
 
 /// Delay of the velocity.
 pub(super) const DELAY: usize = 13;
+/// The states before this one show in the velocity; those that follow in the boom's moment alone.
+pub(super) const SEEN: usize = 14;
 
 /// Span of the boom's moment over the described one, minus 1.
 pub(super) const SPAN: usize = 14;
@@ -38,8 +40,10 @@ pub(super) const SPAN: usize = 14;
 pub(super) const ZERO: usize = 15;
 /// What is left of their friction, and of the drawing's moment [N].
 pub(super) const REST: usize = 16;
-/// What a stop leaves of the friction of their seals, beyond the described part of it [N].
-pub(super) const HELD: usize = 17;
+/// Friction of their seals beyond the described one [N].
+pub(super) const SEALS: usize = 17;
+/// What a stop leaves of that friction, beyond the described part of it [N].
+pub(super) const HELD: usize = 18;
 
 /// A vector of states.
 pub(super) type Vector = [f64; N];
