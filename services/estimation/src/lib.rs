@@ -82,6 +82,7 @@ mod positive;
 pub mod prediction;
 mod quantum;
 mod reasons;
+mod repeats;
 pub mod rls;
 pub mod root;
 mod rotations;

@@ -311,6 +311,7 @@ impl Working {
 
     /// The bucket has been another one with this probability: its description says less of it, and of what sticks in it.
     fn opens_bucket(&mut self, probability: f64) {
+        self.scale.has_another_bucket();
         let attachment = &mut self.attachment;
         let other = attachment.other * attachment.other;
         let std = norm(&[attachment.std, sqrt(probability * other)]);
@@ -353,6 +354,7 @@ impl Working {
         if p >= any {
             return;
         }
+        self.scale.has_another_bucket();
         let apart = 0.5 * (self.described[BUCKET] - x);
         let (value, variance) = (x + apart, any + apart * apart);
         self.filter.set(BUCKET, value, variance, trail);

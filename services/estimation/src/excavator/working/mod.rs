@@ -9,6 +9,7 @@
 mod agreement;
 mod attachment;
 mod bucket;
+mod changed;
 mod contradiction;
 mod correlations;
 mod fading;
@@ -365,7 +366,7 @@ impl Working {
         if let Some(weigh) = &self.weigh {
             let known = !self.attachment.may_be_another();
             self.scale
-                .weigh(weigh, settings, &moment, (anything, known));
+                .weigh(weigh, settings, &moment, (self.rated, known));
         }
         if self.parallel.is_driven() {
             self.doubt_pressures();

@@ -15,13 +15,17 @@
 //! err so before anything contradicts them. Then it goes on alone too, unless the bucket may be another one: a coupler needs a stand
 //! ([`super::attachment`]).
 //!
+//! What emptied buckets show from one to the next tells more of a sensor that changes during work ([`super::changed`]).
+//!
 //! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
 
 use super::super::measurements::boom_moment::Moment;
 use super::super::settings::Settings;
 use super::super::size::Sticking;
+use super::changed::Changed;
 use super::filter::{Filter, GAIN, Input, M, SLOPE};
 use super::weigh::{LASTS, Weigh, fits};
+use crate::Quantity;
 use crate::excavator::geometry::Inertia;
 use crate::kalman::Innovation;
 use crate::math::{exp, sqrt};
@@ -54,6 +58,7 @@ pub(super) struct Scale {
     asked: bool,
     /// An emptied bucket makes the pressures err, and it is the one that weighed nothing before.
     misled: bool,
+    changed: Changed,
 }
 
 impl Scale {
@@ -67,6 +72,7 @@ impl Scale {
             doubted: false,
             asked: false,
             misled: false,
+            changed: Changed::default(),
             differs: LEAST_ODDS,
             apart: None,
         };
@@ -108,15 +114,26 @@ impl Scale {
         }
     }
 
-    /// A block of the pressures; `anything`: variance of a load of which nothing is known [kg^2]; whether the bucket is `known`: nobody
-    /// can have changed it.
+    /// The bucket may be another one.
+    pub(super) fn has_another_bucket(&mut self) {
+        self.changed.forget();
+    }
+
+    /// A block of the pressures; `rated` payload \[kg\]; whether the bucket is `known`: nobody can have changed it.
     pub(super) fn weigh(
         &mut self,
         weigh: &Weigh,
         settings: &Settings,
         moment: &Moment,
-        (anything, known): (f64, bool),
+        (rated, known): (f64, bool),
     ) {
+        self.changed.wait(moment.period);
+        let apart = if self.asked {
+            let (_, row) = weigh.model(&self.filter, moment);
+            self.changed.apart(&row, &self.filter.x)
+        } else {
+            0.0
+        };
         let said = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
         if moment.touches || fits(said) {
             self.strange = 0;
@@ -124,12 +141,20 @@ impl Scale {
             self.strange += 1;
         }
         let lasts = self.strange == LASTS;
+        let per_payload = moment.per_payload;
+        let anything = 0.25 * rated * rated;
         if self.asked && !moment.touches && (lasts || self.strange == 0) {
             self.asked = false;
-            let anything = anything * moment.per_payload * moment.per_payload;
-            self.errs = weighed(self.errs, said, anything);
-            self.differs = weighed(self.differs, said, anything);
-            self.misled = self.errs >= SURE && known;
+            let moment_of_anything = anything * per_payload * per_payload;
+            self.errs = weighed(self.errs, said, moment_of_anything);
+            self.differs = weighed(self.differs, said, moment_of_anything);
+            let shown = Quantity {
+                value: (said.value + apart) / per_payload,
+                std: sqrt(said.variance) / per_payload.abs(),
+            };
+            self.changed.emptied(shown, &self.filter.x, known, rated);
+            self.errs = self.errs.max(self.changed.odds());
+            self.misled = (self.errs >= SURE || self.changed.odds() > 1.0) && known;
         }
         if lasts {
             self.filter.p[M][M] += anything;
@@ -151,7 +176,8 @@ impl Scale {
         if begins {
             (self.differs, self.apart, self.doubted) = (1.0, None, true);
         }
-        self.doubted &= self.differs > LEAST_ODDS || self.errs > 1.0;
+        let errs = self.errs > 1.0 || self.changed.is_doubted();
+        self.doubted &= self.differs > LEAST_ODDS || errs;
         begins
     }
 
@@ -165,9 +191,13 @@ impl Scale {
         self.doubted && (self.differs >= 1.0 || outright && self.differs > LEAST_ODDS)
     }
 
-    /// Whether nobody knows which of them errs.
+    /// Whether nobody knows which of them errs, or both are believed though the pressures may have changed.
     pub(super) fn is_undecided(&self) -> bool {
-        self.doubted && self.errs < SURE
+        if self.doubted {
+            self.errs < SURE
+        } else {
+            self.changed.is_doubted()
+        }
     }
 
     /// The torque alone weighs a load that is still in the bucket, with this variance \[kg, kg^2\]; `anything`: variance of a load of which
@@ -240,7 +270,8 @@ mod tests {
     use crate::excavator::cylinder::Cylinder;
     use crate::excavator::keys::Description;
 
-    const ANYTHING: f64 = 500.0 * 500.0;
+    const RATED: f64 = 1000.0;
+    const ANYTHING: f64 = 0.25 * RATED * RATED;
 
     /// A scale that takes blocks of a moment, 40 N m for each kilogram of load.
     fn weigh(scale: &mut Scale, load: f64, blocks: u32) -> f64 {
@@ -264,7 +295,7 @@ mod tests {
             ..Moment::default()
         };
         let settings = Settings::of(&d);
-        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, (ANYTHING, known)));
+        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, (RATED, known)));
         scale.filter.x[M]
     }
 

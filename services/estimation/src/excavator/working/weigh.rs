@@ -246,16 +246,8 @@ impl Weigh {
         }
     }
 
-    /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
-    /// innovation.
-    pub(super) fn measure(
-        &self,
-        settings: &Settings,
-        m: &Moment,
-        (filter, believes): (&mut Filter, bool),
-        trail: &mut Option<Trail>,
-    ) -> Innovation {
-        self.wander(m, filter, settings, trail);
+    /// What the states say of a moment, and how it depends on them.
+    pub(super) fn model(&self, filter: &Filter, m: &Moment) -> (f64, [(usize, f64); 11]) {
         let x = &filter.x;
         let [sin, cos] = m.turn;
         // Pitch of the upper body, by the slope of the ground in the axes of the start.
@@ -286,6 +278,20 @@ impl Weigh {
             (SLOPE, -span * tilt * sin),
             (SLOPE + 1, -span * tilt * cos),
         ];
+        (expected, row)
+    }
+
+    /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
+    /// innovation.
+    pub(super) fn measure(
+        &self,
+        settings: &Settings,
+        m: &Moment,
+        (filter, believes): (&mut Filter, bool),
+        trail: &mut Option<Trail>,
+    ) -> Innovation {
+        self.wander(m, filter, settings, trail);
+        let (expected, row) = self.model(filter, m);
         let value = m.measured - expected;
         let measured = filter.measured(row);
         let innovation = Innovation {

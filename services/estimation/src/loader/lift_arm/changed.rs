@@ -27,10 +27,10 @@
 use super::content::Motion;
 use super::doubt::Doubts;
 use super::numbers::NUMBERS;
-use super::repeats::Repeats;
 use super::steps::Stepped;
 use crate::Quantity;
 use crate::math::{exp, norm, sqrt};
+use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
 /// Blows that look like a change of a sensor are as frequent as such changes.
 const CHANGES_OVER_BLOWS: f64 = 1.0;
@@ -39,8 +39,6 @@ const CHANGES_OVER_LANDINGS: f64 = 0.04;
 /// By how much zeros that warm up move an emptied bucket, as a share of the capacity: a bar of each pressure, .0125, in a quarter of an
 /// hour [1/s^.5].
 const WARMS: f64 = 4.2e-4;
-/// Time between two changes of a sensor: ten hours of work, a shift [s]. One that is missed costs more than one that is looked for in vain.
-pub(super) const BETWEEN_CHANGES: f64 = 3.6e4;
 /// Share of the tipped buckets that keep a part of their load: frozen, sticky.
 const PARTS: f64 = 0.03;
 /// What sticks in an emptied bucket, standard deviation as a share of the capacity.

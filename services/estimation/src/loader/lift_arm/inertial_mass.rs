@@ -23,12 +23,11 @@
 //! with o the odds of a change, T_c the time between two of them, and p the share of loads that move as nobody foretells, anywhere in R.
 //! A drive that has changed more probably than not is the one that the next loads are compared with.
 
-use super::changed::BETWEEN_CHANGES;
-use super::repeats::Repeats;
 use crate::Quantity;
 use crate::linear::{Measurement, diagonal, dot};
 use crate::math::{exp, ln, sqrt};
 use crate::mixture::mix;
+use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
 /// One row in so long is taken: closer ones are smoothed over the same time [s].
 const EVERY: f64 = 0.15;

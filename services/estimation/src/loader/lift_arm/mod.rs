@@ -18,7 +18,6 @@
 //! | `saturation` | a pressure sensor at its end |
 //! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
-//! | `repeats` | how far emptied buckets, or loads that move, differ from each other |
 //! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
 //! | `inertial_mass` | a load that does not move as it weighs tells of a sensor too |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
@@ -52,7 +51,6 @@ mod inertial_mass;
 mod lifts;
 mod linkage;
 mod numbers;
-mod repeats;
 mod saturation;
 mod scale;
 mod seals;

@@ -7,6 +7,8 @@
 //! ```
 //! One that is unlike the others counts as soon as another one is like them again: it was theirs, and no sensor's that changed.
 
+/// Time between two changes of a sensor: ten hours of work, a shift [s]. One that is missed costs more than one that is looked for in vain.
+pub(crate) const BETWEEN_CHANGES: f64 = 3.6e4;
 /// The claim of the rows weighs as so many emptied buckets.
 const PRIOR: f64 = 2.0;
 /// So many buckets are remembered: machines wear, and work goes on elsewhere.
@@ -17,7 +19,7 @@ const MOST: f64 = 1e4;
 /// Memory of emptied buckets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Repeats {
+pub(crate) struct Repeats {
     /// Sum of the squares, and how many.
     sum: f64,
     count: f64,
