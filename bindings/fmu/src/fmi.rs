@@ -172,7 +172,11 @@ unsafe extern "C" fn fmi3DoStep(
                 *last = time + length;
             }
             instance.warn();
-            instance.model.step(time, length)
+            let is_done = instance.model.step(time, length);
+            if !is_done {
+                instance.tell(ERROR, "a step before the initialization has ended: call fmi3ExitInitializationMode first");
+            }
+            is_done
         })
     }
 }
@@ -182,6 +186,13 @@ fn not_set(reference: u32, value: &str) -> String {
     format!(
         "the variable with the value reference {reference} does not take {value}: parameters, `has...` and `method` are fixed \
          once the initialization has ended, and outputs cannot be set"
+    )
+}
+
+/// Why a variable was not read.
+fn not_there(reference: u32, function: &str) -> String {
+    format!(
+        "{function}: no variable of this type has the value reference {reference}; take it from the modelDescription.xml of this unit"
     )
 }
 
@@ -202,12 +213,14 @@ macro_rules! access {
             // SAFETY: the importer's promise; both arrays have `count` elements.
             unsafe {
                 with(instance, |instance| {
-                    (0..count).all(|i| match instance.model.$read(references.add(i).read()) {
-                        Some(value) => {
-                            values.add(i).write(value);
-                            true
+                    (0..count).all(|i| {
+                        let reference = references.add(i).read();
+                        let value = instance.model.$read(reference);
+                        match value {
+                            Some(value) => values.add(i).write(value),
+                            None => instance.tell(ERROR, &not_there(reference, stringify!($get))),
                         }
-                        None => false,
+                        value.is_some()
                     })
                 })
             }
@@ -335,4 +348,66 @@ extern "C" fn fmi3InstantiateModelExchange() -> *mut c_void {
 #[unsafe(no_mangle)]
 extern "C" fn fmi3InstantiateScheduledExecution() -> *mut c_void {
     std::ptr::null_mut()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    unsafe extern "C" fn keep(
+        environment: *mut c_void,
+        _: c_int,
+        _: *const c_char,
+        text: *const c_char,
+    ) {
+        // SAFETY: the test's own list, and a C string.
+        let (all, text) = unsafe {
+            (
+                environment.cast::<Vec<String>>().as_mut(),
+                CStr::from_ptr(text),
+            )
+        };
+        all.expect("a list")
+            .push(text.to_string_lossy().into_owned());
+    }
+
+    #[test]
+    fn what_is_refused_is_said() {
+        let mut said = Vec::<String>::new();
+        let mut instance = Instance {
+            model: Box::new(Variables::<Excavator>::default()),
+            log: Some(keep),
+            environment: (&raw mut said).cast(),
+            is_warned: false,
+        };
+        let handle: *mut c_void = (&raw mut instance).cast();
+        let none = std::ptr::null_mut;
+        let mut value = 0.0;
+        // SAFETY: the instance and each array live until the end of the test.
+        unsafe {
+            assert_eq!(
+                fmi3DoStep(
+                    handle,
+                    0.0,
+                    0.01,
+                    true,
+                    none(),
+                    none(),
+                    none(),
+                    std::ptr::null_mut()
+                ),
+                ERROR
+            );
+            assert_eq!(fmi3GetFloat64(handle, &123_456, 1, &mut value, 1), ERROR);
+        }
+        assert!(
+            said[0].contains("fmi3ExitInitializationMode first"),
+            "{said:?}"
+        );
+        assert!(
+            said[1].contains(
+                "fmi3GetFloat64: no variable of this type has the value reference 123456"
+            )
+        );
+    }
 }
