@@ -1,6 +1,7 @@
 //! Units that a signal map may name, and how others write them.
 
 use core::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// A unit: name, the SI unit of the same dimension, and its size in that.
 #[derive(Debug, PartialEq)]
@@ -8,7 +9,7 @@ pub(crate) struct Unit {
     pub name: &'static str,
     pub si: &'static str,
     pub factor: f64,
-    /// Other ways to write it, as [`plain`] leaves them, blanks between.
+    /// Other ways to write it, in small letters, as [`bare`] leaves them, blanks between.
     aliases: &'static str,
 }
 
@@ -129,17 +130,37 @@ fn guesses(text: &str) -> impl Iterator<Item = &'static Unit> {
 }
 
 fn known(text: &str) -> Vec<&'static Unit> {
-    let (written, wanted) = (bare(text), plain(text));
-    let is_written = |unit: &&Unit| bare(unit.name) == written;
-    let is_named = |unit: &&Unit| plain(unit.name) == wanted;
-    let is_known = |unit: &&Unit| unit.aliases.split_whitespace().any(|alias| alias == wanted);
+    let written = bare(text);
+    let wanted = written.to_lowercase();
+    let such = |is: &dyn Fn(&Spelling) -> bool| {
+        let spellings = SPELLINGS.iter().filter(|spelling| is(spelling));
+        spellings.map(|spelling| spelling.unit).collect::<Vec<_>>()
+    };
     let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
     // An mNm is no MNm.
-    all.extend(UNITS.iter().filter(is_written));
-    all.extend(UNITS.iter().filter(is_named));
-    all.extend(UNITS.iter().filter(is_known));
+    all.extend(such(&|spelling| spelling.bare == written));
+    all.extend(such(&|spelling| spelling.plain == wanted));
+    all.extend(such(&|spelling| spelling.aliases.contains(&&*wanted)));
     all
 }
+
+/// How a unit is written. Made once: each name of a table is compared with all of them.
+struct Spelling {
+    unit: &'static Unit,
+    bare: String,
+    plain: String,
+    aliases: Vec<&'static str>,
+}
+
+static SPELLINGS: LazyLock<Vec<Spelling>> = LazyLock::new(|| {
+    let spelling = |unit: &'static Unit| Spelling {
+        unit,
+        bare: bare(unit.name),
+        plain: bare(unit.name).to_lowercase(),
+        aliases: unit.aliases.split_whitespace().collect(),
+    };
+    UNITS.iter().map(spelling).collect()
+});
 
 /// The symbols of units, and their words, in English and elsewhere, blanks between.
 const SYMBOLS: &[(&str, &str)] = &[
@@ -195,11 +216,6 @@ fn in_symbols(text: &str) -> String {
         rest = more;
     }
     out
-}
-
-/// A unit in small letters.
-fn plain(text: &str) -> String {
-    bare(text).to_lowercase()
 }
 
 /// How the sign of a degree looks in a page, in LaTeX, and where its encoding was taken for another, once or twice.
