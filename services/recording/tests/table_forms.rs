@@ -430,6 +430,27 @@ fn a_switch_may_be_a_word_and_nothing_else_may() {
 }
 
 #[test]
+fn a_truck_may_be_a_word_each_with_a_number_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = "0,0,0,TRK-12\n1,0,0,TRK-12\n2,0,0,TRK-7\n3,0,0,\n4,0,0,12\n5,0,0,TRK-12\n";
+    let text = format!("{HEADER},truck\n{rows}");
+    let path = written(folder.path(), "a.csv", text.as_bytes());
+    let samples = recording::load::<ExcavatorSensors>(path, None).expect("rows");
+    let trucks: Vec<f64> = samples.iter().map(|(s, _)| s.truck).collect();
+    let [first, again, second, none, number, back] = trucks[..] else {
+        panic!("{trucks:?}");
+    };
+    assert!(first == again && first == back);
+    assert!(second != first && number == 12.0);
+    assert!(
+        [first, second]
+            .iter()
+            .all(|truck| (1e8..1e9).contains(truck))
+    );
+    assert!(!none.is_finite() || samples[3].0.valid != samples[2].0.valid);
+}
+
+#[test]
 fn a_table_of_many_columns_is_looked_at_in_seconds() {
     let folder = tempfile::tempdir().expect("a folder");
     let names: Vec<String> = (0..100).map(|k| format!("bus_7.value_{k}")).collect();

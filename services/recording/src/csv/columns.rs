@@ -51,6 +51,8 @@ struct Line {
     is_time: bool,
     /// It is on or off, which tables write as words too.
     is_switch: bool,
+    /// Whether it says which one, by a number or a word.
+    is_label: bool,
     parts: Vec<Part>,
     /// It is a sensor's, and no row had a value so far.
     is_silent: bool,
@@ -207,6 +209,7 @@ impl<S: Sensors> Columns<S> {
                 entry: entry.cloned(),
                 is_time,
                 is_switch: signal.is_switch(),
+                is_label: signal.name == LABEL,
                 parts,
                 is_silent: signal.is_measured(),
             });
@@ -381,6 +384,7 @@ impl<S: Sensors> Columns<S> {
                                 None if line.is_switch && switched(cell).is_some() => {
                                     conversion.apply(switched(cell).unwrap_or(f64::NAN))
                                 }
+                                None if line.is_label && !cell.contains(&0) => labelled(cell),
                                 _ => {
                                     let text = std::str::from_utf8(cell).ok();
                                     let text = text.map(|text| text.trim_start_matches('\u{feff}'));
@@ -530,6 +534,17 @@ fn switched(cell: &[u8]) -> Option<f64> {
         .iter()
         .position(|words| words.iter().any(is_word))?;
     Some(state as f64)
+}
+
+/// The signal of which only a change counts: trucks have plates.
+const LABEL: &str = "truck";
+
+/// A word as a number of its own, the same in every file, beyond what anybody counts up to and below what is no
+/// measurement: FNV-1a, 28 bits of it.
+fn labelled(cell: &[u8]) -> f64 {
+    let mix = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
+    let hash = cell.iter().fold(0x811c_9dc5, mix);
+    f64::from((hash >> 4) + (1 << 29))
 }
 
 fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {
