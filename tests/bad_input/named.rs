@@ -89,6 +89,19 @@ fn what_comes_on_standard_input_is_doubted_like_a_file() {
 }
 
 #[test]
+fn rows_that_are_too_far_apart_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let (header, rows) = text.split_once('\n').expect("a header");
+    let each: Vec<&str> = rows.lines().step_by(100).collect();
+    let file = path_in(folder.path(), "day.csv");
+    fs::write(&file, format!("{header}\n{}\n", each.join("\n"))).expect("writable");
+    let words = "the rows are 1 s apart: of so few nothing is trusted, and loads are missed";
+    says(&estimate(&file, folder.path()), words);
+    says(&run(&["loads", &file, "--machine", "excavator"]), words);
+}
+
+#[test]
 fn times_that_run_backwards_are_refused_as_they_come() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "t", |_, t| (100.0 - t).to_string());

@@ -122,11 +122,12 @@ impl Hints {
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
+        let slow = recording::too_slow(&self.times, rate);
         let gaps = self.gaps.fault().or_else(|| self.gaps.words());
         let nothing = (!self.is_measured).then(|| {
             "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
         });
-        let hints = unit.into_iter().chain(gaps).chain(mismatch);
+        let hints = unit.into_iter().chain(slow).chain(gaps).chain(mismatch);
         hints.chain(nothing).chain(self.large.words()).collect()
     }
 }

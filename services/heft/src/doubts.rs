@@ -193,6 +193,9 @@ impl<L: Look> Doubts<L> {
         if let Some(words) = self.gaps.words() {
             eprintln!("{words}");
         }
+        if let Some(words) = recording::too_slow(&self.times, self.rate) {
+            eprintln!("{words}");
+        }
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {

@@ -18,6 +18,18 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     Some((rounded(step), unit.name))
 }
 
+/// Of rows that are further apart \[s\] nothing is trusted, of either machine: measured at 0.33 s and at 0.5 s.
+const FARTHEST: f64 = 0.4;
+
+/// What is said of rows between which a machine turns and lifts unseen, where their times are in seconds.
+pub fn too_slow(times: &[f64], rate: f64) -> Option<String> {
+    let is_other = time_unit(times, rate).is_some();
+    let step = usual_step(times).filter(|step| *step > FARTHEST && !is_other)?;
+    Some(format!(
+        "the rows are {step} s apart: of so few nothing is trusted, and loads are missed; record 10 or more a second, or check the unit of the time"
+    ))
+}
+
 /// The usual step of times \[s\], with three digits.
 pub fn usual_step(times: &[f64]) -> Option<f64> {
     middle(times).map(rounded)
@@ -38,6 +50,15 @@ pub(crate) fn rounded(step: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_that_are_too_far_apart_are_named_unless_their_times_are_in_another_unit() {
+        let times = |step: f64| (0..9).map(|i| step * f64::from(i)).collect::<Vec<_>>();
+        assert_eq!(too_slow(&times(0.2), 100.0), None);
+        let words = too_slow(&times(1.0), 100.0).unwrap_or_default();
+        assert!(words.contains("are 1 s apart"), "{words}");
+        assert_eq!(too_slow(&times(10.0), 100.0), None);
+    }
 
     #[test]
     fn the_unit_is_that_in_which_the_rows_are_as_far_apart_as_the_sensors_say() {

@@ -561,7 +561,21 @@ const SLOWEST: f64 = 1e-4;
 /// Who samples a machine faster than this has rather written another unit than seconds [s].
 const FASTEST: f64 = 1e-3;
 
-/// Times by their step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
+/// Units of times since 1970, and how large those of 2001 to 2096 are.
+const SINCE_1970: [(&str, Range<f64>); 4] = [
+    ("s", 1e9..4e9),
+    ("ms", 1e12..4e12),
+    ("us", 1e15..4e15),
+    ("ns", 1e18..4e18),
+];
+
+/// Who records a machine writes no rows that are further apart, nor a thousandth of it \[s\].
+const SLOW: f64 = 4.0;
+
+/// And keeps no file that is shorter \[s\].
+const SHORT: f64 = 10.0;
+
+/// Times by their size, and by their step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
 fn time(times: &[f64]) -> Guess {
     let mut steps: Vec<f64> = times
         .windows(2)
@@ -575,19 +589,30 @@ fn time(times: &[f64]) -> Guess {
             reason: "by its name; it never increases".into(),
         };
     };
+    // A counter may be as large since it was switched on: its rows would be too far apart.
+    let is_date = |(name, range): &&(&str, Range<f64>)| {
+        let factor = unit::find(name).map_or(1.0, |unit| unit.factor);
+        *step * factor < SLOW && times.iter().all(|t| range.contains(t))
+    };
+    let since_1970 = SINCE_1970.iter().find(is_date);
+    let length = *step * times.len() as f64 * 1e-3;
     let name = match *step {
         _ if times.iter().all(|t| TICKS.contains(t)) => "100ns",
+        _ if since_1970.is_some() => since_1970.map_or("s", |(name, _)| name),
+        s if (1.0..SLOW).contains(&s) && length < SHORT => "s",
         s if s > 1e6 => "ns",
         s if s > 1e3 => "us",
         s if s >= 1.0 => "ms",
         s if s < SLOWEST && is_serial_date(times) => "day",
         _ => "s",
     };
-    let minutes = match name {
+    let other = match name {
         "s" if *step < FASTEST => format!(" in min it would be {} s", rounded(60.0 * step)),
+        "ms" if *step < SLOW && since_1970.is_none() => " in s it would be slow".to_owned(),
+        "s" if *step >= 1.0 && since_1970.is_none() => " in ms it would be short".to_owned(),
         _ => String::new(),
     };
-    let reason = format!("median step {}: {name}?{minutes}", rounded(*step));
+    let reason = format!("median step {}: {name}?{other}", rounded(*step));
     Guess {
         unit: unit::find(name).filter(|u| u.factor != 1.0),
         reason,
@@ -626,6 +651,13 @@ mod tests {
         for (first, step, unit) in [
             (0.0, 0.01, "s"),
             (1.8e9, 0.01, "s"),
+            (1.8e9, 1.0, "s"),
+            (1.8e12, 2000.0, "ms"),
+            (1.2e9, 10.0, "ms"),
+            (1.2e9, 1e4, "us"),
+            (2e12, 1e7, "ns"),
+            (0.0, 1.0, "s"),
+            (0.0, 10.0, "ms"),
             (1.8e12, 10.0, "ms"),
             (1.8e15, 1e4, "us"),
             (1.8e18, 1e7, "ns"),
