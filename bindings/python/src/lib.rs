@@ -73,7 +73,7 @@ fn described(machine: Machine, text: Option<&str>, settings: &[String]) -> PyRes
     if description.machine() != machine {
         let other = description.machine().name();
         return Err(refused(format!(
-            "the machine file is for a {other}, not a {}",
+            "the machine file is one of the {other}, not of the {}; give that of this machine, or name the other machine",
             machine.name()
         )));
     }

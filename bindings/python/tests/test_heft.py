@@ -1,5 +1,6 @@
 """The installed package gives the numbers of the command line, bit for bit."""
 
+import datetime
 import os
 import subprocess
 import time
@@ -79,6 +80,29 @@ def test_what_cannot_be_used_is_reported():
         heft.estimate(data, "excavator", method="nonsense")
     with pytest.raises(heft.HeftError, match="machine"):
         heft.estimate(data, "crane")
+    with pytest.raises(heft.HeftError, match="the table has no columns"):
+        heft.estimate({}, "excavator")
+    with pytest.raises(heft.HeftError, match="give the path of one at least"):
+        heft.calibrate("excavator", [], "machine.toml")
+    with pytest.raises(heft.HeftError, match="calibrated from files"):
+        heft.calibrate("excavator", [data], "machine.toml")
+
+
+def test_a_row_or_a_column_of_matlab_is_a_column_and_a_matrix_is_none():
+    data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
+    expected = heft.estimate(data, "excavator")
+    for shape in ((-1, 1), (1, -1)):
+        columns = {name: data[name].to_numpy().reshape(shape) for name in data.columns}
+        pandas.testing.assert_frame_equal(heft.estimate(columns, "excavator"), expected)
+    matrix = {name: np.zeros((10, 2)) for name in data.columns}
+    with pytest.raises(heft.HeftError, match="2 dimensions, where each row has one value"):
+        heft.estimate(matrix, "excavator")
+
+
+def test_rows_that_are_too_far_apart_are_spoken_of():
+    data = pandas.read_csv(GOLDEN / "machines" / "excavator_1_13t_level.csv")
+    with pytest.warns(heft.HeftWarning, match="the rows are 1 s apart: of so few nothing is trusted"):
+        heft.estimate(data.iloc[::100], "excavator")
 
 
 def test_data_in_other_units_are_spoken_of():
@@ -218,6 +242,13 @@ def test_times_of_day_are_seconds_since_the_first():
         estimates = heft.estimate(dated, "excavator")
         assert np.allclose(estimates["t"], expected["t"], atol=1e-9)
         assert np.allclose(estimates["inertia"], expected["inertia"])
+    of_day = [(datetime.datetime(2026, 11, 21, 16) + datetime.timedelta(seconds=s)).time() for s in seconds]
+    frame = polars.DataFrame({**{name: data[name].tolist() for name in data.columns}, "t": of_day})
+    assert np.allclose(heft.estimate(frame, "excavator")["inertia"], expected["inertia"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        with pytest.warns(heft.HeftWarning, match="rows are left out"):
+            heft.estimate(data.assign(t=pandas.NaT), "excavator")
     with pytest.raises(heft.HeftError, match="swing_velocity"):
         heft.estimate(data.assign(swing_velocity="fast"), "excavator")
 

@@ -147,7 +147,8 @@ def estimate(
     names = _names(data)
     _hint_at_names(names, known)
     if "t" not in names:
-        raise HeftError(f"there is no column t, the time in seconds; rename one of {', '.join(names) or 'none'}")
+        remedy = f"rename one of {', '.join(names)}" if names else "the table has no columns"
+        raise HeftError(f"there is no column t, the time in seconds; {remedy}")
     columns = [(name, _numbers(name, data[name])) for name in names if name in known]
     result = _heft.estimate(machine, columns, text, settings, method)
     return _estimates(result, _library(data), getattr(data, "index", None))
@@ -203,9 +204,7 @@ def calibrate(
     Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
     what is missing.
     """
-    if isinstance(recordings, (str, os.PathLike)):
-        recordings = [recordings]
-    arguments = ["calibrate", machine, *(_path(file) for file in recordings)]
+    arguments = ["calibrate", machine, *_files(recordings, "a machine is calibrated from files")]
     for option, known in (("--payload", payload), ("--mass", mass)):
         for file, weight in (known or {}).items():
             arguments += [option, f"{_path(file)}={weight}"]
@@ -237,11 +236,7 @@ def loads(
     ``account["total"]`` are sums; with ``target`` [kg] a truck has what remains. ``pause`` [s] between loads begins a truck.
     A recording of heft brings its machine and description; ``config`` takes the place of the latter.
     """
-    if isinstance(recordings, (str, os.PathLike)):
-        recordings = [recordings]
-    if hasattr(recordings, "columns"):
-        raise HeftError("loads are counted in files; write the frame to a table (to_csv), and give its path")
-    arguments = ["loads", *(_path(file) for file in recordings)]
+    arguments = ["loads", *_files(recordings, "loads are counted in files")]
     for option, value in (("machine", machine), ("map", map), ("method", method), ("target", target), ("pause", pause)):
         if value is not None:
             arguments += [f"--{option}={os.fspath(value) if option == 'map' else value}"]
@@ -288,6 +283,18 @@ def command() -> str:
         if path.exists():
             return str(path)
     return name
+
+
+def _files(recordings: Any, why: str) -> list[str]:
+    """The paths of recordings, which are one or several."""
+    if isinstance(recordings, (str, os.PathLike)):
+        recordings = [recordings]
+    recordings = [recordings] if hasattr(recordings, "columns") else list(recordings)
+    if any(not isinstance(file, (str, os.PathLike)) for file in recordings):
+        raise HeftError(f"{why}; write the frame to a table (to_csv), and give its path")
+    if not recordings:
+        raise HeftError(f"{why}; give the path of one at least")
+    return [_path(file) for file in recordings]
 
 
 def _path(file: PathLike) -> str:
@@ -403,7 +410,10 @@ def _numbers(name: str, column: Any) -> bytes:
     """A column as the bytes of its doubles; times of day as seconds since the first of them."""
     try:
         if _library(column) == "polars":
-            array = column.to_numpy()
+            import polars
+
+            is_of_day = column.dtype == polars.Time
+            array = (column.cast(polars.Duration("ns")) if is_of_day else column).to_numpy()
         elif _library(column) == "pandas" and column.dtype.kind not in "Mm":
             if column.dtype.kind == "c":
                 raise TypeError("complex numbers")
@@ -419,9 +429,11 @@ def _numbers(name: str, column: Any) -> bytes:
             raise TypeError("times")
         if array.dtype.kind == "c":
             raise TypeError("complex numbers")
+        if array.ndim == 2 and 1 in array.shape:
+            array = array.ravel()  # a row or a column of MATLAB
         if array.ndim != 1:
-            raise TypeError(f"an array of {array.ndim} dimensions")
-        if array.dtype.kind == "M":
+            raise TypeError(f"an array of {array.ndim} dimensions, where each row has one value")
+        if array.dtype.kind == "M" and not np.isnat(array).all():
             array = array - np.nanmin(array)
         if array.dtype.kind == "m":
             array = array / np.timedelta64(1, "s")
