@@ -451,23 +451,6 @@ fn a_truck_may_be_a_word_each_with_a_number_of_its_own() {
 }
 
 #[test]
-fn a_table_of_many_columns_is_looked_at_in_seconds() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let names: Vec<String> = (0..100).map(|k| format!("bus_7.value_{k}")).collect();
-    let cells = vec!["0.5"; names.len()].join(",");
-    let text = format!(
-        "{HEADER},{}\n0,0,0,{cells}\n1,0,0,{cells}\n",
-        names.join(",")
-    );
-    let path = written(folder.path(), "a.csv", text.as_bytes());
-    let begin = std::time::Instant::now();
-    let machine = Some(messages::Machine::Excavator);
-    recording::suggest(&path, &[], machine).expect("a map");
-    // It was half a minute and more; now a second.
-    assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
-}
-
-#[test]
 fn milliseconds_beside_whole_seconds_are_a_part_of_the_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let machine = Some(messages::Machine::Excavator);
