@@ -113,6 +113,8 @@ pub struct Moment {
     pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
+    /// How the direction of the moving seals' friction differs from that at the measurement before; 0 is that of a cylinder that stands.
+    pub turned: f64,
     /// The ground may carry part of it.
     pub touches: bool,
     /// Sine and cosine of the swing angle.
@@ -173,6 +175,8 @@ pub(in crate::excavator) struct BoomMoment {
     unread: f64,
     last: [Option<Block>; 2],
     direction: f64,
+    /// Direction of the moving seals' friction at the last measurement.
+    rubbed: f64,
     since: f64,
     /// The posture that no joint has left for so long [rad, s].
     posture: [f64; 3],
@@ -187,6 +191,7 @@ impl BoomMoment {
             unread: 0.0,
             last: [None; 2],
             direction: 0.0,
+            rubbed: 0.0,
             since: 0.0,
             posture: [0.0; 3],
             stood: 0.0,
@@ -260,6 +265,8 @@ impl BoomMoment {
         let mut moment = moment(geometry, cylinder, blocks, (side, kept), moves, self.stood);
         moment.touches = blocks.iter().any(|block| block.touches);
         moment.period = core::mem::take(&mut self.since);
+        let rubs = if moves { side } else { 0.0 };
+        moment.turned = rubs - core::mem::replace(&mut self.rubbed, rubs);
         // A cylinder in line with the pin carries nothing, whatever it presses.
         (moment.lever.abs() > LEAST_LEVER).then_some(moment)
     }
@@ -395,6 +402,7 @@ fn moment(
         side,
         direction: kept * side,
         moves,
+        turned: 0.0,
         touches: false,
         turn: [
             smooth(blocks.map(|b| b.turn[0])),

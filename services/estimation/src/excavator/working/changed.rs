@@ -89,6 +89,11 @@ impl Changed {
         if !is_same && !alike {
             return;
         }
+        if !alike && shown.value < 0.0 && self.count < 2.0 {
+            // Nothing weighs less than an empty bucket: the first one had kept a part.
+            (self.known, self.count, self.since) = (Some(*x), 1.0, 0.0);
+            return;
+        }
         let density = |away: f64| {
             let z = away / std;
             exp(-0.5 * z * z) / (2.5 * std)
