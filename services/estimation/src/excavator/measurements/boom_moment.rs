@@ -17,7 +17,7 @@
 //! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
 //! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
 //! | F_c, d | described friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
-//! | c | friction beyond the described one: a slow state | N |
+//! | c | what lasts of the friction beyond the described one: a slow state; f takes as much anew in each motion | N |
 //! | kept, h | described share of it that a stop leaves, and what it leaves beyond that: a slow state | -, N |
 //!
 //! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the

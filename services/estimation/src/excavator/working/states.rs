@@ -40,7 +40,7 @@ pub(super) const SPAN: usize = 14;
 pub(super) const ZERO: usize = 15;
 /// What is left of their friction, and of the drawing's moment [N].
 pub(super) const REST: usize = 16;
-/// Friction of their seals beyond the described one [N].
+/// What lasts of the friction of their seals beyond the described one [N].
 pub(super) const SEALS: usize = 17;
 /// What a stop leaves of that friction, beyond the described part of it [N].
 pub(super) const HELD: usize = 18;

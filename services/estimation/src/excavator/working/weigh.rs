@@ -18,8 +18,6 @@ use crate::math::sqrt;
 const CENTRE: f64 = 0.12;
 /// A zero and a span wander by their standard deviations in this time \[s\].
 const LASTING: f64 = 3600.0;
-/// Share of the doubt about the seals' friction that is another one in each motion: it goes with the pressure.
-const EACH_MOTION: f64 = 0.5;
 /// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
 /// without a joint that digs.
 const GATE: f64 = 4.0;
@@ -221,8 +219,7 @@ impl Weigh {
         trail: &mut Option<Trail>,
     ) {
         let c = &self.cylinder;
-        let each = EACH_MOTION * c.friction[1];
-        let doubt = if m.moves { each } else { 0.0 };
+        let doubt = if m.moves { c.friction[1] } else { 0.0 };
         let load = filter.load().max(0.0) * m.per_payload / m.lever;
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
@@ -238,7 +235,8 @@ impl Weigh {
             filter.p[REST][i] *= kept;
             filter.p[i][REST] *= kept;
         }
-        let turned = m.turned * each;
+        // What is open of the seals' friction turns with the motion; as much is another one in each: it goes with the pressure.
+        let turned = m.turned * c.friction[1];
         filter.p[REST][REST] += (1.0 - kept * kept) * variance + turned * turned;
         let lost = m.period / LASTING;
         for (i, std) in [
