@@ -5,8 +5,8 @@
 //!       + sum_j [I_j alpha_j'' + w^2 (I_j - I_axial,j) sin(alpha_j) cos(alpha_j)]
 //!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          what the drawing misses, learnt by `calibrate`
 //!                                                      i = boom, arm, bucket, payload;  j = boom, arm, bucket
-//! r F = (1 + s) tau + r [z + f + (F_c + c) d]      F = n (A_h p_h - A_r p_r)
-//! after a stop [kept (F_c + c) + h] d in place of (F_c + c) d
+//! r F = (1 + s) tau + r (z + f + F_c d)            F = n (A_h p_h - A_r p_r)
+//! after a stop (kept F_c + h) d in place of F_c d
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -16,8 +16,7 @@
 //! | r | lever of the cylinders ([`super::super::cylinder`]) | m |
 //! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
 //! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
-//! | F_c, d | described friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
-//! | c | what lasts of the friction beyond the described one: a slow state; f takes as much anew in each motion | N |
+//! | F_c, d | friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
 //! | kept, h | described share of it that a stop leaves, and what it leaves beyond that: a slow state | -, N |
 //!
 //! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the

@@ -18,13 +18,13 @@
 //! One bucket that is unlike the others may have kept a part. A second one that shows the same tells. What neither hypothesis tells apart
 //! fades by a half. The filter takes in what it is shown: without the earlier states a sensor that has changed would be as ever after some loads.
 
-use super::filter::{BUCKET, HELD, LINKS, SEALS, SPAN, Vector, ZERO};
+use super::filter::{BUCKET, HELD, LINKS, SPAN, Vector, ZERO};
 use crate::Quantity;
 use crate::math::{exp, sqrt};
 use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
 /// What emptied buckets tell of, and loads hardly.
-const TOLD: [usize; 6] = [SPAN, ZERO, SEALS, HELD, BUCKET, LINKS];
+const TOLD: [usize; 5] = [SPAN, ZERO, HELD, BUCKET, LINKS];
 /// A claim beyond this share of the rated payload tells nothing.
 const SHARP: f64 = 0.2;
 /// Emptied buckets differ by this share of the deviation that is claimed, until they have shown by how much: .31 to .53 on eight machines of

@@ -21,7 +21,7 @@
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
-//! | s, z, f, c, h | [`SPAN`], [`ZERO`], [`REST`], [`SEALS`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N, N |
+//! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N, N |
 //!
 //! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
 //! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
@@ -750,7 +750,7 @@ mod tests {
             filter.p[i][j] = covariance;
             filter.predict(&input, 0.01, 1000.0, &mut None);
             filter.correct(1.0, 1.0, 1e3, &mut None);
-            let pressures = [SPAN, ZERO, REST, SEALS, HELD].map(|i| (i, 1.0));
+            let pressures = [SPAN, ZERO, REST, HELD].map(|i| (i, 1.0));
             filter.measure(pressures, 0.0, 1.0, 1e3, &mut None);
             filter
         };

@@ -1,7 +1,7 @@
 //! The states of the default estimator, by their places.
 
 /// Number of states.
-pub(super) const N: usize = 19;
+pub(super) const N: usize = 18;
 /// Swing velocity.
 pub(super) const W: usize = 0;
 /// Payload.
@@ -40,10 +40,8 @@ pub(super) const SPAN: usize = 14;
 pub(super) const ZERO: usize = 15;
 /// What is left of their friction, and of the drawing's moment [N].
 pub(super) const REST: usize = 16;
-/// What lasts of the friction of their seals beyond the described one [N].
-pub(super) const SEALS: usize = 17;
-/// What a stop leaves of that friction, beyond the described part of it [N].
-pub(super) const HELD: usize = 18;
+/// What a stop leaves of the friction of their seals, beyond the described part of it [N].
+pub(super) const HELD: usize = 17;
 
 /// A vector of states.
 pub(super) type Vector = [f64; N];

@@ -9,7 +9,7 @@ use super::super::measurements::boom_moment::{BoomMoment, Front, GRAVITY, Moment
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
-use super::filter::{BUCKET, Filter, GAIN, HELD, LINKS, M, N, REST, SEALS, SLOPE, SPAN, ZERO};
+use super::filter::{BUCKET, Filter, GAIN, HELD, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
 use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::sqrt;
@@ -147,11 +147,10 @@ impl Weigh {
                 (SPAN, c.span_std),
                 (ZERO, c.zero_std),
                 (REST, c.friction[0]),
-                (SEALS, c.friction[1]),
-                (HELD, c.held_std()),
             ] {
                 filter.set(i, 0.0, std * std, trail);
             }
+            filter.set(HELD, 0.0, c.held_variance(), trail);
             trail = &mut none;
             self.correlate(filter);
         }
@@ -235,22 +234,17 @@ impl Weigh {
             filter.p[REST][i] *= kept;
             filter.p[i][REST] *= kept;
         }
-        // What is open of the seals' friction turns with the motion; as much is another one in each: it goes with the pressure.
+        // What is open of the seals' friction turns with the motion.
         let turned = m.turned * c.friction[1];
         filter.p[REST][REST] += (1.0 - kept * kept) * variance + turned * turned;
         let lost = m.period / LASTING;
-        for (i, std) in [
-            (ZERO, c.zero_std),
-            (SPAN, c.span_std),
-            (SEALS, c.friction[1]),
-            (HELD, c.held_std()),
-        ] {
-            filter.p[i][i] += lost * std * std;
-        }
+        filter.p[ZERO][ZERO] += lost * c.zero_std * c.zero_std;
+        filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
+        filter.p[HELD][HELD] += lost * c.held_variance();
     }
 
     /// What the states say of a moment, and how it depends on them.
-    pub(super) fn model(&self, filter: &Filter, m: &Moment) -> (f64, [(usize, f64); 11]) {
+    pub(super) fn model(&self, filter: &Filter, m: &Moment) -> (f64, [(usize, f64); 10]) {
         let x = &filter.x;
         let [sin, cos] = m.turn;
         // Pitch of the upper body, by the slope of the ground in the axes of the start.
@@ -266,7 +260,7 @@ impl Weigh {
             + pitch * m.tilt;
         let span = 1.0 + x[SPAN];
         let held = if m.moves { 0.0 } else { m.side };
-        let friction = (self.cylinder.friction[0] + x[SEALS]) * m.direction + x[HELD] * held;
+        let friction = self.cylinder.friction[0] * m.direction + x[HELD] * held;
         let expected = span * tau + m.lever * (x[ZERO] + x[REST] + friction);
         let row = [
             (M, span * load * of_load.1),
@@ -276,7 +270,6 @@ impl Weigh {
             (SPAN, tau),
             (ZERO, m.lever),
             (REST, m.lever),
-            (SEALS, m.lever * m.direction),
             (HELD, m.lever * held),
             (SLOPE, -span * tilt * sin),
             (SLOPE + 1, -span * tilt * cos),
@@ -549,6 +542,7 @@ mod tests {
             let moves = block % 10 < 5;
             let (lever, per_payload) = (0.5, 40.0);
             let left = if moves { friction } else { kept * friction };
+            let starts = block.is_multiple_of(10);
             Moment {
                 measured: MOMENT + per_payload * load + lever * side * left,
                 empty: MOMENT,
@@ -558,6 +552,7 @@ mod tests {
                 // Half of it is described to be left.
                 direction: if moves { side } else { 0.5 * side },
                 moves,
+                turned: if starts || block % 10 == 5 { 1.0 } else { 0.0 },
                 variance: 200.0 * 200.0,
                 period: 0.2,
                 ..Moment::default()
@@ -572,8 +567,8 @@ mod tests {
             let [friction, _] = weigh.cylinder.friction;
             let settings = Settings::of(&Description::default());
             let mut filter = Filter::new([0.0; N], &[0.0; N]);
-            let before = weigh.cylinder.held_std();
-            filter.set(HELD, 0.0, before * before, &mut None);
+            let before = weigh.cylinder.held_variance();
+            filter.set(HELD, 0.0, before, &mut None);
             filter.set(M, 0.0, 1e6, &mut None);
             for moment in lifts(500.0, friction, kept) {
                 weigh.measure(&settings, &moment, (&mut filter, true), &mut None);
@@ -581,7 +576,7 @@ mod tests {
             let off = filter.x[HELD] - (kept - 0.5) * friction;
             let std = sqrt(filter.p[HELD][HELD]);
             assert!(off.abs() < 2.0 * std, "{kept}: {off} +- {std}");
-            assert!(std < 0.5 * before, "{kept}: {std}");
+            assert!(std < 0.5 * sqrt(before), "{kept}: {std}");
             let off = filter.load() - 500.0;
             assert!(off.abs() < 2.0 * sqrt(filter.p[M][M]), "{kept}: {off}");
         }
