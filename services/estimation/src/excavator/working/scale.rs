@@ -265,7 +265,7 @@ fn weighed(odds: f64, said: Innovation, anything: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::filter::N;
+    use super::super::filter::{N, ZERO};
     use super::*;
     use crate::excavator::cylinder::Cylinder;
     use crate::excavator::keys::Description;
@@ -370,6 +370,24 @@ mod tests {
         };
         assert!(goes_on_alone(true));
         assert!(!goes_on_alone(false), "it may be another bucket");
+    }
+
+    #[test]
+    fn the_torque_goes_on_alone_where_two_emptied_buckets_show_what_no_earlier_one_did() {
+        let mut std = [0.0; N];
+        (std[M], std[ZERO]) = (40.0, 2000.0);
+        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+        let mut emptied = |load: f64| {
+            scale.hold((0.0, 40.0), true);
+            weigh_bucket(&mut scale, load, 100, true);
+            (scale.doubts(false), scale.is_undecided())
+        };
+        for load in [0.0, 4.0, -5.0, 3.0, 0.0, 2.0] {
+            assert_eq!(emptied(load), (false, false));
+        }
+        // Too little for one bucket to tell: the filter takes it for a zero.
+        assert_eq!(emptied(90.0), (false, false));
+        assert!(emptied(90.0).0);
     }
 
     #[test]
