@@ -3,8 +3,9 @@
 //! Rows leave open what the seals hold back. Most of that is the same in each dump, so emptied buckets of one machine agree better than their
 //! rows claim. By how much better, they show themselves:
 //! ```text
-//! lambda = [PRIOR + sum (x - t)^2/S_r]/(PRIOR + n),   at most 1        S_r: variance that the rows claim, x - t: beyond what was expected
+//! lambda = [PRIOR + sum (x - t)^2/S_r]/(PRIOR + n)        S_r: variance that the rows claim, x - t: beyond what was expected
 //! ```
+//! The share is lambda, at most 1.
 //! One that is unlike the others counts as soon as another one is like them again: it was theirs, and no sensor's that changed.
 
 /// Time between two changes of a sensor: ten hours of work, a shift [s]. One that is missed costs more than one that is looked for in vain.

@@ -18,7 +18,7 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     Some((rounded(step), unit.name))
 }
 
-/// Of rows that are further apart \[s\] nothing is trusted, of either machine: measured at 0.33 s and at 0.5 s.
+/// Of rows that are further apart \[s\] nothing is trusted, of either machine: at 0.33 s something still is, at 0.5 s nothing.
 const FARTHEST: f64 = 0.4;
 
 /// What is said of rows between which a machine turns and lifts unseen, where their times are in seconds.

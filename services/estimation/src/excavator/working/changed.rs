@@ -3,14 +3,15 @@
 //! An emptied bucket holds next to nothing. Who weighs it by what earlier ones told of span, zero and friction finds what he found then,
 //! unless a sensor shows otherwise. Bayes' rule with each emptied bucket:
 //! ```text
-//! o <- [o/2 N(r; c, S) + (T/T_c)/R] / [(1 - p) N(r; 0, S) + p/R],   S = lambda V
+//! o <- [o/2 N(r; c, S) + (T/T_c)/R] / [(1 - p) N(r; 0, S) + p/R],   S = lambda C^2 V
 //! ```
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | o | odds that a sensor has changed | 1 |
 //! | r | what it shows, by the states as the buckets that were like each other left them | kg |
 //! | c | what the first one showed since they may have changed | kg |
-//! | V, lambda | variance that the filter claims of r, and how much of it is left between emptied buckets ([`Repeats`]) | kg^2, 1 |
+//! | V, C | variance that the filter claims of r, and by which share of its root buckets differ at first | kg^2, 1 |
+//! | lambda | by how much more or less they have differed since ([`Repeats`]) | 1 |
 //! | p | share of the emptied buckets that keep a part of their load, any | 1 |
 //! | T, T_c | time since the last emptied bucket, and between two changes of a sensor | s |
 //! | R | rated payload | kg |
@@ -28,7 +29,7 @@ const TOLD: [usize; 5] = [SPAN, ZERO, HELD, BUCKET, LINKS];
 /// A claim beyond this share of the rated payload tells nothing.
 const SHARP: f64 = 0.2;
 /// Emptied buckets differ by this share of the deviation that is claimed, until they have shown by how much: .31 to .53 on eight machines of
-/// others, .1 to .2 on ours.
+/// others, .13 to .15 on ours.
 const CLAIMED: f64 = 0.55;
 /// Share of the emptied buckets that keep a part of their load: frozen, sticky.
 const PARTS: f64 = 0.03;

@@ -21,7 +21,7 @@
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
-//! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N, N |
+//! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N |
 //!
 //! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
 //! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
@@ -569,6 +569,20 @@ pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
 mod tests {
     use super::*;
 
+    /// A step in which a torque drives the swing.
+    fn swing() -> Input {
+        Input {
+            period: 0.01,
+            torque: 2000.0,
+            inertia: Inertia {
+                empty: 6000.0,
+                per_payload: 9.0,
+                ..Inertia::default()
+            },
+            ..Input::default()
+        }
+    }
+
     #[test]
     fn what_is_taken_back_was_never_said() {
         let (prior, known) = ((200.0, 160.0 * 160.0), 30.0 * 30.0);
@@ -595,15 +609,9 @@ mod tests {
     fn a_torque_in_another_unit_is_another_gain_and_nothing_else() {
         let velocity = |torque: f64| {
             let input = Input {
-                period: 0.01,
                 torque: 2000.0 * torque,
                 torque_variance: 9e4 * torque * torque,
-                inertia: Inertia {
-                    empty: 6000.0,
-                    per_payload: 9.0,
-                    ..Inertia::default()
-                },
-                ..Input::default()
+                ..swing()
             };
             let mut x = [0.0; N];
             x[GAIN] = 1.0 / torque - 1.0;
@@ -624,18 +632,11 @@ mod tests {
     fn a_machine_heavier_by_a_factor_with_a_torque_larger_by_it_moves_alike_whatever_it_carries_and_loses()
      {
         let input = Input {
-            period: 0.01,
-            torque: 2000.0,
-            inertia: Inertia {
-                empty: 6000.0,
-                per_payload: 9.0,
-                ..Inertia::default()
-            },
             rate: Inertia {
                 per_payload: 2.0,
                 ..Inertia::default()
             },
-            ..Input::default()
+            ..swing()
         };
         let moved = |scale: f64| {
             let mut x = [0.0; N];
@@ -703,15 +704,8 @@ mod tests {
             }
             let other = Filter::new([0.4; N], &[0.9; N]);
             let input = Input {
-                period: 0.01,
-                torque: 2000.0,
-                inertia: Inertia {
-                    empty: 6000.0,
-                    per_payload: 9.0,
-                    ..Inertia::default()
-                },
                 leaving: 0.1,
-                ..Input::default()
+                ..swing()
             };
             filter.measure(all, 1.0, 2.0, 1e9, &mut None);
             filter.predict(&input, 0.01, 1000.0, &mut None);
@@ -735,16 +729,7 @@ mod tests {
 
     #[test]
     fn a_covariance_that_is_no_number_anywhere_shows_with_the_next_motion_and_moment_or_is_gone() {
-        let input = Input {
-            period: 0.01,
-            torque: 2000.0,
-            inertia: Inertia {
-                empty: 6000.0,
-                per_payload: 9.0,
-                ..Inertia::default()
-            },
-            ..Input::default()
-        };
+        let input = swing();
         let moved = |i: usize, j: usize, covariance: f64| {
             let mut filter = Filter::new([1.0; N], &[1.0; N]);
             filter.p[i][j] = covariance;
