@@ -1,13 +1,13 @@
-//! Signals that are stated to come late, brought to one time.
+//! Aligns signals with stated delays to a common time.
 //!
-//! A value stamped t of a signal that is d late was true at t - d. A late torque drives a model whose posture is already
-//! further on, and a late velocity differs by more than `d w'` where the torque changes fast; so what is stated is taken
-//! out exactly, in whole ticks: every signal waits until the latest one has come. What is left, at most half a tick, and what
-//! nobody stated is for the models ([`super::working`] has it as a state).
+//! A value stamped t of a signal that is delayed by d was true at t - d. A late torque drives a model whose posture is already
+//! ahead. A late velocity differs by more than `d w'` where the torque changes fast. So stated delays are removed in whole ticks:
+//! every signal waits for the latest one. The models carry the remainder of at most half a tick, and unstated delays
+//! ([`super::working`] has them as a state).
 
 use super::grid::{PERIOD, Tick};
 
-/// Longest wait [ticks]; what is beyond is left to the models.
+/// Longest wait [ticks]; the models carry the rest of a longer delay.
 const LONGEST: usize = 24;
 
 /// Stated delays of velocity and torque, in whole ticks.
@@ -15,13 +15,13 @@ fn ticks(delays: [f64; 2]) -> [usize; 2] {
     delays.map(|d| ((d / PERIOD + 0.5).max(0.0) as usize).min(LONGEST))
 }
 
-/// What whole ticks leave of the stated delays: that of the velocity less that of the torque [s].
+/// Rest of the stated delays after removal of whole ticks: that of the velocity minus that of the torque [s].
 pub(super) fn rest(delays: [f64; 2]) -> f64 {
     let [velocity, torque] = ticks(delays).map(|n| n as f64 * PERIOD);
     (delays[0] - velocity) - (delays[1] - torque)
 }
 
-/// The last ticks, and how long each signal waits; none where nothing is late.
+/// The last ticks, and how long each signal waits; `None` without delays.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Align(Option<Waiting>);
@@ -36,7 +36,7 @@ struct Waiting {
 }
 
 impl Align {
-    /// For stated delays of velocity and torque [s].
+    /// From the stated delays of velocity and torque [s].
     pub(super) fn new(delays: [f64; 2]) -> Self {
         let late = ticks(delays);
         let latest = late[0].max(late[1]);
@@ -48,14 +48,14 @@ impl Align {
         }))
     }
 
-    /// Forgets what has been.
+    /// Discards the stored ticks.
     pub(super) fn clear(&mut self) {
         if let Some(waiting) = &mut self.0 {
             waiting.count = 0;
         }
     }
 
-    /// Takes a tick and gives that of the common time, once there is one.
+    /// Takes a tick. Returns the tick of the common time, once all signals of it are there.
     pub(super) fn pass(&mut self, tick: &Tick) -> Option<Tick> {
         match &mut self.0 {
             Some(waiting) => waiting.pass(tick),
@@ -82,7 +82,7 @@ impl Waiting {
         })
     }
 
-    /// The newest tick that is not later than a time, but for half a tick.
+    /// The newest tick that is at most half a tick later than `time`.
     fn before(&self, time: f64) -> Option<Tick> {
         let n = self.ring.len();
         let mut found = None;
@@ -130,7 +130,7 @@ mod tests {
         };
         assert_eq!(Align::new([0.0, 0.004]).pass(&tick), Some(tick));
         assert_eq!(rest([0.0, 0.004]), -0.004);
-        // Beyond the ring the rest stays.
+        // A delay beyond the longest wait leaves a rest.
         assert!((rest([0.5, 0.0]) - 0.26).abs() < 1e-12);
     }
 }

@@ -1,31 +1,30 @@
-//! What an estimator takes as known and is not: consider covariance (Schmidt 1966).
+//! Consider covariance (Schmidt 1966): the error of an estimate due to parameters that the filter holds fixed.
 //!
-//! A filter that holds a parameter fixed errs with it, and its covariance does not say so. The error
-//! e that a parameter error of one standard deviation causes follows the filter's own equations,
+//! An error of a fixed parameter causes an error of the estimate that the filter's covariance does not contain. The error e due to a
+//! parameter error of one standard deviation follows the filter's own equations,
 //!
 //! ```text
 //! prediction: e = F e + G,   correction: e = (I - K H) e
 //! ```
 //!
-//! and its square is added to the reported variance. The estimate itself stays what it is: exact
-//! where the parameter is right, and honest where it is not.
+//! and its square is added to the reported variance. The estimate itself is unchanged.
 
 use super::settings::{Settings, Variant};
 use nalgebra::{SMatrix, SVector};
 
-/// Standard deviations of what is held fixed; 0 where it is calibrated or estimated.
+/// Standard deviations of the parameters that are held fixed; 0 for a calibrated or estimated one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Doubt {
     /// Viscous damping [N m s/rad].
     pub(super) damping: f64,
-    /// Constant torque, beyond what the filter itself allows for [N m].
+    /// Constant torque, beyond the part that the filter itself allows for [N m].
     pub(super) offset: f64,
     /// Gain of the torque measurement.
     pub(super) gain: f64,
 }
 
 impl Doubt {
-    /// Of the modes that hold damping and offset fixed.
+    /// For the modes that hold damping and offset fixed.
     pub(super) fn new(settings: &Settings) -> Self {
         let p = &settings.prior;
         let gain = settings.sensors.swing_torque_gain_std;
@@ -64,7 +63,7 @@ impl<const N: usize> Consider<N> {
         }
     }
 
-    /// An error that enters by [`Self::predict`], of a parameter with this standard deviation.
+    /// An error that enters through [`Self::predict`], due to a parameter with this standard deviation.
     pub(super) fn input(std: f64) -> Self {
         Self {
             error: SVector::zeros(),
@@ -72,7 +71,7 @@ impl<const N: usize> Consider<N> {
         }
     }
 
-    /// Over one step; `input` enters state 0.
+    /// Propagates the error over one step; `input` (G) enters state 0.
     #[expect(non_snake_case, reason = "the symbol of the model")]
     pub(super) fn predict(&mut self, F: &SMatrix<f64, N, N>, input: f64) {
         if self.active {
@@ -81,24 +80,24 @@ impl<const N: usize> Consider<N> {
         }
     }
 
-    /// With the gain of a correction whose measurement is `row`.
+    /// Corrects the error with the filter's gain; `row` is the measurement row H.
     pub(super) fn correct(&mut self, gain: &SVector<f64, N>, row: &SVector<f64, N>) {
         if self.active {
             self.error -= gain * row.dot(&self.error);
         }
     }
 
-    /// State `i` has become known, or unknown for other reasons.
+    /// Replaces the error of state `i`, which has become known or unknown for other reasons.
     pub(super) fn set(&mut self, i: usize, error: f64) {
         self.error[i] = error;
     }
 
-    /// Error of state `i`, of one sign or the other.
+    /// Error of state `i`, with its sign.
     pub(super) fn of(&self, i: usize) -> f64 {
         self.error[i]
     }
 
-    /// Between two, with weights.
+    /// Weighted sum of two errors.
     pub(super) fn mix(a: &Self, b: &Self, weights: [f64; 2]) -> Self {
         Self {
             error: a.error * weights[0] + b.error * weights[1],

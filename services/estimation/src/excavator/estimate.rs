@@ -1,4 +1,4 @@
-//! What goes in and what comes out.
+//! Inputs and outputs of the estimators: a row of sensors, an estimate with its verdict.
 
 use super::reason::Reason;
 use crate::Quantity;
@@ -28,11 +28,11 @@ pub struct Sample {
     pub arm_head_pressure: Option<f64>,
     /// Pressure at the rod side of the arm cylinder \[Pa\].
     pub arm_rod_pressure: Option<f64>,
-    /// Number of the truck that is loaded; another number begins the next truck.
+    /// Number of the truck that is loaded; a change of number begins the next truck.
     pub truck: Option<f64>,
 }
 
-/// Which columns the source has at all.
+/// Columns that the source has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Columns {
@@ -54,28 +54,28 @@ pub struct Flags {
     pub excited: bool,
     /// Innovations agree with their predicted size.
     pub consistent: bool,
-    /// Inputs are recent and complete.
+    /// All inputs are recent.
     pub fresh: bool,
     /// The 95 % interval is narrower than the stated limit, the payload is not changing, and nothing is contradicted.
     pub converged: bool,
-    /// These inputs can determine the inertia at all.
+    /// The measured signals can determine the inertia.
     pub identifiable: bool,
     /// Standstill: the estimate is held.
     pub held: bool,
     /// The payload is changing, or has just done so.
     pub changing: bool,
-    /// The filter was set back to its prior at this sample.
+    /// The filter was reset to its prior at this sample.
     pub reset: bool,
     /// Paper: the nominal-parameter rule acted (Eqs. 28-29).
     pub nominal: bool,
     /// Paper: inside a change window (section 3.5).
     pub window: bool,
-    /// The row was refused (time not increasing or not finite); the state is untouched.
+    /// The row was refused (time not increasing or not finite); the state is unchanged.
     pub refused: bool,
 }
 
 impl Flags {
-    /// All five reasons to believe the estimate hold, the payload is not changing, and the row was not refused.
+    /// Whether all five conditions hold, the payload is not changing, and the row was not refused.
     pub fn trusted(&self) -> bool {
         self.excited
             && self.consistent
@@ -90,12 +90,12 @@ impl Flags {
 sheet::excavator_methods!(methods);
 
 impl Method {
-    /// Whether [`super::Regression`] runs it; the others belong to [`super::SwingEstimator`].
+    /// Whether [`super::Regression`] runs this method; [`super::SwingEstimator`] runs the others.
     pub fn is_regression(self) -> bool {
         matches!(self, Self::MultiForgettingRls | Self::SvfRls)
     }
 
-    /// What `auto` means with these columns.
+    /// Method that `auto` chooses for these columns.
     pub fn for_columns(columns: Columns) -> Self {
         match (columns.torque, columns.posture) {
             (true, true) => Self::PostureTorque,
@@ -106,18 +106,17 @@ impl Method {
     }
 }
 
-/// The answer to one sample. Every number is finite.
+/// Estimate at one sample. Every number is finite.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// Swing inertia [kg m^2].
     pub inertia: f64,
-    /// Its reported standard deviation: the interval is inertia +- 1.96 of it [kg m^2].
+    /// Standard deviation of the inertia; the 95 % interval is inertia +- 1.96 of it [kg m^2].
     pub inertia_std: f64,
     /// Viscous damping, where it is estimated [N m s/rad].
     pub damping: Option<Quantity>,
-    /// Torque [N m]: the measured one corrected by its offset where it is measured, else the total
-    /// torque T_t = T - T_f sgn(w).
+    /// Torque [N m]: the measured torque corrected by its offset, or where none is measured the total torque T_t = T - T_f sgn(w).
     pub torque: Option<Quantity>,
     /// Payload \[kg\].
     pub payload: Option<Quantity>,
@@ -129,16 +128,16 @@ pub struct Estimate {
     pub velocity: f64,
     /// Swing acceleration [rad/s^2].
     pub acceleration: f64,
-    /// Normalised innovation squared of this sample before any gate; 0 where nothing was measured.
+    /// Normalised innovation squared of this sample before any gate; 0 without a measurement.
     pub nis: f64,
     /// Verdict.
     pub flags: Flags,
     /// Method that made this estimate; never `Auto`.
     pub method: Method,
-    /// Forgetting factors of inertia, damping and torque (regressions; else 0).
+    /// Forgetting factors of inertia, damping and torque (regressions; otherwise 0).
     pub forgetting: [f64; 3],
     /// Rows refused so far.
     pub refused: u64,
-    /// What the machine does beside its description, or why the estimate cannot be trusted.
+    /// How the machine deviates from its description, or why the estimate is not trusted.
     pub reason: Reason,
 }

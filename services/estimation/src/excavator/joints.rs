@@ -1,18 +1,18 @@
-//! How far the joints of an excavator turn.
+//! Range of an excavator's joint angles.
 
 use core::f64::consts::{PI, TAU};
 
-/// Arm and bucket turn up beyond the line of the link before them by no more [rad]; a boom may point anywhere. Recorded: none of the
-/// arms reaches the line, buckets turn 0.3 beyond it.
+/// Largest angle of boom, arm and bucket upwards beyond the line of the link before [rad]; a boom may point anywhere. In recordings no
+/// arm reaches the line, and buckets turn 0.3 beyond it.
 const BEYOND: [f64; 3] = [TAU, 0.35, 1.2];
 
-/// Whether boom, arm and bucket may be at these angles.
+/// Whether boom, arm and bucket can have these angles.
 pub(in crate::excavator) fn possible(posture: [f64; 3]) -> [bool; 3] {
     core::array::from_fn(|i| turned(posture[i]) <= BEYOND[i])
 }
 
-/// An angle of a joint within half a turn \[rad\]: sensors that count within a turn of their own, and differences of such sensors,
-/// may be a whole turn off. What is beyond a turn is of another unit, and stays.
+/// Angle of a joint within half a turn \[rad\]. Sensors that count within a turn of their own, and differences of such sensors, may
+/// be off by a whole turn. An angle beyond a turn has another unit, and stays unchanged.
 #[must_use]
 pub fn joint(angle: f64) -> f64 {
     if angle.abs() <= TAU {
@@ -22,7 +22,7 @@ pub fn joint(angle: f64) -> f64 {
     }
 }
 
-/// The same angle within half a turn.
+/// The equal angle within half a turn.
 pub(in crate::excavator) fn turned(angle: f64) -> f64 {
     if angle.abs() <= PI {
         return angle;

@@ -1,6 +1,6 @@
-//! What does not fit between the data and the description of an excavator, in words.
+//! Mismatches between the data and the description of an excavator, in words.
 
-/// What does not fit.
+/// A mismatch between data and description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mismatch {
     /// The velocity is in degrees per second.
@@ -13,27 +13,27 @@ pub enum Mismatch {
     SlopeDegrees,
     /// Torque and acceleration have opposite signs.
     Sign,
-    /// The torque is in kilonewton metres, or the machine has this many times the inertia that is described.
+    /// The torque is in kilonewton metres, or the machine has this many times the described inertia.
     Kilonewtons(f64),
     /// The torque is in meganewton metres.
     Meganewtons,
     /// Boom and arm are exchanged.
     Exchanged,
-    /// Arm, bucket are where no joint turns to.
+    /// Angles of arm or bucket lie outside the range of the joint.
     Beyond {
-        /// The arm is.
+        /// The arm's do.
         arm: bool,
-        /// The bucket is.
+        /// The bucket's do.
         bucket: bool,
     },
-    /// The angle of the arm, of the bucket, is against the horizontal.
+    /// Angles of arm or bucket are measured against the horizontal.
     Absolute {
-        /// The arm's.
+        /// The arm's are.
         arm: bool,
-        /// The bucket's.
+        /// The bucket's are.
         bucket: bool,
     },
-    /// The machine has this many times the inertia that is described.
+    /// The machine has this many times the described inertia.
     Size(f64),
 }
 

@@ -1,29 +1,28 @@
 //! The excavator: swing inertia, damping, torque and payload.
 //!
-//! Two ways lead from the sensors to an estimate. [`MotionFilter`] and then [`Regression`] are the
-//! paper's (Oh, Yi, Seo, Kim, Lee 2017) and its measured-torque relative; [`SwingEstimator`] holds
-//! the state-space estimators and chooses among them by the columns that exist. Each takes one
-//! sample and gives one answer.
+//! Two methods lead from the sensors to an estimate. [`MotionFilter`] followed by [`Regression`] is that of the paper
+//! (Oh, Yi, Seo, Kim, Lee 2017) and its variant with measured torque. [`SwingEstimator`] contains the state-space
+//! estimators, and chooses among them by the available columns. Each takes one sample and returns one estimate.
 //!
-//! The physics of the state-space estimators is `J a + Jd w = T - b w - T_f sgn(w)`, with Jd the
-//! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
-//! Eq. 11 lacks `Jd w` and the sign of the friction.
+//! The state-space estimators use `J a + Jd w = T - b w - T_f sgn(w)`, with Jd the posture's part of dJ/dt:
+//! material that leaves the bucket takes its momentum along. The paper's Eq. 11 lacks `Jd w` and the sign of the
+//! friction.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `estimate`, `settings`, [`keys`] | what goes in and comes out; the keys of a description |
+//! | `estimate`, `settings`, [`keys`] | inputs and outputs; the keys of a description |
 //! | `size` | a description from the operating mass and a few more numbers |
-//! | `plausible` | whether data and description are of one machine |
-//! | `input` | rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen, jumps or leaps, standstill |
-//! | `align`, `consider` | stated delays taken out; what is taken as known and is not |
-//! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
-//! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
+//! | `plausible`, `mismatch` | whether data and description belong to one machine |
+//! | `input` | rows on a grid; missing, late, held, noisy, coarse, frozen and jumping signals; encoder; standstill |
+//! | `align`, `consider` | removal of stated delays; errors by parameters that are held fixed |
+//! | `regression` | the paper's method: motion in, inertia out, by recursive least squares |
+//! | `swing`, `mode` | the state-space method: one step for all modes; the modes by available columns |
 //! | `mode::{velocity, torque, posture, posture_torque}` | modes A, BM, C, D |
-//! | `mode::{unknown_torque, onset, drive, state}` | what they share |
-//! | `payload` | mode D of a calibrated machine: a payload that may change, drops, opening buckets |
-//! | `working` | mode D of a machine that nobody has calibrated, the default: all that may differ as states |
+//! | `mode::{unknown_torque, onset, drive, state}` | their common parts |
+//! | `payload` | mode D of a calibrated machine: changing payload, drops, opening bucket |
+//! | `working` | mode D of an uncalibrated machine, the default: all uncertain parameters are states |
 //! | `measurements` | the moment of the boom's cylinders, and when the ground carries part of it |
-//! | `verdict`, `reason` | whether to believe it, and why not |
+//! | `verdict`, `reason` | whether an estimate is trusted, and why not |
 
 mod align;
 mod consider;

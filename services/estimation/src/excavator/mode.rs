@@ -1,4 +1,4 @@
-//! One mode with what feeds it: standstill, detectors, verdict.
+//! A state-space mode with its inputs: standstill, detectors of changes, verdict.
 
 pub(in crate::excavator) mod drive;
 pub(in crate::excavator) mod onset;
@@ -37,7 +37,7 @@ enum Mode {
     Velocity(VelocityMode),
 }
 
-/// A mode with what feeds it; rebuilt from the prior after a reset.
+/// A mode with its inputs; rebuilt from the prior after a reset.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Core {
@@ -49,7 +49,7 @@ pub(super) struct Core {
     verdict: Verdict,
 }
 
-/// What a tick led to.
+/// Result of a tick.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reading {
@@ -60,7 +60,7 @@ pub(super) struct Reading {
     pub(super) code: u8,
 }
 
-/// Whether a method uses torque, posture.
+/// Whether a method uses the torque, and whether it uses the posture.
 pub(super) fn needs(method: Method) -> (bool, bool) {
     (
         matches!(method, Method::PostureTorque | Method::Torque),
@@ -69,7 +69,7 @@ pub(super) fn needs(method: Method) -> (bool, bool) {
 }
 
 impl Core {
-    /// At its prior; the velocity is that of an `angle`; `stood`: a standstill was seen before.
+    /// At its prior. `angle`: the velocity is differenced from a swing angle; `stood`: a standstill was seen before.
     pub(super) fn new(settings: &Settings, method: Method, angle: bool, stood: bool) -> Self {
         let (s, e) = (&settings.sensors, &settings.estimator);
         let mode = match method {
@@ -95,12 +95,12 @@ impl Core {
         }
     }
 
-    /// Inertia at a posture, which [`Self::step`] does not compute again.
+    /// Inertia at a posture; stored, so that [`Self::step`] does not compute it again.
     pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> &Inertia {
         self.driver.inertia(&settings.geometry, posture)
     }
 
-    /// One tick, less what the method does not see; what the default estimator does goes into the trail, where that is kept.
+    /// Advances by one tick, without the signals that the method does not use. The default estimator writes its step into `trail`.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
@@ -117,7 +117,7 @@ impl Core {
                 .step(tick.velocity, tick.velocity_variance, tick.period);
             tick.velocity = gated.velocity;
             event = gated.event;
-            // It does not see a torque that was measured.
+            // The method does not use a measured torque.
             tick.torque_age = f64::INFINITY;
         }
         let velocity = (tick.velocity, tick.velocity_variance);
@@ -138,8 +138,8 @@ impl Core {
             Mode::Velocity(mode) => mode.held(),
             Mode::PostureTorque(_) | Mode::Torque(_) => phase == Phase::Held,
         };
-        // Without torque or without posture, what a working machine does beside its description, and an arm
-        // that moves, cannot be distinguished from its inertia.
+        // Without torque or without posture, neither a deviation of the machine from its description nor a moving arm can be
+        // distinguished from a change of inertia.
         let identified =
             needs_torque && needs_posture || scale || settings.is_partly_identifiable();
         let basis = if identified {
@@ -152,7 +152,7 @@ impl Core {
             let posture = needs_posture.then_some(tick.posture);
             let half = settings.partial_range(posture);
             state.inertia_std = half.widened(state.inertia, state.inertia_std);
-            // Nor can the content: the bucket may hold anything.
+            // The payload is not identifiable either: it returns to the prior.
             let prior = &settings.prior;
             state.payload = state.payload.map(|_| (prior.payload, prior.payload_std));
         }
@@ -172,7 +172,7 @@ impl Core {
         }
     }
 
-    /// With the load weighed, posture alone turns to a scale: the default filter, whose torque is unknown. Whether it has.
+    /// Switches `posture` to the default filter with unknown torque once boom pressures weigh the load. Returns whether it is switched.
     fn turns_to_scale(&mut self, settings: &Settings, method: Method, drive: &Drive) -> bool {
         let weighs = method == Method::Posture && settings.boom.is_some();
         if weighs
@@ -185,7 +185,7 @@ impl Core {
         weighs && matches!(self.mode, Mode::PostureTorque(_))
     }
 
-    /// The mode takes a step.
+    /// Advances the mode by one tick.
     fn advance(
         &mut self,
         settings: &Settings,
@@ -202,7 +202,7 @@ impl Core {
         }
     }
 
-    /// What speaks for its state.
+    /// What the identifiability of the present state is based on.
     fn basis(&self, settings: &Settings) -> Basis {
         match &self.mode {
             Mode::PostureTorque(_) => Basis::PostureTorque,
@@ -217,7 +217,7 @@ impl Core {
         }
     }
 
-    /// The default estimator with torque and posture, if it is at work.
+    /// The default estimator with torque and posture, if it is active.
     pub(super) fn working(&mut self) -> Option<&mut Working> {
         match &mut self.mode {
             Mode::PostureTorque(mode) => mode.working(),
@@ -225,7 +225,7 @@ impl Core {
         }
     }
 
-    /// Whether the mode is still sound.
+    /// Whether the numbers of the mode are finite, without negative variances.
     pub(super) fn is_sound(&self) -> bool {
         match &self.mode {
             Mode::PostureTorque(mode) => mode.is_sound(),

@@ -1,11 +1,11 @@
-//! Are data and description of one machine, and in the units and signs that are meant?
+//! Checks whether data and description belong to one machine, in the expected units and signs.
 //!
-//! Torque over acceleration tells the size of a machine in its first swings: in the least squares of
+//! Torque over acceleration determines the size of a machine within its first swings, by least squares of
 //! ```text
 //! T = c1 J_e(q) w' + c2 w + c3 sgn w + S(q) g (c4 sin psi + c5 cos psi)        S: first moment of the links; c4, c5: 0 +- 4 degrees
 //! ```
-//! c1 is near 1 where both are of one machine; a thousandth where the torque is in kN m; negative where a sign is wrong. Angles that
-//! are measured against the horizontal move with the link before them; those of joints do not.
+//! c1 is near 1 if both belong to one machine, a thousandth if the torque is in kN m, and negative if a sign is wrong. Angles that are
+//! measured against the horizontal move with the link before them; joint angles do not.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -16,48 +16,49 @@ use super::measurements::boom_moment::GRAVITY;
 use super::mismatch::Mismatch;
 use crate::math::sin_cos;
 
-/// Summands of the torque.
+/// Number of regressors.
 const N: usize = 5;
-/// Time over which the velocity is differenced and joints move [s].
+/// Duration over which the velocity is differenced and joint motions are compared [s].
 const SPAN: f64 = 0.1;
-/// Swinging from this velocity on; no excavator swings faster than the second [rad/s].
+/// Least velocity of a swing, and velocity that no excavator exceeds [rad/s].
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 4.0;
-/// No excavator swings at this many revolutions per minute: a faster one is in degrees per second.
+/// Velocity that no excavator reaches [revolutions per minute]; larger values are in degrees per second.
 const FASTEST_RPM: f64 = 15.0;
-/// No excavator swings on a steeper ground [rad], 30 degrees: makers allow half of it.
+/// Slope on which no excavator swings [rad]: 30 degrees, twice what manufacturers allow.
 const STEEPEST: f64 = 0.52;
-/// Swinging for this many spans tells something: 10 s.
+/// Least number of swinging spans for a result: 10 s.
 const ENOUGH: f64 = 100.0;
-/// At least this share of the torque's mean square is explained.
+/// Least share of the torque's mean square that the regression explains.
 const EXPLAINED: f64 = 0.6;
-/// A machine of the described size leaves so many times more of the torque's square, and at least this share of it.
+/// A machine of plausible size must leave at least `RATHER_OTHER` times the residual of the fit more, and `LEFT` of the torque's square.
 const RATHER_OTHER: f64 = 3.0;
 const LEFT: f64 = 0.1;
-/// Standard deviations of the ground's slope [rad] and of the model over the torque's rms, the same in all spans. In a swing sin psi
-/// is much like the acceleration: without a prior a slope of 30 degrees may take the place of the inertia.
+/// Standard deviation of the ground's slope [rad], and of the model error as a share of the torque's rms; both are common to all spans.
+/// In a swing sin psi resembles the acceleration: without a prior a slope of 30 degrees may replace the inertia.
 const SLOPE: f64 = 0.07;
 const MODEL: f64 = 0.1;
-/// Another torque or payload than stated, and masses of the class, stay within.
+/// Range of c1 by other torques or payloads than stated, and by masses guessed from the operating mass.
 const ALIKE: [f64; 2] = [0.5, 2.2];
-/// A torque in kN m, in MN m, has a factor within this range of a thousandth, a millionth.
+/// Range of the factor of a torque in kN m or in MN m, relative to a thousandth or a millionth.
 const UNIT: [f64; 2] = [0.3, 3.0];
-/// A joint that moves by this much in a span moves [rad]; another that follows within this share of it moves along.
+/// Least angle by which a moving link turns in a span [rad]. The next link moves along if it turns equally, within the share `ALONG`.
 const MOVES: f64 = 0.02;
 const ALONG: f64 = 0.1;
-/// Joints that an operator, or a program, moves together have any ratio of rates: where 1 is chance, ratios off by up to
-/// this share are as frequent as those within ALONG.
+/// Joints that an operator or a program moves together have any ratio of rates. If a ratio of 1 is chance, ratios off by up to this
+/// share are as frequent as those within `ALONG`.
 const BESIDE: f64 = 2.0 * ALONG;
-/// A joint that is where none turns to in one of so many swinging spans has another sign or zero.
+/// A joint outside its range in more than one of this many swinging spans has another sign or zero.
 const OFTEN_BEYOND: f64 = 4.0;
-/// Spans in which one moves along, in so many motions: one motion of two joints at the same rate is chance.
+/// Least number of spans in which the next link moves along, and of motions that contain them: a single motion at equal rates is chance.
 const FOLLOWS: u32 = 15;
 const MOTIONS: u32 = 4;
-/// So many times more of them than of those in which it stays, or has a rate beside the link's, and at least one of so many in which the link before moves.
+/// These spans must be more than `RATHER` times those in which the next link stays, or has a slightly different rate; and at least one
+/// in `OFTEN` of those in which the link before moves.
 const RATHER: u32 = 4;
 const OFTEN: u32 = 4;
 
-/// Looks at the rows of a recording.
+/// Collects the rows of a recording.
 #[derive(Debug, Clone)]
 pub struct Plausible {
     geometry: Geometry,
@@ -72,23 +73,23 @@ pub struct Plausible {
     large: [f64; 2],
     steep: f64,
     exchanged: f64,
-    /// Boom, arm, bucket where no joint turns to.
+    /// Spans in which boom, arm, bucket are outside their range.
     beyond: [f64; 3],
     normal: SMatrix<f64, N, N>,
     product: SVector<f64, N>,
     square: f64,
-    /// How arm and bucket move with the link before.
+    /// Motion of arm and bucket relative to the link before.
     pairs: [Pair; 2],
 }
 
-/// Spans in which a link moves, and what the next one does then.
+/// Counts of spans in which a link moves, by the motion of the next link.
 #[derive(Debug, Clone, Copy, Default)]
 struct Pair {
     moved: u32,
     along: u32,
     alone: u32,
     beside: u32,
-    /// Motions in which it moves along, and whether this is one.
+    /// Motions in which the next link moves along, and whether this is one.
     motions: u32,
     follows: bool,
 }
@@ -106,7 +107,7 @@ impl Pair {
         self.follows = follows;
     }
 
-    /// Whether the next link's angle is against the horizontal.
+    /// Whether the next link's angle is measured against the horizontal.
     fn is_absolute(&self) -> bool {
         self.along >= FOLLOWS
             && self.motions >= MOTIONS
@@ -139,7 +140,7 @@ impl Plausible {
         }
     }
 
-    /// Takes a row; what is not finite is missing.
+    /// Takes a row; values that are not finite count as missing.
     pub fn push(&mut self, sample: &Sample) {
         let values = [sample.velocity, sample.torque]
             .into_iter()
@@ -217,7 +218,7 @@ impl Plausible {
         self.square += torque * torque;
     }
 
-    /// What does not fit, if anything: what would explain the rest first.
+    /// The mismatch, if any. Faults that would explain others come first.
     #[must_use]
     pub fn mismatch(&self) -> Option<Mismatch> {
         if self.spans < ENOUGH {
@@ -263,7 +264,7 @@ impl Plausible {
         if !(explained > EXPLAINED && ratio.is_finite()) {
             return None;
         }
-        // What c1 of the nearest alike machine leaves more, the other summands fitted again.
+        // Share of the torque's square that c1 of the nearest plausible machine adds to the residual, the other coefficients fitted again.
         let off = ratio - ratio.clamp(ALIKE[0], ALIKE[1]);
         let left = off * off / normal.inverse()[(0, 0)] / self.square;
         if left < LEFT || left < RATHER_OTHER * (1.0 - explained) {
@@ -279,7 +280,7 @@ impl Plausible {
     }
 }
 
-/// The values of an iterator of exactly so many, if each is there and finite.
+/// Collects exactly `N` values, if all are present and finite.
 trait CollectArray {
     fn collect_array(self) -> Option<[f64; N]>;
 }
@@ -300,8 +301,8 @@ mod tests {
     use super::*;
     use crate::math::tanh;
 
-    /// What is said of a swinging machine whose rows are changed so.
-    fn said(change: impl Fn(&mut Sample)) -> Option<Mismatch> {
+    /// Mismatch of a swinging machine whose rows are changed by `change`.
+    fn found(change: impl Fn(&mut Sample)) -> Option<Mismatch> {
         let geometry = Geometry::default();
         let mut plausible = Plausible::new(geometry);
         let velocity = |t: f64| 0.8 * tanh(3.0 * sin_cos(1.1 * t).0);
@@ -332,31 +333,31 @@ mod tests {
 
     #[test]
     fn what_is_of_another_unit_sign_order_or_machine_is_named() {
-        assert_eq!(said(|_| {}), None);
-        assert_eq!(said(|s| times(&mut s.torque, 1.25)), None);
-        let kilo = said(|s| times(&mut s.torque, 1e-3));
+        assert_eq!(found(|_| {}), None);
+        assert_eq!(found(|s| times(&mut s.torque, 1.25)), None);
+        let kilo = found(|s| times(&mut s.torque, 1e-3));
         assert!(
             matches!(kilo, Some(Mismatch::Kilonewtons(ratio)) if (0.5e-3..2e-3).contains(&ratio))
         );
-        let mega = said(|s| times(&mut s.torque, 1e-6));
+        let mega = found(|s| times(&mut s.torque, 1e-6));
         assert_eq!(mega, Some(Mismatch::Meganewtons));
-        assert_eq!(said(|s| times(&mut s.torque, -1.0)), Some(Mismatch::Sign));
+        assert_eq!(found(|s| times(&mut s.torque, -1.0)), Some(Mismatch::Sign));
         assert_eq!(
-            said(|s| times(&mut s.velocity, 57.3)),
+            found(|s| times(&mut s.velocity, 57.3)),
             Some(Mismatch::Degrees)
         );
-        let revolutions = said(|s| times(&mut s.velocity, 9.55));
+        let revolutions = found(|s| times(&mut s.velocity, 9.55));
         assert_eq!(revolutions, Some(Mismatch::Revolutions));
         let slope = |s: &mut Sample, unit: f64| {
             let turned = unit * 0.07;
             s.inclination = [Some(turned), Some(-0.5 * turned)];
         };
-        assert_eq!(said(|s| slope(s, 1.0)), None);
-        assert_eq!(said(|s| slope(s, 57.3)), Some(Mismatch::SlopeDegrees));
+        assert_eq!(found(|s| slope(s, 1.0)), None);
+        assert_eq!(found(|s| slope(s, 57.3)), Some(Mismatch::SlopeDegrees));
         let degrees = |s: &mut Sample| s.posture.iter_mut().for_each(|q| times(q, 57.3));
-        assert_eq!(said(degrees), Some(Mismatch::AngleDegrees));
-        assert_eq!(said(|s| s.posture.swap(0, 1)), Some(Mismatch::Exchanged));
-        let larger = said(|s| times(&mut s.torque, 14.0));
+        assert_eq!(found(degrees), Some(Mismatch::AngleDegrees));
+        assert_eq!(found(|s| s.posture.swap(0, 1)), Some(Mismatch::Exchanged));
+        let larger = found(|s| times(&mut s.torque, 14.0));
         assert!(matches!(larger, Some(Mismatch::Size(ratio)) if (12.0..22.0).contains(&ratio)));
     }
 
@@ -379,34 +380,34 @@ mod tests {
             arm: true,
             bucket: true,
         };
-        assert_eq!(said(absolute), Some(both));
+        assert_eq!(found(absolute), Some(both));
     }
 
     #[test]
     fn one_motion_of_two_joints_at_the_same_rate_is_chance() {
-        // Else the arm always moves against the boom.
+        // After 5 s the arm always moves opposite to the boom.
         let together = |s: &mut Sample| {
             let turned = 0.5 * sin_cos(1.2 * s.time).0;
             let arm = if s.time < 5.0 { turned } else { -turned };
             s.posture = [0.5 + turned, -1.4 + arm, -0.6].map(Some);
         };
-        assert_eq!(said(together), None);
+        assert_eq!(found(together), None);
     }
 
     #[test]
     fn joints_that_a_program_moves_together_are_no_absolute_angles() {
-        // Arm and bucket curl at one time, at another ratio in each motion.
+        // Arm and bucket curl at the same time, with another ratio in each motion.
         let together = |s: &mut Sample| {
             let motion = f64::from((s.time / 5.0) as u32);
             let turned = 0.4 * (1.0 - sin_cos(core::f64::consts::TAU * s.time / 5.0).1);
             let ratio = 0.8 + 0.031 * motion;
             s.posture = [0.5, -1.4 + turned, -1.0 + ratio * turned].map(Some);
         };
-        assert_eq!(said(together), None);
+        assert_eq!(found(together), None);
     }
 
-    /// What is said of a machine that swings there and back in one smooth motion each, its torque times `factor`.
-    fn said_of_cycles(factor: f64) -> Option<Mismatch> {
+    /// Mismatch of a machine that swings to and fro in one smooth motion each, its torque times `factor`.
+    fn found_in_cycles(factor: f64) -> Option<Mismatch> {
         let geometry = Geometry::default();
         let mut plausible = Plausible::new(geometry);
         let (period, angle) = (6.0, 2.0);
@@ -434,11 +435,11 @@ mod tests {
     }
 
     #[test]
-    fn equal_swings_there_and_back_tell_a_machine_from_a_slope() {
-        assert_eq!(said_of_cycles(1.0), None);
-        assert_eq!(said_of_cycles(1.3), None);
-        assert_eq!(said_of_cycles(-1.0), Some(Mismatch::Sign));
-        assert!(matches!(said_of_cycles(8.0), Some(Mismatch::Size(ratio)) if ratio > 4.0));
-        assert!(matches!(said_of_cycles(0.1), Some(Mismatch::Size(ratio)) if ratio < 0.25));
+    fn equal_swings_to_and_fro_distinguish_a_machine_from_a_slope() {
+        assert_eq!(found_in_cycles(1.0), None);
+        assert_eq!(found_in_cycles(1.3), None);
+        assert_eq!(found_in_cycles(-1.0), Some(Mismatch::Sign));
+        assert!(matches!(found_in_cycles(8.0), Some(Mismatch::Size(ratio)) if ratio > 4.0));
+        assert!(matches!(found_in_cycles(0.1), Some(Mismatch::Size(ratio)) if ratio < 0.25));
     }
 }

@@ -1,9 +1,9 @@
-//! A description from a few numbers: what an excavator of some operating mass is like.
+//! Default description of an excavator from its operating mass and a few more stated numbers.
 //!
-//! Excavators are alike in their proportions: lengths grow with the cube root of the operating mass M, masses with M, inertias with
+//! Excavators have similar proportions: lengths grow with the cube root of the operating mass M, masses with M, inertias with
 //! M^(5/3), the swing torque with M^(4/3). The factors are means over tracked excavators of 8 to 40 t (data sheets and the four
-//! machines of `data/foreign`, whose true values lie within the stated spread). What is stated takes the place of what is guessed,
-//! and scales what hangs on it: a stated boom length its centre of mass, a stated rated payload the bucket.
+//! machines of `data/foreign`, whose true values lie within the stated spread). Stated values replace guessed ones, and scale
+//! what depends on them: a stated boom length scales its centre of mass, a stated rated payload scales the bucket.
 
 use super::cylinder::Cylinder;
 use super::doubts::Doubts;
@@ -13,67 +13,67 @@ use crate::CommonError;
 use crate::loads;
 use crate::math::{cbrt, norm, sqrt};
 
-/// Lengths per cube root of the operating mass [m/kg^(1/3)]: boom, arm; distances from the bucket pin to the bucket's centre of
-/// mass and the payload's; gyration of the payload; radii of gyration of boom, arm and bucket about their lengths.
+/// Lengths per cube root of the operating mass [m/kg^(1/3)]: boom; arm; bucket pin to the centres of mass of bucket and payload;
+/// gyration of the payload; radii of gyration of boom, arm and bucket about their lengths.
 const BOOM: f64 = 0.197;
 const ARM: f64 = 0.102;
 const BUCKET_CENTRE: f64 = 0.027;
 const PAYLOAD_CENTRE: f64 = 0.030;
 const PAYLOAD_GYRATION: f64 = 0.016;
 const AXIAL: [f64; 3] = [0.0088, 0.0078, 0.0122];
-/// Swing axis to boom pin, and its standard deviation, as shares of the boom's length: .2 m with .15 m at 21 t. Below a limit [kg] the
-/// boom may stand ahead on a post that swings: .21 of it on the reference machine, .04 on one of 8 t without a post.
+/// Distance from swing axis to boom pin and its standard deviation, as shares of the boom's length: .2 m and .15 m at 21 t. Below
+/// `COMPACT` [kg] the boom may stand ahead on a swing post: .21 on the reference machine, .04 on one of 8 t without a post.
 const BOOM_PIN: [f64; 2] = [0.04, 0.027];
 const BOOM_PIN_COMPACT: [f64; 2] = [0.12, 0.08];
 const COMPACT: f64 = 10_000.0;
 /// Radius of a load, in lengths of the boom.
 const LOAD_RADIUS: f64 = 1.1;
-/// A guessed centre of the load is off by this share of its distance from the bucket pin, along and beside the line to the tip:
-/// buckets are bent, and .12 to .25 of the tip's distance deep beside it.
+/// Standard deviation of a guessed load centre, as a share of its distance from the bucket pin, along and beside the line to the
+/// tip: buckets are bent, and .12 to .25 of the tip's distance deep beside it.
 const LOAD_CENTRE_SPREAD: f64 = 0.28;
-/// Standard deviations of the payload's prior from its middle to a full bucket: two thirds of the payloads lie within one, and a full
-/// one a little beyond.
+/// Distance from the middle of the payload's prior to a full bucket, in its standard deviations: two thirds of the payloads lie within
+/// one, and a full one a little beyond.
 const FULL_STDS: f64 = 1.25;
-/// Centres beside the lines of the pins: goosenecks stand .05 to .12 of the boom above theirs; bucket and load lie .12 to .25 of the
-/// tip's distance behind the line to it [m/kg^(1/3)].
+/// Distances of centres of mass from the lines of the pins: goosenecks stand .05 to .12 of the boom above theirs; bucket and load lie
+/// .12 to .25 of the tip's distance behind the line to it [m/kg^(1/3)].
 const BOOM_RISE: f64 = 0.085;
 const BUCKET_RISE: f64 = 0.0097;
-/// What guessed centres of boom and bucket leave of the empty attachment between the postures of an emptied and of a full bucket, as a
-/// share of a full load. On compact machines posts and buckets differ more.
+/// Standard deviation of the empty attachment's weight between the postures of an emptied and of a full bucket, by guessed centres of
+/// boom and bucket, as a share of a full load. Posts and buckets of compact machines differ more.
 const FORM_SPREAD: f64 = 0.06;
 const FORM_SPREAD_COMPACT: f64 = 0.12;
-/// The same of a drawing that tells the centres along the lines of the pins, and not beside them.
+/// The same for a drawing that states the centres along the lines of the pins, and not beside them.
 const FORM_SPREAD_DRAWN: f64 = 0.06;
-/// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
-/// mostly little of it (an exponential distribution has both alike).
+/// Share of the rated payload that sticks in an emptied bucket, and its standard deviation. Soil of nothing to 15 % sticks, mostly
+/// little of it (an exponential distribution, whose mean and standard deviation are equal).
 const STICKING: [f64; 2] = [0.035, 0.035];
-/// A boom bends sideways, at f = 2 to 6 Hz with a full bucket (a box section as a cantilever). The gyro rides on the light upper body: an
-/// attachment of inertia J then shows J (1 + (F/f)^2) where it swings at F = .5 Hz, loaded less empty 1.6 (F/f)^2 of the load. Root
-/// of the mean square of that, f uniform in its logarithm.
+/// Standard deviation of a load by a boom that bends sideways, at f = 2 to 6 Hz with a full bucket (a box section as a cantilever). The
+/// gyro rides on the light upper body, so an attachment of inertia J that swings at F = .5 Hz shows J (1 + (F/f)^2). Loaded minus empty
+/// is too large by 1.6 (F/f)^2 of the load. Root mean square of that, with the logarithm of f uniform.
 const BENDING: f64 = 0.045;
-/// Limits of the inertia, as shares of the folded empty and of the stretched full machine's; the prior's standard deviation, as a share
+/// Limits of the inertia, as shares of the folded empty and of the stretched full machine's; standard deviation of its prior, as a share
 /// of their geometric mean.
 const LEAST_INERTIA: f64 = 0.4;
 const MOST_INERTIA: f64 = 3.0;
 const INERTIA_SPREAD: f64 = 0.3;
-/// Shares of the rated payload: middle and standard deviation of the prior, and the most that a bucket lifts.
+/// Middle and standard deviation of the payload's prior, and largest payload of a bucket, as shares of the rated payload.
 const MIDDLE_PAYLOAD: f64 = 0.5;
 const PAYLOAD_SPREAD: f64 = 0.4;
 const MOST_PAYLOAD: f64 = 1.6;
-/// Shares of a link's length: centres of mass of boom and arm.
+/// Centres of mass of boom and arm, as shares of the link's length.
 const BOOM_CENTRE: f64 = 0.48;
 const ARM_CENTRE: f64 = 0.36;
-/// Shares of the operating mass: boom, arm; share of the rated payload: bucket.
+/// Masses of boom and arm as shares of the operating mass; mass of the bucket as a share of the rated payload.
 const BOOM_MASS: f64 = 0.087;
 const ARM_MASS: f64 = 0.047;
 const BUCKET_MASS: f64 = 0.46;
 /// Rated payload over M^(7/6) [kg^(-1/6)]: buckets of large machines are larger than in proportion. Within 4 % of the reference machine
-/// and of four others (5.5, 8, 14 and 40 t); as a share of M it would be .0725 at 5.5 t and .105 at 40 t.
+/// and of four others (5.5, 8, 14 and 40 t); the share of M would be .0725 at 5.5 t and .105 at 40 t.
 const RATED: f64 = 0.0173;
 /// Inertias of boom and arm over mass times length squared, of the bucket over mass times squared centre distance.
 const LINKS: [f64; 3] = [0.085, 0.095, 0.3];
-/// Inertia of the upper body over M^(5/3) [kg^(-2/3) m^2], and its relative spread. Those of compact machines are .55 (no tail that
-/// swings out) to 1.0 of that.
+/// Inertia of the upper body over M^(5/3) [kg^(-2/3) m^2], and its relative spread. Compact machines have .55 (no tail that swings out)
+/// to 1.0 of it.
 const UPPER: [f64; 2] = [0.0018, 0.25];
 const UPPER_COMPACT: [f64; 2] = [0.0014, 0.35];
 /// Swing torque over M^(4/3) [N m/kg^(4/3)].
@@ -85,14 +85,14 @@ const FRICTION: f64 = 0.04;
 const FRICTION_STD: f64 = 0.025;
 const OFFSET: f64 = 0.018;
 const NOISE: f64 = 0.007;
-/// Relative spreads of what is guessed from the class: masses of boom and arm, bucket. The shares are those of machines from 8 t on:
-/// boom and arm of compact machines are up to a third lighter.
+/// Relative spreads of values guessed from the operating mass: masses of boom and arm; bucket. The shares are those of machines from
+/// 8 t on: boom and arm of compact machines are up to a third lighter.
 const SPREAD: f64 = 0.05;
 const SPREAD_COMPACT: f64 = 0.2;
 const BUCKET_SPREAD: f64 = 0.3;
-/// What guessed lengths of boom and arm do to the reach, relative: booms differ by 5 to 6 %, arms by 5 % of a third of the reach.
+/// Relative spread of the reach by guessed lengths of boom and arm: booms differ by 5 to 6 %, arms by 5 % of a third of the reach.
 const REACH_SPREAD: [f64; 2] = [0.037, 0.017];
-/// Postures between which a machine works: folded, stretched [rad].
+/// Extreme postures of a working machine: folded, stretched [rad].
 const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
 const STRETCHED: [f64; 3] = [0.4, -0.5, -0.3];
 
@@ -100,7 +100,7 @@ impl Description {
     /// Operating mass of the reference machine \[kg\].
     pub const REFERENCE_MASS: f64 = 5500.0;
 
-    /// The defaults of the machine whose size this description tells; those of the reference machine where it tells none.
+    /// Default description of a machine of the stated operating mass; that of the reference machine where none is stated.
     #[must_use]
     pub fn of_its_size(&self) -> Self {
         let Some(mass) = self.machine.operating_mass else {
@@ -123,7 +123,7 @@ impl Description {
             (known.boom_length, g.boom_length, BOOM * length),
             (known.arm_length, g.arm_length, ARM * length),
         ];
-        // As stated as the guess itself is a guess.
+        // A stated length that equals the guess counts as guessed.
         let guessed = [0, 1].map(|i| {
             let (known, default, guess) = lengths[i];
             known == guess || known == default && !self.stated[i]
@@ -154,7 +154,7 @@ impl Description {
         d.machine.operating_mass = Some(mass);
         d.machine.rated_payload = self.machine.rated_payload;
         d.machine.swing_torque = self.machine.swing_torque;
-        // Nobody has measured it: nothing is said, or what was guessed before.
+        // The upper inertia is unstated: it has the default, or an earlier guess.
         let upper = self.machine.upper_inertia;
         if upper == Self::default().machine.upper_inertia || upper == d.machine.upper_inertia {
             d.machine.mass_tolerance = if mass < COMPACT {
@@ -169,12 +169,12 @@ impl Description {
         let lengths = sqrt(spread(0) * spread(0) + spread(1) * spread(1));
         d.machine.geometry_tolerance = d.machine.geometry_tolerance.max(lengths);
         d.friction(torque);
-        d.belief(rated);
+        d.priors(rated);
         d
     }
 
-    /// Relative standard deviation of the radius of a load by the distance from the swing axis to the boom pin, where nobody stated it:
-    /// that of the class; else 0.
+    /// Relative standard deviation of a load's radius by a guessed distance from the swing axis to the boom pin; 0 where that is stated,
+    /// or no operating mass.
     #[must_use]
     pub fn guessed_radius_std(&self) -> f64 {
         match self.machine.operating_mass {
@@ -185,7 +185,7 @@ impl Description {
         }
     }
 
-    /// The same by the load's centre in the bucket. A calibration with weighed loads has it in the deviations that it found.
+    /// The same by a guessed load centre in the bucket; 0 also after a calibration with weighed loads, whose deviations include it.
     #[must_use]
     pub fn guessed_centre_std(&self) -> f64 {
         let (g, guess) = (&self.geometry, self.of_its_size().geometry);
@@ -197,7 +197,7 @@ impl Description {
         }
     }
 
-    /// What the centres of boom and bucket, where nobody stated them, do to the weight of the empty attachment \[kg\].
+    /// Standard deviation of the empty attachment's weight by guessed centres of boom and bucket \[kg\].
     #[must_use]
     pub fn guessed_form_std(&self) -> f64 {
         let Some(mass) = self.machine.operating_mass else {
@@ -220,12 +220,12 @@ impl Description {
         Doubts::bucket_share(&self.machine) * self.geometry.bucket_mass
     }
 
-    /// Masses and gain were found together, from weighed loads.
+    /// Whether masses and gain were calibrated together, with weighed loads.
     fn is_calibrated(&self) -> bool {
         self.machine.links_gain_correlation.is_some()
     }
 
-    /// What counts its loads is given, as far as the machine tells it.
+    /// Settings of the ledger of loads, as far as the description determines them.
     #[must_use]
     pub fn loads(&self) -> loads::Settings {
         loads::Settings {
@@ -234,8 +234,8 @@ impl Description {
         }
     }
 
-    /// What all loads together are off: what lengths, a guessed boom pin and guessed centres do to the inertia of a kilogram, though not
-    /// to that of the machine; what sticks in the bucket, which nothing tells from the bucket; and a boom that bends, where only the swing weighs.
+    /// Errors common to all loads. Scale: by lengths, a guessed boom pin and guessed centres in the inertia per kilogram of load, and by a
+    /// bending boom where only the swing weighs. Zero: by guessed centres, and by soil that is indistinguishable from the bucket.
     #[must_use]
     pub fn loads_common(&self) -> CommonError {
         let radius = [
@@ -244,7 +244,7 @@ impl Description {
             self.guessed_centre_std(),
         ];
         let sticks = self.prior.sticking().among(self.bucket_std());
-        // A calibration with weighed loads has it in what it found.
+        // The deviations of a calibration with weighed loads include it.
         let bends = if self.is_calibrated() || Cylinder::of_boom(self).is_some() {
             0.0
         } else {
@@ -256,7 +256,7 @@ impl Description {
         }
     }
 
-    /// What hangs on the largest torque of the swing.
+    /// Sets what depends on the largest torque of the swing.
     fn friction(&mut self, torque: f64) {
         self.machine.nominal_damping = DAMPING * torque;
         self.prior.damping_std = DAMPING_STD * DAMPING * torque;
@@ -279,8 +279,8 @@ impl Description {
         ] = drift.map(|drift| scale * drift);
     }
 
-    /// Priors and limits of inertia and payload.
-    fn belief(&mut self, rated: f64) {
+    /// Sets priors and limits of inertia and payload.
+    fn priors(&mut self, rated: f64) {
         let geometry = Geometry::of(self);
         let [least, most] = [(FOLDED, 0.0), (STRETCHED, rated)]
             .map(|(posture, payload)| geometry.inertia(posture).with_payload(payload));
@@ -306,15 +306,15 @@ impl Description {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Sticking {
-    /// Expected, and its standard deviation \[kg\].
+    /// Expected mass, and its standard deviation \[kg\].
     pub(super) expected: f64,
     pub(super) std: f64,
-    /// So much of what bucket and soil together weigh beyond what is expected of them is soil.
+    /// Share of soil in the deviation of bucket and soil together from their expected mass.
     pub(super) share: f64,
 }
 
 impl Sticking {
-    /// Only weighed together with a bucket whose mass has this standard deviation \[kg\].
+    /// Posterior where only the sum of soil and bucket is weighed; `bucket_std`: standard deviation of the bucket's mass \[kg\].
     pub(super) fn among(self, bucket_std: f64) -> Self {
         let both = norm(&[self.std, bucket_std]).max(f64::MIN_POSITIVE);
         let part = self.std / both;
@@ -325,14 +325,14 @@ impl Sticking {
         }
     }
 
-    /// Soil where bucket and soil weigh this beyond the described bucket \[kg\].
+    /// Soil in a bucket that weighs `both` more than the described bucket, soil included \[kg\].
     pub(super) fn of(&self, both: f64) -> f64 {
         self.expected + self.share * (both - self.expected)
     }
 }
 
 impl Prior {
-    /// What sticks in an emptied bucket.
+    /// Soil that sticks in an emptied bucket.
     pub(super) fn sticking(&self) -> Sticking {
         let [expected, std] = STICKING.map(|share| share * self.full_load());
         Sticking {

@@ -1,36 +1,36 @@
-//! Whether to believe a state-space estimate, and why not.
+//! Verdict on a state-space estimate: the five conditions on which it is trusted.
 
 use super::grid::Tick;
 use super::settings::Settings;
 use super::state::State;
 use crate::consistency::{MOST_NIS, NisWindow};
 
-/// Excitation after which D and BM may speak [s].
+/// Excited motion after which the inertia of modes D and BM is identifiable [s].
 const EXCITED_FOR: f64 = 0.2;
-/// Unflagged motion after which C and A may speak [s].
+/// Unflagged motion after which the inertia of modes C and A is identifiable [s].
 const STEADY_FOR: f64 = 1.5;
 
-/// Half width of the interval that C and A must have inside the limit of convergence, in standard
-/// deviations: 99 %, since an estimate that just converges is else wrong by the limit once in twenty.
+/// Half width, in standard deviations, of the interval of modes C and A that must lie within the limit of convergence: 99 %, since an
+/// estimate that just converges at 95 % is wrong by the limit once in twenty.
 const STEADY_SURE: f64 = 2.58;
 
-/// What decides whether the inputs can determine the inertia at all.
+/// What the identifiability of the inertia is based on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Basis {
-    /// Torque and posture.
+    /// Torque and posture are measured.
     PostureTorque,
-    /// Torque; a standstill must have been seen.
+    /// Torque is measured; a standstill must have been seen.
     Torque {
-        /// It was.
+        /// A standstill was seen.
         stood: bool,
     },
-    /// A constant torque for a while [s].
+    /// The torque is unknown, and was steady for this time [s].
     Steady(f64),
     /// Nothing: the inertia changes and only the velocity is known.
     Nothing,
 }
 
-/// Reasons, accumulated over ticks.
+/// Accumulates the conditions over ticks.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Verdict {
@@ -39,7 +39,7 @@ pub(super) struct Verdict {
     excited_for: f64,
 }
 
-/// The five reasons.
+/// The five conditions of a trusted estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reasons {
@@ -59,7 +59,7 @@ impl Verdict {
         }
     }
 
-    /// Counts one tick: `accepted` velocity, reading of the mode.
+    /// Counts one tick; `accepted`: its velocity passed the gate.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
@@ -83,7 +83,7 @@ impl Verdict {
         }
     }
 
-    /// The reasons after this tick.
+    /// The conditions after this tick.
     pub(super) fn reasons(
         &self,
         settings: &Settings,
