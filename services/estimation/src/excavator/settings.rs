@@ -1,4 +1,4 @@
-//! Settings of every excavator estimator; `Settings::of(&Description::default())` is the reference machine.
+//! Settings of all excavator estimators; `Settings::of(&Description::default())` is the reference machine.
 
 pub(in crate::excavator) mod cylinder;
 pub(in crate::excavator) mod described;
@@ -18,7 +18,7 @@ pub use super::keys::{Estimator, Paper, Prior, Variant};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
-    /// Samples per second; only the first sample needs it, later ones bring their time \[Hz\].
+    /// Sampling rate; only the first sample needs it, later ones have their time \[Hz\].
     pub rate: f64,
     /// Noise of a velocity sample (sigma_w) [rad/s].
     pub swing_velocity_std: f64,
@@ -26,24 +26,23 @@ pub struct Sensors {
     pub swing_angle_std: f64,
     /// Noise of a torque sample (sigma_T) [N m].
     pub swing_torque_std: f64,
-    /// Standard deviation of the torque's gain about 1. No estimator can notice it; it widens the
-    /// interval.
+    /// Standard deviation of the torque's gain about 1. Motion does not observe it, so it widens the interval.
     pub swing_torque_gain_std: f64,
     /// Noise of a joint angle \[rad\].
     pub angle_std: f64,
-    /// A velocity of this size or more is missing [rad/s].
+    /// Least absolute velocity that counts as missing [rad/s].
     pub swing_velocity_limit: f64,
-    /// A joint angle of this size or more is missing \[rad\].
+    /// Least absolute joint angle that counts as missing \[rad\].
     pub angle_limit: f64,
-    /// Measured over true torque, as calibrated.
+    /// Gain of the torque sensor, measured over true, as calibrated.
     pub swing_torque_gain: f64,
-    /// Torque that is measured where there is none, as calibrated [N m].
+    /// Offset of the torque sensor, its value at zero torque, as calibrated [N m].
     pub swing_torque_offset: f64,
-    /// How late velocity and torque come, as stated \[s\].
+    /// Stated delays of velocity and torque \[s\].
     pub delays: [f64; 2],
 }
 
-/// Everything an excavator estimator needs to know beforehand.
+/// Prior knowledge of an excavator estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
@@ -67,27 +66,26 @@ pub struct Settings {
     pub paper: Paper,
     /// The cylinders that carry the boom, where they are described.
     pub boom: Option<Cylinder>,
-    /// What a working machine may differ by; `None` for a calibrated one.
+    /// Uncertainty of the description of a working machine; `None` for a calibrated one.
     pub doubts: Option<Doubts>,
 }
 
 impl Settings {
-    /// The configuration that reproduces Table 1 of the paper on its own cycle, starting at
-    /// `inertia`: the figures are reached only by starting at the true one.
+    /// The configuration that reproduces Table 1 of the paper on its own cycle, starting at `inertia`. The
+    /// figures are reached only from the true inertia.
     pub fn paper(inertia: f64) -> Self {
         Self::of(&Description::paper_preset(inertia))
     }
 
-    /// Whether torque alone, or posture alone, can tell the inertia: on a machine that is calibrated, at an inertia
-    /// that is declared constant, or on an axis that is no excavator's (lighter than its geometry).
+    /// Whether torque alone or posture alone identifies the inertia: on a calibrated machine, with an inertia declared
+    /// constant, or on an axis lighter than the described geometry (no excavator).
     pub(super) fn is_partly_identifiable(&self) -> bool {
         let lighter = self.inertia_max < self.geometry.folded_inertia();
         self.doubts.is_none() || self.estimator.constant_inertia || lighter
     }
 
-    /// The inertias that a machine can have of which torque or posture tells only a half: anywhere between folded
-    /// and empty and stretched and full; with the `posture` known the content is left, and the damping, which is
-    /// the scale.
+    /// Range of the inertia where torque or posture is missing. Without posture it extends from folded and empty to
+    /// stretched and full. With `posture` the payload is unknown, and the damping, which sets the scale.
     pub(super) fn partial_range(&self, posture: Option<[f64; 3]>) -> PartialRange {
         let Some(posture) = posture else {
             let stretched = self.geometry.inertia([0.0; 3]);
@@ -105,8 +103,8 @@ impl Settings {
         }
     }
 
-    /// Smallest and largest payload that an estimate may take: as set, but never less than what the
-    /// prior holds possible [kg].
+    /// Smallest and largest payload that an estimate may take: as set, and at least four standard deviations above the
+    /// mean of the prior [kg].
     pub(super) fn payload_range(&self) -> [f64; 2] {
         let prior = self.prior.payload + 4.0 * self.prior.payload_std;
         let e = &self.estimator;
@@ -114,7 +112,7 @@ impl Settings {
     }
 }
 
-/// What an inertia can be of which only one half is identified.
+/// Range of an inertia that is only partly identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PartialRange {
@@ -124,10 +122,10 @@ pub(super) struct PartialRange {
 }
 
 impl PartialRange {
-    /// The standard deviation that covers the present inertia, `std` being that of the `inertia` which the method
-    /// found [kg m^2]. That belongs to another posture or content than the present: the difference of two values
-    /// that lie anywhere in a range has a sixth of its square as the variance. What lies outside the range is wrong
-    /// by as much at least.
+    /// Standard deviation that covers the present inertia; `inertia` and `std` are the method's estimate [kg m^2]. The
+    /// estimate belongs to another posture or payload than the present one. The difference of two values anywhere in a
+    /// range has a sixth of the squared range as its variance. An estimate outside the range errs at least by its
+    /// distance.
     pub(super) fn widened(&self, inertia: f64, std: f64) -> f64 {
         let range = (self.most - self.least).max(0.0);
         let outside = (inertia - self.most).max(self.least - inertia).max(0.0);
@@ -137,16 +135,15 @@ impl PartialRange {
 }
 
 impl Paper {
-    /// Whether there is no regression at standstill. Where the user says when to begin, it runs from
-    /// then on, as the paper's did.
+    /// Whether the regression pauses at standstill. With a stated start time it does not, as in the paper.
     pub(super) fn hold_at_standstill(&self) -> bool {
         self.start_time.is_none()
     }
 }
 
 impl Settings {
-    /// The reference machine, calibrated: it is exactly what its description says, and nothing is left open. Another
-    /// filter with narrower intervals runs then; the settings of a real machine are [`Settings::of`] its description.
+    /// The reference machine, calibrated: its description is exact. Another filter with narrower intervals runs then.
+    /// The settings of a real machine are [`Settings::of`] its description.
     #[must_use]
     pub fn calibrated() -> Self {
         let mut settings = Self::of(&Description::default());

@@ -1,4 +1,4 @@
-//! A hydraulic cylinder about a pin: its length, its lever, its force.
+//! Kinematics and force of a hydraulic cylinder about a pin: length, lever, force.
 //!
 //! ```text
 //! l^2 = a^2 + c^2 - 2 a c cos(q + delta)        r = dl/dq = a c sin(q + delta)/l        F = n (A_h p_h - A_r p_r) - F_0
@@ -8,42 +8,43 @@ use crate::FULL_PRESSURE;
 use crate::excavator::keys::Description;
 use crate::math::{sin_cos, sqrt};
 
-/// Where nothing is stated, areas and lengths are known to these shares.
+/// Relative standard deviations of areas and lengths, where none is stated.
 const AREA: f64 = 0.005;
 const LENGTH: f64 = 0.004;
-/// What transmitters of mobile machines show too much or too little, beside their zero.
+/// Relative standard deviation of the span of pressure transmitters on mobile machines.
 const TRANSMITTER: f64 = 0.01;
 
-/// Cylinders side by side.
+/// A group of parallel cylinders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cylinder {
-    /// Areas of head and rod side of all of them together (n A) [m^2].
+    /// Areas of head and rod side, of all cylinders together (n A) [m^2].
     pub areas: [f64; 2],
-    /// Base to pin (a), pin to rod eye (c) \[m\].
+    /// Distances from base to pin (a) and from pin to rod eye (c) \[m\].
     pub distances: [f64; 2],
-    /// Sine and cosine of the angle between the two at joint angle 0 (delta).
+    /// Sine and cosine of the angle between these two lines at joint angle 0 (delta).
     pub angle: (f64, f64),
     /// Friction of the seals, and its standard deviation \[N\].
     pub friction: [f64; 2],
-    /// Share of it that is left when the cylinder stops.
+    /// Share of the friction that remains when the cylinder stops.
     pub kept: f64,
-    /// Its standard deviation.
+    /// Standard deviation of this share.
     pub kept_std: f64,
-    /// Relative standard deviation of the moment: areas, lengths, angle, pressures.
+    /// Relative standard deviation of the moment, by areas, lengths, angle and pressures.
     pub span_std: f64,
-    /// Force by the zeros of the two pressures \[N\].
+    /// Force by the zero offsets of the two pressures \[N\].
     pub zero: f64,
-    /// Its standard deviation \[N\].
+    /// Standard deviation of this force \[N\].
     pub zero_std: f64,
     /// Correlation of the errors of span and zero.
     pub correlation: f64,
-    /// Moment about the pin that the drawing misses, with cosine and sine of the angles of boom, arm and bucket to the horizontal [N m].
+    /// Moment about the pin that the drawing misses: coefficients of cosine and sine of the angles of boom, arm and bucket to the
+    /// horizontal [N m].
     pub missed: [[f64; 2]; 3],
 }
 
 impl Cylinder {
-    /// The boom's; `None` where its areas or lengths are not described.
+    /// The boom's cylinders; `None` where their areas or lengths are not described.
     #[must_use]
     pub fn of_boom(d: &Description) -> Option<Self> {
         let c = &d.boom_cylinder;
@@ -58,7 +59,7 @@ impl Cylinder {
             share(c.head_area_std, c.head_area, AREA),
             share(c.base_distance_std, c.base_distance, LENGTH),
             share(c.rod_distance_std, c.rod_distance, LENGTH),
-            // The lever changes by its cotangent, a half on the mean over the boom's travel.
+            // The relative change of the lever with the angle is a cotangent; its mean over the boom's travel is a half.
             0.5 * (c.angle_std + d.sensors.angle_offset_std),
             TRANSMITTER,
         ];
@@ -85,13 +86,13 @@ impl Cylinder {
         })
     }
 
-    /// Length and lever at a joint angle \[m\].
+    /// Length and lever at a joint angle, both \[m\].
     #[must_use]
     pub fn lever(&self, angle: f64) -> (f64, f64) {
         self.lever_turned(sin_cos(angle))
     }
 
-    /// The same by sine and cosine of the joint angle.
+    /// The same from sine and cosine of the joint angle.
     pub(in crate::excavator) fn lever_turned(&self, (sin, cos): (f64, f64)) -> (f64, f64) {
         let [a, c] = self.distances;
         let (s, k) = self.angle;
@@ -101,7 +102,7 @@ impl Cylinder {
         (length, a * c * sin / length)
     }
 
-    /// Variance of what a stop leaves of the seals' friction [N^2].
+    /// Variance of the seals' friction that remains after a stop [N^2].
     #[must_use]
     pub fn held_variance(&self) -> f64 {
         let [friction, std] = self.friction;
@@ -109,7 +110,7 @@ impl Cylinder {
         share * share + moving * moving
     }
 
-    /// Force of these pressures of head and rod side, without the zero \[N\].
+    /// Force of the pressures of head and rod side, without the force by their zero offsets \[N\].
     #[must_use]
     pub fn force(&self, [head, rod]: [f64; 2]) -> f64 {
         self.areas[0] * head - self.areas[1] * rod - self.zero

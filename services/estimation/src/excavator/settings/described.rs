@@ -1,4 +1,4 @@
-//! From the description of an excavator to the settings of its estimators.
+//! Derives the settings of the estimators from the description of an excavator.
 
 use crate::excavator::align;
 use crate::excavator::cylinder::Cylinder;
@@ -9,7 +9,7 @@ use crate::excavator::settings::{Sensors, Settings};
 use crate::math::sqrt;
 
 impl Settings {
-    /// The settings that a description means.
+    /// Settings that follow from a description.
     #[must_use]
     pub fn of(d: &Description) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Settings {
 }
 
 impl Geometry {
-    /// The geometry that a description means.
+    /// Geometry that follows from a description.
     #[must_use]
     pub fn of(d: &Description) -> Self {
         let g = &d.geometry;
@@ -54,14 +54,14 @@ impl Geometry {
     }
 }
 
-/// Gain of a torque that nobody has compared with anything: motors differ in displacement by 2 %, in mechanical efficiency by 4 %, and
-/// pressures by 1 to 2 %. Who says that it is exact has not compared it either.
+/// Standard deviation of the gain of a torque that was not compared with a reference: motors differ in displacement by 2 %, in mechanical
+/// efficiency by 4 %, and pressures by 1 to 2 %. A stated 0 counts the same, except in the variant `Known`.
 const GAIN_STD: f64 = 0.05;
-/// The same where pressures weigh beside it. They tell large errors, which the parallel filter has for one machine in four: what is
-/// left to the others is less.
+/// The same where boom pressures weigh too. Pressures reveal large gain errors, which the parallel filter models for one machine in
+/// four; the gains of the other machines differ less.
 const WEIGHED_GAIN_STD: f64 = 0.03;
 
-/// Standard deviation of the torque's gain.
+/// Standard deviation of the torque's gain; 0 where it is calibrated.
 fn gain_std(d: &Description) -> f64 {
     let known = d.estimator.variant == Variant::Known;
     match d.sensors.swing_torque_gain_std {
@@ -72,13 +72,13 @@ fn gain_std(d: &Description) -> f64 {
     }
 }
 
-/// Where nothing is stated, upper body and bucket are so many times as uncertain as boom and arm: counterweights, tanks and
-/// options differ by 10 to 15 %, buckets by 20 %.
+/// Relative standard deviations of upper inertia and bucket mass over that of boom and arm, where none is stated: counterweights, tanks
+/// and options differ by 10 to 15 %, buckets by 20 %.
 const UPPER: f64 = 7.0;
 const BUCKET: f64 = 11.0;
 
 impl Doubts {
-    /// What a description leaves open of a machine that is not calibrated.
+    /// Uncertainty of the description of an uncalibrated machine.
     #[must_use]
     pub fn of(d: &Description) -> Self {
         let (m, s) = (&d.machine, &d.sensors);
@@ -98,7 +98,7 @@ impl Doubts {
             delay: align::rest([s.swing_velocity_delay, s.swing_torque_delay]),
             delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
             torque_share: d.estimator.torque_noise_share,
-            // Who found the masses by swinging found what the lengths do to them.
+            // Masses that were calibrated by swinging include the effect of the lengths.
             links_share: match m.links_gain_correlation {
                 Some(_) => m.mass_tolerance,
                 None => both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
@@ -122,7 +122,7 @@ impl Doubts {
         m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance)
     }
 
-    /// Whether the description leaves anything open: not where it states 0 for every tolerance.
+    /// Whether the description is uncertain at all; not where it states 0 for every tolerance.
     fn are_any(&self) -> bool {
         let stds = [
             self.efficiency_std,
@@ -155,7 +155,7 @@ fn sensors(d: &Description) -> Sensors {
     }
 }
 
-/// A list under estimator.forgetting holds inside and outside the windows alike.
+/// A stated `estimator.forgetting` applies both inside and outside the change windows.
 fn paper(d: &Description) -> Paper {
     let common = match *d.estimator.forgetting {
         [all] => Some([all; 3]),

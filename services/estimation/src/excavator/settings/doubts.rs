@@ -1,67 +1,67 @@
-//! What a description of a working machine leaves open, and how far.
+//! Doubts: modelled uncertainties of the description of a working machine.
 
 use crate::CommonError;
 use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::Description;
 
-/// Standard deviations of what a described machine may differ by. Each enters the default estimator as a
-/// state, so that its interval carries the doubt and the motion can remove it; 0 says that it is exactly so.
+/// Standard deviations of the machine's parameters about their described values. Each enters the default estimator
+/// as a state, so that the interval contains it and the motion can reduce it; 0 stands for an exact value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubts {
-    /// Gain of the torque measurement about 1.
+    /// Gain of the torque measurement, about 1.
     pub gain_std: f64,
-    /// The same where pressures weigh beside it.
+    /// The same where boom pressures weigh too.
     pub weighed_gain_std: f64,
-    /// Efficiency of the drive: the described one; driving torque arrives times it, braking torque divided by it.
+    /// Described efficiency of the drive: driving torque is multiplied by it, braking torque divided by it.
     pub efficiency: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the efficiency.
     pub efficiency_std: f64,
-    /// Coulomb friction about the described one [N m].
+    /// Coulomb friction, about the described one [N m].
     pub friction_std: f64,
     /// Slope of the ground along each of two axes \[rad\].
     pub slope_std: f64,
     /// First moment of the upper body about the swing axis without boom, arm and bucket, forward positive
-    /// [kg m]; `None` takes the counterweight that machines have for their attachment.
+    /// [kg m]; `None` takes the usual counterweight for this attachment.
     pub upper_first_moment: Option<f64>,
-    /// Its standard deviation [kg m]; `None` takes 3 % of a stated moment, the spread among machines of a guessed one.
+    /// Standard deviation of this moment [kg m]; `None` takes 3 % of a stated one, the spread among machines of a guessed one.
     pub upper_first_moment_std: Option<f64>,
-    /// How much later the velocity comes than the torque, beside what is taken out exactly \[s\].
+    /// Delay of the velocity behind the torque that remains after the alignment \[s\].
     pub delay: f64,
-    /// Its standard deviation \[s\].
+    /// Standard deviation of this delay \[s\].
     pub delay_std: f64,
-    /// What the model of the torque leaves out, per 0.01 s, as a share of the largest torque seen.
+    /// Torque that the model leaves out, per 0.01 s, as a share of the largest torque so far.
     pub torque_share: f64,
-    /// Relative standard deviation of the described masses and inertias of boom and arm, with what their lengths
-    /// do to them.
+    /// Relative standard deviation of the described masses and inertias of boom and arm, including the effect of their
+    /// lengths.
     pub links_share: f64,
-    /// The same of the upper body's inertia.
+    /// Relative standard deviation of the upper body's inertia.
     pub upper_share: f64,
-    /// The same of the bucket's mass.
+    /// Relative standard deviation of the bucket's mass.
     pub bucket_share: f64,
-    /// What the drawing misses of the inertia at each posture, as a share of boom, arm and bucket: lengths, and
-    /// centres beside the lines of the pins.
+    /// Error of the drawing in the inertia at each posture, as a share of boom, arm and bucket: lengths, and centres
+    /// beside the lines of the pins.
     pub form_share: f64,
-    /// What all loads are off together, by what is not known of their radius and of the empty attachment.
+    /// Errors common to all loads, by the uncertainty of their radius and of the empty attachment.
     pub loads: CommonError,
-    /// What a calibration has found together.
+    /// Correlations from a calibration.
     pub found: Option<Correlations>,
 }
 
-/// Correlations of the errors of what a calibration has found from the same swings.
+/// Correlations of the errors of parameters that were calibrated with the same swings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correlations {
-    /// Masses of boom and arm, and the gain of the torque sensor (measured over true).
+    /// Between masses of boom and arm, and gain of the torque sensor (measured over true).
     pub links_gain: f64,
-    /// Inertia of the upper body, and that gain.
+    /// Between inertia of the upper body, and that gain.
     pub upper_gain: f64,
-    /// Inertia of the upper body, and masses of boom and arm.
+    /// Between inertia of the upper body, and masses of boom and arm.
     pub upper_links: f64,
 }
 
 impl Correlations {
-    /// Whether three quantities can have them.
+    /// Whether the correlation matrix is positive semidefinite.
     #[must_use]
     pub fn are_possible(&self) -> bool {
         let [a, b, c] = [self.links_gain, self.upper_gain, self.upper_links];
@@ -70,11 +70,11 @@ impl Correlations {
     }
 }
 
-/// Correlations are written with so many digits.
+/// Rounding of written correlations.
 const ROUNDING: f64 = 1e-3;
 
-/// Counterweight and engine over what balances the folded, empty attachment, and the standard deviation of this ratio: 1.05 to 1.65
-/// on machines of 5 to 40 t. They balance it at some way between folded and stretched.
+/// First moment of counterweight and engine over that of the folded, empty attachment, and the standard deviation of this ratio: 1.05
+/// to 1.65 on machines of 5 to 40 t. It balances the attachment at a posture between folded and stretched.
 const COUNTERWEIGHT: [f64; 2] = [1.15, 0.4];
 
 impl Doubts {
@@ -90,7 +90,7 @@ impl Doubts {
 }
 
 impl Default for Doubts {
-    /// Those of a machine file that says nothing of them.
+    /// Doubts of a machine file that states none of them.
     fn default() -> Self {
         Self::of(&Description::default())
     }

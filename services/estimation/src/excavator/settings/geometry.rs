@@ -11,12 +11,11 @@
 use crate::excavator::keys::Description;
 use crate::math::sin_cos;
 
-/// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t
-/// excavator.
+/// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t excavator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Geometry {
-    /// Upper body without boom, arm and bucket, about the swing axis (J_u) [kg m^2].
+    /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u) [kg m^2].
     pub upper_inertia: f64,
     /// Swing axis to boom pin (x0) \[m\].
     pub boom_pin: f64,
@@ -26,7 +25,8 @@ pub struct Geometry {
     pub centres: [f64; 3],
     /// Bucket pin to the payload's centre of mass (cp) \[m\].
     pub payload_centre: f64,
-    /// Centres of boom, bucket and payload beside the lines of the pins, on the side to which the link turns up (n1, n3, np) \[m\].
+    /// Distances of the centres of boom, bucket and payload from the lines of the pins, positive on the side to which the link turns up (n1,
+    /// n3, np) \[m\].
     pub rises: [f64; 3],
     /// Radius of gyration of the payload (kp) \[m\].
     pub payload_gyration: f64,
@@ -50,17 +50,17 @@ impl Default for Geometry {
 pub struct Inertia {
     /// Without payload (J_e) [kg m^2].
     pub empty: f64,
-    /// Per kilogram of payload (g) [m^2].
+    /// Inertia per kilogram of payload (g) [m^2].
     pub per_payload: f64,
     /// First moment of boom, arm and bucket about the swing axis [kg m].
     pub moment: f64,
-    /// The same per kilogram of payload: its radius \[m\].
+    /// First moment per kilogram of payload, which is its radius \[m\].
     pub radius: f64,
-    /// Part of boom and arm in the inertia [kg m^2], and in the first moment [kg m].
+    /// Part of boom and arm in the inertia [kg m^2].
     pub links: f64,
-    /// The same of the first moment.
+    /// Part of boom and arm in the first moment [kg m].
     pub links_moment: f64,
-    /// Inertia per kilogram of the bucket [m^2], and its radius \[m\].
+    /// Inertia per kilogram of the bucket [m^2].
     pub per_bucket: f64,
     /// Radius of the bucket's centre of mass \[m\].
     pub bucket_radius: f64,
@@ -72,7 +72,7 @@ impl Inertia {
         self.empty + mass * self.per_payload
     }
 
-    /// A function of this one and another, part by part.
+    /// Combines two inertias by `f`, part by part.
     #[must_use]
     pub fn with(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let sum = |of: fn(&Self) -> f64| f(of(self), of(other));
@@ -92,23 +92,23 @@ impl Inertia {
 /// Sines and cosines of the angles of boom, arm and bucket to the horizontal.
 pub(in crate::excavator) type Turns = [(f64, f64); 3];
 
-/// Those of joint angles \[rad\].
+/// Sines and cosines at these joint angles \[rad\].
 pub(in crate::excavator) fn turns([boom, arm, bucket]: [f64; 3]) -> Turns {
     [boom, boom + arm, boom + arm + bucket].map(sin_cos)
 }
 
-/// A folded posture in which machines are compared [rad].
+/// Folded posture for comparisons of machines [rad].
 const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
 
 impl Geometry {
-    /// Inertia of the machine against the reference machine's, both empty and folded. The torques of
-    /// machines are in the same proportion, since they are made to swing alike.
+    /// Inertia of the machine over the reference machine's, both empty and folded. Torques have the same ratio, since
+    /// machines are designed for similar accelerations.
     pub(in crate::excavator) fn scale(&self) -> f64 {
         self.inertia(FOLDED).empty / Self::default().inertia(FOLDED).empty
     }
 
-    /// What a kilogram of payload on the reference machine is on this one: its payloads have the same
-    /// share of its inertia.
+    /// Payload on this machine that corresponds to a kilogram on the reference machine: its share of the machine's
+    /// inertia is equal.
     pub(in crate::excavator) fn payload_scale(&self) -> f64 {
         let leverage = |geometry: &Self| geometry.inertia(FOLDED).per_payload;
         self.scale() * leverage(&Self::default()) / leverage(self)
@@ -130,7 +130,7 @@ impl Geometry {
         self.inertia_turned(&turns(posture))
     }
 
-    /// The same by sines and cosines of the angles of boom, arm and bucket to the horizontal.
+    /// The same from sines and cosines of the angles of boom, arm and bucket to the horizontal.
     pub(in crate::excavator) fn inertia_turned(&self, turns: &Turns) -> Inertia {
         let [cos1, cos2, cos3] = turns.map(|(_, cos)| cos);
         let beside = |i: usize, link: usize| self.rises[i] * turns[link].0;

@@ -1,8 +1,8 @@
-//! Settings that no estimator could work with, and what is wrong with them.
+//! Errors of settings with which no estimator can work.
 
 use crate::excavator::settings::Settings;
 
-/// What is wrong with the settings.
+/// An error of the settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SettingsError {
     /// A value is not finite, or outside its range.
@@ -12,7 +12,7 @@ pub enum SettingsError {
         /// The value.
         value: f64,
     },
-    /// Correlations that no three quantities can have.
+    /// The stated correlations are impossible for three quantities.
     Correlations,
     /// The method needs a column that the source does not have.
     MissingColumn {
@@ -21,7 +21,7 @@ pub enum SettingsError {
         /// The column.
         column: &'static str,
     },
-    /// The method belongs to the other process.
+    /// Another service runs the method.
     WrongStage {
         /// The method.
         method: &'static str,
@@ -48,7 +48,7 @@ impl core::fmt::Display for SettingsError {
 impl core::error::Error for SettingsError {}
 
 impl Settings {
-    /// Refuses values that an estimator could not work with.
+    /// Returns an error for values with which no estimator can work.
     pub fn check(&self) -> Result<(), SettingsError> {
         let (s, p, e) = (&self.sensors, &self.prior, &self.estimator);
         let positive = [
