@@ -1,50 +1,49 @@
-//! When rows were measured, by time stamps that jitter.
+//! Times of measurement from time stamps that jitter.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | t_k | `stamp` | time stamp of row k [s] |
 //! | x_k | `time` | when it was measured [s] |
 //! | T | `period` | period of the rows [s] |
-//! | r_k | - | (t_k - t_(k-1))/T less the nearest whole number, of at least 1: rows may be lost |
-//! | c^2 | `wavering` | E r^2/2, variance of a stamp in T^2 |
+//! | r_k | - | (t_k - t_(k-1))/T minus the nearest whole number, which is at least 1: rows may be lost |
+//! | c^2 | `wavering` | E r^2/2, jitter variance of a stamp in T^2 |
 //!
-//! A sensor measures at a steady period; bus and logger stamp a row late by what is in its way. An estimator that takes such stamps for
-//! times finds accelerations that are not there. So where stamps waver by more than a part of their period, the time is predicted and
-//! corrected by a share of what the stamp says (the steady state of a Kalman filter over time and period, known as alpha-beta filter;
+//! A sensor measures at a steady period; bus and logger delay the stamp of a row. An estimator that uses such stamps as times of
+//! measurement finds accelerations that do not exist. Where the jitter exceeds a share of the period, the time is therefore predicted and
+//! corrected by a share of the stamp's innovation (the steady state of a Kalman filter over time and period, known as alpha-beta filter;
 //! Kalata, "The tracking index", 1984):
 //! ```text
 //! e = t_k - x_(k-1) - T,  x_k = x_(k-1) + T + a e,  T <- T + b e,  b = a^2/(2 - a)
 //! ```
-//! Rows that come in bursts waver most, and their stamps are off by the whole time between two bursts: there the share of a stamp is
-//! smaller, but for the first ones, and the period is the mean difference of stamps. Rows that come steadily again are believed after
-//! twenty.
+//! Rows in bursts have the largest jitter: their stamps are off by up to the whole time between two bursts. There the gain of a stamp is
+//! smaller, except for the first ones, and the period is the mean difference of stamps. Twenty equally spaced rows end this mode.
 //!
-//! Elsewhere the stamps are the times, bit by bit: rows that are lost, or come at another rate, do not waver.
+//! Without such jitter the stamps are the times, bit by bit: lost rows or another rate cause no jitter.
 
 use crate::math::round;
 
-/// Stamps waver from this share of their period on: those of a steady bus by a tenth at most.
+/// Jitter (standard deviation in periods) above which stamps are filtered; a steady bus has a tenth at most.
 const WAVERS: f64 = 0.15;
-/// Share of a stamp in the time, and in the period.
+/// Gains a and b: share of a stamp's innovation in the time, and in the period.
 const TIME: f64 = 0.1;
 const PERIOD: f64 = TIME * TIME / (2.0 - TIME);
-/// Rows come in bursts from this wavering on: the variance of the steps over the square of their mean.
+/// Jitter variance c^2 above which rows count as bursts.
 const BURSTS: f64 = 0.25;
-/// Share of a stamp in the time there.
+/// Gain a in bursts.
 const TIME_IN_BURSTS: f64 = 0.03;
-/// By so many periods the stamps may be late there.
+/// Largest delay of a stamp in bursts, in periods; beyond it rows are missing or their rate has changed.
 const LOST_IN_BURSTS: f64 = 40.0;
-/// Rows are apart by this share of their period at least.
+/// Least distance of two rows in bursts, in periods.
 const LEAST: f64 = 0.1;
-/// Rows in a row that are equally far apart, within this share, are steady.
+/// Number of consecutive rows with equal distances, within the share [`EQUAL`], after which rows count as steady.
 const STEADY: u32 = 20;
 const EQUAL: f64 = 0.1;
-/// Share of one difference in the wavering.
+/// Weight of one difference in the jitter variance.
 const MEMORY: f64 = 0.02;
-/// A stamp this many periods away is not late: rows are missing, or their rate has changed.
+/// Largest delay of a stamp, in periods; beyond it rows are missing or their rate has changed.
 const LOST: f64 = 4.0;
 
-/// The clock of rows.
+/// Filter of time stamps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cadence {
@@ -52,23 +51,23 @@ pub(crate) struct Cadence {
     time: f64,
     period: f64,
     wavering: f64,
-    /// Differences seen, as far as they count.
+    /// Number of differences in the mean period, at most 1/b.
     seen: f64,
-    /// Rows since bursts have been seen.
+    /// Number of rows corrected since bursts began.
     predicted: f64,
-    /// The difference before, how many have been like it, and their sum [s].
+    /// Previous difference [s], number of consecutive differences equal to it, and their sum [s].
     difference: f64,
     steady: u32,
     sum: f64,
 }
 
 impl Cadence {
-    /// When the row before was measured [s].
+    /// Time of measurement of the previous row [s].
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Rows begin, or begin anew, with one stamped so [s].
+    /// Starts or restarts at a row with this stamp [s].
     pub fn starting(stamp: f64) -> Self {
         Self {
             stamp,
@@ -77,7 +76,7 @@ impl Cadence {
         }
     }
 
-    /// When the next row was measured; its stamp is later than the one before [s].
+    /// Time of measurement of the next row [s]; its stamp must be later than the previous one.
     pub fn next(&mut self, stamp: f64) -> f64 {
         let difference = stamp - core::mem::replace(&mut self.stamp, stamp);
         self.seen = (self.seen + 1.0).min(1.0 / PERIOD);
@@ -87,7 +86,7 @@ impl Cadence {
         let bursts = self.wavering > BURSTS;
         let lost = if bursts { LOST_IN_BURSTS } else { LOST };
         if !self.wavers() || late.abs() > lost * self.period {
-            // After stamps that wavered the time may be ahead of them.
+            // After jittering stamps the estimated time may be ahead of this one.
             let later = stamp > self.time;
             self.time = if later {
                 stamp
@@ -112,7 +111,7 @@ impl Cadence {
         self.time
     }
 
-    /// Rows that have come steadily for a while are steady, at whatever rate.
+    /// Ends the filtering after [`STEADY`] equal differences, at any rate.
     fn notice(&mut self, difference: f64) {
         let before = core::mem::replace(&mut self.difference, difference);
         if (difference - before).abs() > EQUAL * before {
@@ -130,7 +129,7 @@ impl Cadence {
         }
     }
 
-    /// Period of the rows, as far as it is known [s].
+    /// Estimated period of the rows [s].
     pub fn period(&self) -> f64 {
         self.period
     }
@@ -192,7 +191,7 @@ mod tests {
         let mean = rows.clone().map(error).sum::<f64>() / 5000.0;
         let square = rows.map(|k| (error(k) - mean) * (error(k) - mean));
         let rms = (square.sum::<f64>() / 5000.0).sqrt();
-        // Of the variance of the stamps (2 a^2 + 2 b - 3 a b)/(a (4 - b - 2 a)) = 0.076 is left in the times.
+        // Variance of the times over that of the stamps: (2 a^2 + 2 b - 3 a b)/(a (4 - b - 2 a)) = 0.076.
         assert!(rms < 0.0035 && mean.abs() < 0.004, "{rms} {mean}");
     }
 

@@ -1,10 +1,9 @@
-//! Do the innovations agree with their predicted size?
+//! Consistency tests: whether innovations agree with their predicted variance.
 //!
 //! The normalised innovation squared (NIS) of a scalar measurement is chi-square with one degree
 //! of freedom, mean 1, where model and noise are right.
 
-/// Mean of the last `N` normalised innovations squared, each limited so that a single outlier
-/// cannot decide.
+/// Mean of the last `N` normalised innovations squared. Each is limited, so that a single outlier does not decide.
 ///
 /// ```
 /// use estimation::consistency::NisWindow;
@@ -24,7 +23,7 @@ pub struct NisWindow<const N: usize> {
     mean: f64,
 }
 
-/// A normalised innovation squared counts as much as this in a mean: four standard deviations.
+/// Limit of a normalised innovation squared in a mean: four standard deviations.
 pub const MOST_NIS: f64 = 16.0;
 
 impl<const N: usize> NisWindow<N> {
@@ -53,7 +52,7 @@ impl<const N: usize> NisWindow<N> {
     }
 }
 
-/// Two-sided cumulative sum of normalised innovations: sees a small lasting shift of their mean
+/// Two-sided cumulative sum of normalised innovations: detects a small lasting shift of their mean
 /// that no single sample shows.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -65,7 +64,7 @@ pub struct Cusum {
 }
 
 impl Cusum {
-    /// Forgives `drift` per sample and alarms above `threshold`, both in standard deviations.
+    /// Subtracts `drift` per sample and alarms above `threshold`, both in standard deviations.
     pub fn new(drift: f64, threshold: f64) -> Self {
         Self {
             drift,
@@ -91,7 +90,7 @@ impl Cusum {
         self.up.max(self.down)
     }
 
-    /// Forgets everything.
+    /// Resets both sums.
     pub fn clear(&mut self) {
         self.up = 0.0;
         self.down = 0.0;

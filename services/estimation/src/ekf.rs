@@ -5,11 +5,11 @@
 //! S = cov(y) + R = L L',  G = L^-1 cov(y, x),  z = L^-1 (y - y^)
 //! x = x^- + G' z,  P = P^- - G' G,  NIS = z'z
 //! ```
-//! **Exact rows.** Where y_j is state j itself, row j of P is r_j times that of K' = L'^-1 G, and not a difference, which cancels
-//! where a measurement is far better than what was known.
+//! **Exact rows.** Where y_j is state j itself, row j of P is r_j times that of K' = L'^-1 G. It is not formed as a difference, which
+//! cancels where the measurement is far more accurate than the prior.
 //!
-//! **What it needs.** With process noise on the states its error equals that of a square root down to variances of R/P = 1e-9 (both
-//! against double-double arithmetic). Without process noise a covariance loses its sign near R/P = 1e-8: take
+//! **Precision.** With process noise on the states its error equals that of a square-root filter down to variances of R/P = 1e-9 (both
+//! against double-double arithmetic). Without process noise a covariance loses its sign near R/P = 1e-8; use
 //! [`crate::srukf::SquareRootUkf`] there, which cannot. P stays symmetric to the last bit.
 //!
 //! | symbol | code | meaning |
@@ -17,7 +17,7 @@
 //! | x, P | `state`, `covariance` | state and covariance |
 //! | y^ | `measurement` | predicted measurement |
 //! | cov(y, x) | `cross` | covariance of the predicted measurements with the predicted states |
-//! | cov(y) | `own` | their covariances among themselves |
+//! | cov(y) | `own` | covariance of the predicted measurements |
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -60,20 +60,20 @@ pub struct Ekf<const N: usize, const M: usize> {
     pub covariance: [[f64; N]; N],
 }
 
-/// Measurements predicted, measurement noise not included.
+/// Predicted measurements with their covariances, measurement noise not included.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected<const N: usize, const M: usize> {
     /// Predicted measurement y^.
     pub measurement: [f64; M],
     /// Row j: covariance of measurement j with every predicted state.
     pub cross: [[f64; N]; M],
-    /// Their covariances among themselves.
+    /// Covariance of the predicted measurements.
     pub own: [[f64; M]; M],
 }
 
 /// sum of weights\[j\] rows\[j\].
 ///
-/// Not inlined: only sums that are stored side by side are worked out side by side.
+/// Not inlined: the compiler vectorises only sums that are stored side by side.
 #[inline(never)]
 pub(crate) fn combine<const N: usize>(weights: &[f64; N], rows: &[[f64; N]; N]) -> [f64; N] {
     let mut sum = rows[0].map(|x| weights[0] * x);
@@ -99,7 +99,7 @@ pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     root::dot(&[*a], &[*b])
 }
 
-/// P^- but for the noise: the first states move. `by` are their rows of F and `moved` those of F P.
+/// P^- without process noise. Only the first states move: `by` are their rows of F, and `moved` those of F P.
 #[inline(always)]
 pub(crate) fn carry<const N: usize>(p: &mut [[f64; N]; N], moved: &[[f64; N]], by: &[[f64; N]]) {
     let moving = moved.len();
@@ -132,7 +132,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         Self { state, covariance }
     }
 
-    /// Moves on by one step; `process_std` is the additive process noise of the step.
+    /// Predicts one step; `process_std` is the additive process noise of the step.
     #[inline(always)]
     pub fn predict<P: Model<N, M>>(&mut self, model: &P, process_std: &[f64; N]) -> Expected<N, M> {
         let seeded: [Dual<N>; N] = core::array::from_fn(|k| {
@@ -166,7 +166,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             self.state[k] = next[k].value;
         }
         carry(p, &moved[..P::DYNAMIC], &by[..P::DYNAMIC]);
-        // The noise of its own step that a measurement sees.
+        // Process noise of this step that also acts on the measurement.
         let coupling = model.noise_coupling();
         for j in (0..M).filter(|j| !P::DIRECT.contains(j)) {
             for i in 0..N {
@@ -181,7 +181,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         expected
     }
 
-    /// Adds the process noise to the states, and fills in the measurements that are states.
+    /// Adds the process noise to the states, and completes the measurements that are states.
     #[inline(always)]
     pub(crate) fn complete(
         &mut self,
@@ -205,7 +205,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         }
     }
 
-    /// Absorbs the accepted measurements; returns the normalised innovation squared, the sum over them.
+    /// Absorbs the accepted measurements; returns the normalised innovation squared, summed over them.
     ///
     /// `innovation` is y - y^ and `std` the measurement noise, which must be positive where accepted. The measurements in
     /// `direct` are the states of the same index.
@@ -250,7 +250,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         self.reduce::<BLOCK>(&gain, exact);
         self.reduce::<{ 2 * BLOCK }>(&gain, exact);
         self.reduce::<{ 3 * BLOCK }>(&gain, exact);
-        // K' = L'^-1 G, and the exact rows R K'.
+        // K' = L'^-1 G; the exact rows are R K'.
         let p = &mut self.covariance;
         for j in (direct.start..M).rev() {
             let mut row = gain[j];
@@ -269,7 +269,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         nis
     }
 
-    /// P - G' G: rows `FROM` to `FROM + BLOCK`, from the diagonal's block on, and what mirrors them; not those that are exact.
+    /// P - G' G: rows `FROM` to `FROM + BLOCK` from the diagonal's block on, and their mirror images. Exact rows are left out.
     #[inline(always)]
     fn reduce<const FROM: usize>(&mut self, gain: &[[f64; N]; M], exact: impl Fn(usize) -> bool) {
         let p = &mut self.covariance;

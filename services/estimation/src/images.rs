@@ -1,16 +1,16 @@
-//! Images of sigma points, and how they become a predicted root.
+//! Images of the sigma points, and their triangularisation to a predicted root.
 //!
 //! ```text
 //! [ C  D  Q ]        [ L ]        rows of the states that move
 //! [ S  0  Q ]   =>   [   ]        rows of those that stand still: S is the root before the step, triangular
 //! ```
-//! C and D are odd and even parts of the images ([`crate::sigma_points`]), Q the process noise. A state that stands still has no
-//! even part and keeps its row of the root. So the moving rows come first: a reflection takes D and Q of a row into one number,
-//! which concerns no other row but those that move and the measurements; then rotations fold C in, and leave S triangular.
-//! Behind them row i has i + 1 entries and its noise, which one reflection makes one number. A textbook QR of the whole array
+//! C and D are the odd and even parts of the images ([`crate::sigma_points`]), Q the process noise. A state that stands still has no
+//! even part and retains its row of the root. Moving rows therefore come first. A reflection folds D and Q of a row into one number; it
+//! affects the moving rows and the measurements only. Rotations then fold C in, and leave S triangular. Afterwards row i of a state
+//! that stands still has i + 1 entries and its noise, which one reflection folds into one number. A textbook QR of the whole array
 //! takes more than twice as many operations.
 //!
-//! The rows that stand still lie side by side, column by column, see `rotations`.
+//! The rows that stand still are stored side by side, column by column, see `rotations`.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -24,7 +24,7 @@ use crate::rotations::Rotations;
 
 /// Means and deviations before they are triangularised.
 ///
-/// The process noise comes in only afterwards, so it may depend on the predicted state.
+/// The process noise is added only afterwards, so it may depend on the predicted state.
 pub struct Images<P, const N: usize, const M: usize> {
     /// Predicted state.
     pub state: [f64; N],
@@ -32,13 +32,13 @@ pub struct Images<P, const N: usize, const M: usize> {
     pub measurement: [f64; M],
     /// Rows \[C D\] of the states that move.
     pub(crate) moving: [Row<N, 2>; N],
-    /// The rows of those that stand still, column by column.
+    /// Rows of the states that stand still, column by column.
     pub(crate) still: [[f64; N]; N],
-    /// Rows \[C D\] of the measurements that are no states.
+    /// Rows \[C D\] of the indirect measurements.
     pub(crate) measured: [Row<N, 2>; M],
-    /// Derivative of the measurements by the process noise.
+    /// Derivative of the measurements with respect to the process noise.
     pub(crate) noise_coupling: [[f64; N]; M],
-    /// How far the means of the states lie from the centre's image.
+    /// Distance of the states' means from the image of the centre.
     pub(crate) shift: [f64; N],
     pub(crate) model: PhantomData<fn(&P)>,
 }

@@ -16,13 +16,13 @@
 //!
 //! Misprints of the source: it calls the model a "double integrator" and leaves G undefined (Eqs.
 //! 1, 7; here G = I and Q = diag(0, q)), and writes equality where distributions are meant (Eqs. 3,
-//! 4). It gives one Q without a sampling period: q belongs to a step, so for the same motion it is
+//! 4). It gives one Q without a sampling period: q is the variance per step, so for the same motion it is
 //! proportional to T.
 
 use crate::math::sqrt;
 use nalgebra::{Matrix3, Vector3};
 
-/// What a measurement said about a prediction.
+/// Innovation of a measurement with its predicted variance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Innovation {
@@ -102,7 +102,7 @@ impl VelocityFilter {
         self.p22 += process_variance;
     }
 
-    /// The innovation that `velocity` would have; nothing is changed.
+    /// Returns the innovation that `velocity` would have; changes nothing.
     #[inline]
     pub fn innovation(&self, velocity: Option<f64>, measurement_variance: f64) -> Innovation {
         Innovation {
@@ -111,7 +111,7 @@ impl VelocityFilter {
         }
     }
 
-    /// Takes in a measured velocity; a missing one changes nothing.
+    /// Corrects with a measured velocity; a missing one changes nothing.
     #[inline]
     pub fn correct(&mut self, velocity: Option<f64>, measurement_variance: f64) -> Innovation {
         let innovation = self.innovation(velocity, measurement_variance);
@@ -121,7 +121,7 @@ impl VelocityFilter {
             self.velocity += k1 * innovation.value; // (9)
             self.acceleration += k2 * innovation.value;
             self.p22 -= k2 * self.p12; // (10)
-            self.p12 = k2 * measurement_variance; // P H' = K R, and nothing cancels
+            self.p12 = k2 * measurement_variance; // P H' = K R: no cancellation
             self.p11 = k1 * measurement_variance;
         }
         innovation
@@ -213,7 +213,7 @@ pub struct AngleFilter {
 
 impl AngleFilter {
     /// Starts at rest at the first angle \[rad\]; `rate_std` [rad/s] and `acceleration_std`
-    /// [rad/s^2] say how far from rest it may be.
+    /// [rad/s^2] are the standard deviations about rest.
     pub fn new(angle: f64, angle_variance: f64, rate_std: f64, acceleration_std: f64) -> Self {
         Self {
             x: Vector3::new(angle, 0.0, 0.0),
@@ -234,7 +234,7 @@ impl AngleFilter {
         self.p[(2, 2)] += process_variance;
     }
 
-    /// Takes in a measured angle; a missing one changes nothing.
+    /// Corrects with a measured angle; a missing one changes nothing.
     pub fn correct(&mut self, angle: Option<f64>, angle_variance: f64) -> Innovation {
         let innovation = Innovation {
             value: angle.map_or(0.0, |y| y - self.x[0]),

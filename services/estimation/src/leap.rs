@@ -1,26 +1,26 @@
-//! A value that leaps further than what it measures can change.
+//! Rejects values that change faster than the measured quantity can.
 //!
-//! A loose contact, a bus that drops out or a gateway that fills gaps says 0 or the end of a range for some rows. What is too far from
-//! the last value is missing, and so is the same word again. With time every value comes within reach, so that a shock or a
-//! sensor that begins anew is believed a moment later.
+//! A loose contact, a bus that drops out or a gateway that fills gaps sends 0 or the end of a range for some rows. A value too far from
+//! the last accepted one counts as missing, and so do exact repetitions of it. The allowed distance grows with time, so that a shock or a
+//! restarted sensor is accepted a moment later.
 
-/// A sensor that says the same word for so long means it [s].
+/// Duration after which a repeated value is accepted [s].
 const MEANT: f64 = 2.0;
 
-/// Values without their leaps.
+/// Filter of a signal against leaps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Leap {
     last: Option<f64>,
-    /// Time since it was new [s].
+    /// Time since `last` changed [s].
     age: f64,
-    /// What was not believed since then.
+    /// Last refused value since then.
     refused: Option<f64>,
 }
 
 impl Leap {
-    /// The value of a row as it counts: missing where it leaps by more than may `change` in a second, and the `noise`. Where
-    /// neither is known, all counts.
+    /// Returns the value, or none where it leaps by more than `change` allows (per second) plus `noise`. Where both are zero every value
+    /// passes.
     pub(crate) fn pass(
         &mut self,
         value: Option<f64>,
@@ -45,20 +45,20 @@ impl Leap {
     }
 }
 
-/// No drive goes faster from nothing to its largest torque [1/s]; twice what was recorded of excavators and loaders.
+/// Largest rate of a drive's torque, from zero to its largest torque [1/s]: twice the largest recorded on excavators and loaders.
 const RISE: f64 = 30.0;
 
-/// A torque without its leaps.
+/// Filter of a torque against leaps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SteadyTorque {
     leap: Leap,
-    /// Largest torque so far [N m].
+    /// Largest accepted torque so far [N m].
     largest: f64,
 }
 
 impl SteadyTorque {
-    /// The torque of a row as it counts. The drive reaches `least` at least, and what steps by `noise` is noise [N m].
+    /// Returns the torque, or none where it leaps. The drive reaches at least `least`; steps up to `noise` are noise [N m].
     pub(crate) fn pass(
         &mut self,
         torque: Option<f64>,
@@ -76,7 +76,7 @@ impl SteadyTorque {
 mod tests {
     use super::*;
 
-    /// Values at 100 Hz: the rows that are missing.
+    /// First missing row and number of missing rows, at 100 Hz.
     fn missing(rows: u32, mut passes: impl FnMut(u32) -> bool) -> (u32, u32) {
         let mut missing = (0..rows).filter(|&k| !passes(k));
         let first = missing.next().unwrap_or(rows);

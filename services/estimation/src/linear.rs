@@ -1,13 +1,13 @@
-//! One linear measurement of a few states: y = h'x + e.
+//! Kalman update by one scalar linear measurement of a few states: y = h'x + e.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
-//! | x, P | `state`, `covariance` | states, and their covariance, symmetric |
-//! | h | `by` | what the measurement takes of each state |
-//! | y - h'x | `innovation` | what was measured beyond what was expected |
-//! | P h, h'P h + R | `cross`, `variance` | its covariance with the states, and its variance, that of e included |
+//! | x, P | `state`, `covariance` | states and their covariance, symmetric |
+//! | h | `by` | regressor of the measurement |
+//! | y - h'x | `innovation` | measured minus expected |
+//! | P h, h'P h + R | `cross`, `variance` | covariance with the states; variance of the innovation, that of e included |
 
-/// A measurement that may be taken.
+/// Scalar measurement, not yet applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement<const N: usize> {
     pub innovation: f64,
@@ -16,7 +16,7 @@ pub struct Measurement<const N: usize> {
 }
 
 impl<const N: usize> Measurement<N> {
-    /// With this innovation, and variance `noise` of e.
+    /// Measurement with this innovation; `noise` is the variance of e.
     pub fn of(covariance: &[[f64; N]; N], by: &[f64; N], innovation: f64, noise: f64) -> Self {
         let cross = covariance.each_ref().map(|row| dot(row, by));
         Self {
@@ -26,7 +26,7 @@ impl<const N: usize> Measurement<N> {
         }
     }
 
-    /// States and covariance as it leaves them.
+    /// Updates state and covariance.
     pub fn take(&self, state: &mut [f64; N], covariance: &mut [[f64; N]; N]) {
         for (i, row) in covariance.iter_mut().enumerate() {
             let gain = self.cross[i] / self.variance;
@@ -38,7 +38,7 @@ impl<const N: usize> Measurement<N> {
     }
 }
 
-/// Covariance of states of these standard deviations that know nothing of each other.
+/// Covariance of independent states with these standard deviations.
 pub const fn diagonal<const N: usize>(stds: [f64; N]) -> [[f64; N]; N] {
     let mut covariance = [[0.0; N]; N];
     let mut i = 0;
@@ -63,8 +63,8 @@ mod tests {
         let (mut state, mut covariance) = ([1.0, -2.0], [[1e8, 0.0], [0.0, 1e8]]);
         for (by, value) in [([1.0, 1.0], 3.0), ([1.0, -1.0], 1.0)] {
             let innovation = value - dot(&state, &by);
-            let told = Measurement::of(&covariance, &by, innovation, 1.0);
-            told.take(&mut state, &mut covariance);
+            let measured = Measurement::of(&covariance, &by, innovation, 1.0);
+            measured.take(&mut state, &mut covariance);
         }
         assert!((state[0] - 2.0).abs() < 1e-6 && (state[1] - 1.0).abs() < 1e-6);
         // Half of the variance of a measurement each, and independent.

@@ -1,9 +1,9 @@
-//! The methods of a machine by the names that the command line and the files use: one table a machine, the default first.
+//! Methods of a machine by their names in files and on the command line: one table per machine, the default first.
 
-/// Defines `Method` from the rows of the sheet; the order is that of the index in the messages.
+/// Defines `Method` from the rows of the sheet; their order is the index in the messages.
 macro_rules! methods {
     ($( $index:literal $method:ident $name:literal $method_doc:literal; )+) => {
-        /// How the machine is estimated.
+        /// Estimation method of the machine.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[non_exhaustive]

@@ -1,17 +1,17 @@
-//! A mixture of two hypotheses: its moments, for a filter that goes on, and its interval, for who reads it.
+//! Mixture of two hypotheses: its moments, for a filter that continues, and its interval, for the report.
 //!
-//! Moments of a mixture make a bad interval of it: of a hypothesis with a probability of .01 they show a tenth of the distance,
-//! though the 95 % interval may leave it out; of one with .2 not half of it, though the interval must reach it.
+//! The moments of a mixture give a poor interval. A hypothesis with a probability of .01 widens them by a tenth of its distance,
+//! though the 95 % interval may leave it out. One with .2 widens them by less than half of it, though the interval must include it.
 
-/// What an interval leaves outside, and its half width in standard deviations.
+/// Probability outside an interval, and its half width in standard deviations.
 const OUTSIDE: f64 = 0.05;
 const HALF_WIDTH: f64 = 1.959_964;
 
-/// Logarithm of the odds of a hypothesis that a 95 % interval may leave out: up to here it adds nothing.
+/// Logarithm of the odds up to which a 95 % interval may leave a hypothesis out: up to here it adds nothing.
 pub const POSSIBLE: f64 = -2.944_438_979_166_440_3;
 
-/// What a hypothesis adds to the 95 % interval about the other's value, as a standard deviation (to be added as squares). It has this
-/// `probability`; by it the value lies `away`, on either side, with standard deviation `std`.
+/// Standard deviation that a hypothesis adds to the 95 % interval about the other's value (to be added as squares). It has this
+/// `probability`; under it the value lies `away`, on either side, with standard deviation `std`.
 pub fn spread(probability: f64, away: f64, std: f64) -> f64 {
     let probability = probability.max(OUTSIDE);
     if probability <= OUTSIDE {
@@ -23,7 +23,7 @@ pub fn spread(probability: f64, away: f64, std: f64) -> f64 {
     shifted.max(about) / HALF_WIDTH
 }
 
-/// Mean and covariance become those of the mixture with another hypothesis, its own in `other`, of this probability.
+/// Replaces mean and covariance by those of the mixture with `other`, which has this probability.
 pub fn mix<const N: usize>(
     state: &mut [f64; N],
     covariance: &mut [[f64; N]; N],
@@ -43,7 +43,7 @@ pub fn mix<const N: usize>(
     }
 }
 
-/// Where the central form of the quantile ends; what is beyond counts as this.
+/// Upper end of the central form of the quantile; a larger probability is limited to this.
 const CENTRAL: f64 = 0.975_75;
 /// Coefficients of its numerator and denominator.
 const NUMERATOR: [f64; 6] = [
@@ -63,7 +63,7 @@ const DENOMINATOR: [f64; 6] = [
     1.0,
 ];
 
-/// What a normal deviate exceeds with this probability, from .02425 to .97575; more counts as that
+/// Upper quantile of the normal distribution, for probabilities from .02425 to .97575; a larger one is limited
 /// (P. J. Acklam, "An algorithm for computing the inverse normal cumulative distribution function", 2003: relative error 1.2e-9).
 fn upper_quantile(probability: f64) -> f64 {
     let q = 0.5 - probability.min(CENTRAL);
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::math::{ln, sqrt};
 
-    /// The same at any probability, to .0005 (Abramowitz, Stegun 1964, 26.2.23).
+    /// Upper quantile at any probability, to .0005 (Abramowitz, Stegun 1964, 26.2.23).
     fn quantile(probability: f64) -> f64 {
         let tail = probability.min(1.0 - probability).max(1e-300);
         let t = sqrt(-2.0 * ln(tail));

@@ -1,4 +1,4 @@
-//! What a filter asks of a model: one step of the process and the measurement predicted with it.
+//! Interface of a model for the filters: one step of the process and the predicted measurement.
 
 use core::ops::Range;
 
@@ -14,15 +14,15 @@ pub trait Model<const N: usize, const M: usize> {
     /// These measurements are the predicted states of the same index themselves.
     const DIRECT: Range<usize> = 0..0;
 
-    /// The process does not look at the states from `PASSIVE` on, only the measurement does, see [`Model::measure`].
+    /// The process does not depend on the states from `PASSIVE` on; only the measurement does, see [`Model::measure`].
     const PASSIVE: usize = N;
 
     /// The state one step later, and the measurement made there.
     ///
-    /// Entries of the state from `DYNAMIC` on, and of the measurement in `DIRECT`, are not looked at.
+    /// The state's entries from `DYNAMIC` on, and the measurement's in `DIRECT`, are ignored.
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]);
 
-    /// The same of a state that differs from a predicted one in those from `PASSIVE` on only: `center` is what was predicted there.
+    /// Same as `predict`, for a state that differs from a predicted one only from `PASSIVE` on; `center` is that prediction.
     fn measure<T: Scalar>(
         &self,
         state: &[T; N],
@@ -34,13 +34,13 @@ pub trait Model<const N: usize, const M: usize> {
 
     /// Derivative of each measurement with respect to the process noise of the step (Q_Y = G diag(q)).
     ///
-    /// Rows in `DIRECT` are not looked at. Zero means that the measurement does not see the noise of its own step.
+    /// Rows in `DIRECT` are ignored. Zero: the measurement does not depend on the noise of its own step.
     fn noise_coupling(&self) -> [[f64; N]; M] {
         [[0.0; N]; M]
     }
 }
 
-/// The measurements of a model that are no states; a loop over all with a condition is not unrolled.
+/// Indices of the measurements that are not states. Not a loop over all with a condition, which would not be unrolled.
 pub(crate) fn indirect<P: Model<N, M>, const N: usize, const M: usize>()
 -> impl Iterator<Item = usize> {
     let Range { start, end } = P::DIRECT;

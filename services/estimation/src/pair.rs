@@ -1,6 +1,6 @@
-//! Two numbers at once: the two sigma points of an axis go through the model together, one in each half of a vector register.
+//! Two numbers at once: the two sigma points of an axis pass through the model together, one in each half of a vector register.
 //!
-//! Each lane has the bits that it would have alone.
+//! The result in each lane is bit for bit that of the single number.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -19,7 +19,7 @@ impl Pair {
         Self([f(a), f(b)])
     }
 
-    /// Both are at most so large.
+    /// Whether both magnitudes are at most `limit`.
     #[inline(always)]
     fn within(self, limit: f64) -> bool {
         let Self([a, b]) = self;
@@ -94,7 +94,7 @@ impl Scalar for Pair {
     }
     fn tanh(self) -> Self {
         let Self([a, b]) = self;
-        // Most axes leave alone what it is asked of.
+        // The argument of tanh is equal at both points of most axes.
         if a.to_bits() == b.to_bits() {
             Self::constant(Scalar::tanh(a))
         } else {

@@ -1,24 +1,24 @@
-//! A quantity that is not negative: mean and standard deviation of what is left of a normal distribution above zero.
+//! Mean and standard deviation of a normal distribution truncated at zero, for a quantity that is not negative.
 //!
 //! ```text
 //! a = m/sigma,  lambda = phi(a)/Phi(a):     m' = m + sigma lambda,   sigma'^2 = sigma^2 [1 - lambda (lambda + a)]
 //! ```
-//! (Johnson, Kotz, Balakrishnan 1994, 13.10.1.) m' is below 1.96 sigma' wherever a is below zero: the interval never leaves out
-//! the zero because of the cut.
+//! (Johnson, Kotz, Balakrishnan 1994, 13.10.1.) m' is below 1.96 sigma' wherever a is below zero: truncation alone never excludes zero
+//! from the interval.
 
 use crate::Quantity;
 use crate::math::{exp, sqrt};
 
-/// Beyond this the cut leaves everything as it is: phi(8) is 5e-15.
+/// Value of a beyond which truncation changes nothing: phi(8) is 5e-15.
 const FAR: f64 = 8.0;
-/// Below this the rest is an exponential distribution to a thousandth, and a further digit is rounding.
+/// Value of a below which the rest is an exponential distribution to a thousandth; further digits are rounding.
 const DEEP: f64 = -30.0;
-/// Where the series of Phi ends and the continued fraction of its tail begins.
+/// Value of a below which the continued fraction of the tail replaces the series of Phi.
 const TAIL: f64 = -3.0;
-/// Terms of both, at most: to 1e-12 at their common end.
+/// Largest number of terms of both: to 1e-12 where they meet.
 const TERMS: u32 = 40;
 
-/// What a quantity is that cannot be negative.
+/// Moments of the quantity, truncated at zero.
 pub(crate) fn positive(normal: Quantity) -> Quantity {
     let Quantity { value, std } = normal;
     let a = value / std;
@@ -46,7 +46,7 @@ fn hazard(a: f64) -> f64 {
     for n in 1..=2 * TERMS {
         term *= a * a / f64::from(2 * n + 1);
         sum += term;
-        // What follows is rounding.
+        // Further terms are rounding.
         if term.abs() < 1e-17 * sum.abs() {
             break;
         }
@@ -69,7 +69,7 @@ mod tests {
             let step = 1e-4;
             for k in 0..200_000 {
                 let x = (f64::from(k) + 0.5) * step;
-                // Of a normal at `a`, its largest density above zero taken out.
+                // Normal density about `a`, relative to its largest value above zero.
                 let near = f64::max(a, 0.0);
                 let away = ((x - a) * (x - a) - (near - a) * (near - a)) / 2.0;
                 let density = exp(-away) * step;

@@ -1,4 +1,4 @@
-//! What sigma points predict, and how it absorbs what is measured.
+//! Prediction from sigma points, and its update by measurements.
 //!
 //! The consistent square-root step triangularises one array,
 //! ```text
@@ -6,18 +6,18 @@
 //! [ D_X  Q    0       ]   =>   [ K_b  S+ ],   z = S_y^-1 (y - y^),  x = x^- + K_b z,  NIS = z'z
 //! ```
 //! with D_X, D_Y the images of the sigma points, Q the process noise, Q_Y its part in the measurement. The
-//! factor is unique, so the order of the rotations is free. We take the states first, which gives the predicted root S^-
-//! and expresses each measurement as a row of it, and then absorb the measurements one at a time. A measurement of a
-//! state itself is row j of S^-, with j + 1 entries, and Givens rotations from the last entry to the first keep S
-//! triangular all the way. There is no downdate and no Cholesky factorisation, and a rejected measurement is simply
+//! factor is unique, so the order of the rotations is free. The states come first, which gives the predicted root S^-
+//! and expresses each measurement as a row of it. The measurements are then absorbed one at a time. A measurement of a
+//! state itself is row j of S^-, with j + 1 entries, and Givens rotations from the last entry to the first leave S
+//! triangular throughout. There is no downdate and no Cholesky factorisation. A rejected measurement is simply
 //! not absorbed.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | x^-, y^ | `state`, `measurement` | predicted state and measurement |
 //! | S^- | `columns` | lower root of the predicted covariance, column by column |
-//! | B | `coupling` | the other measurements in the columns of S^- |
-//! | L_e | `independent` | root of what of them no state explains |
+//! | B | `coupling` | the indirect measurements in the columns of S^- |
+//! | L_e | `independent` | root of the part of them that no state explains |
 //! | S_y, K_b | `innovation_root`, `gain_root` | as above; the gain is K = K_b S_y^-1 |
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
@@ -28,8 +28,8 @@ use crate::math::sqrt;
 use crate::model::Model;
 use crate::rotations::Rotations;
 
-/// A predicted state and measurement with their joint uncertainty, measurement noise not included; state and root become the
-/// updated ones when the measurements are absorbed.
+/// Predicted state and measurement with their joint uncertainty, measurement noise not included. Absorbing measurements turns state and
+/// root into the updated ones.
 pub struct Prediction<P, const N: usize, const M: usize> {
     /// State x^-.
     pub state: [f64; N],
@@ -37,14 +37,14 @@ pub struct Prediction<P, const N: usize, const M: usize> {
     pub measurement: [f64; M],
     /// Columns of the lower root S^- of its covariance.
     pub columns: [[f64; N]; N],
-    /// The measurements that are no states in the columns of S^-.
+    /// Indirect measurements in the columns of S^-.
     pub coupling: [[f64; N]; M],
     /// Lower root of the part of these measurements that the states do not explain.
     pub independent: [[f64; M]; M],
     pub(crate) model: PhantomData<fn(&P)>,
 }
 
-/// What an update did.
+/// Result of an update.
 #[derive(Clone, Copy, Debug)]
 pub struct Update<const N: usize, const M: usize> {
     /// Lower root S_y of the innovation covariance; a rejected measurement has a row of zeros.
@@ -80,7 +80,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         }
     }
 
-    /// Variance of the difference of two predicted measurements that are states, sensor noise not included.
+    /// Variance of the difference of two predicted direct measurements, sensor noise not included.
     pub fn difference_variance(&self, [a, b]: [usize; 2]) -> f64 {
         let entries = self.columns[..=a.max(b)].iter();
         let differences = entries.map(|column| column[a] - column[b]);
@@ -110,9 +110,9 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         out
     }
 
-    /// The measurements of states themselves: their rotations and whitened innovations.
+    /// Rotations and whitened innovations of the direct measurements.
     ///
-    /// Row j of S^- has j + 1 entries. Before its own rotations it undergoes those of the measurements before it, just as
+    /// Row j of S^- has j + 1 entries. Before its own rotations it undergoes those of the preceding measurements, as
     /// the row of the state does.
     #[inline(always)]
     fn direct_rotations(
@@ -142,7 +142,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         rotations
     }
 
-    /// Rotates the rows of all states at once: lane k is row k, so the work runs side by side.
+    /// Rotates the rows of all states at once: lane k is row k, which vectorises.
     #[inline(always)]
     fn apply_direct(&mut self, rotations: &[Rotations<M>; M], out: &mut Update<N, M>) {
         for j in P::DIRECT {
@@ -160,7 +160,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         }
     }
 
-    /// Measurement `j` moves the states by these entries of K_b.
+    /// Corrects the state by measurement `j`, with these entries of K_b.
     #[inline(always)]
     fn gain(&mut self, j: usize, gains: &[f64; N], out: &mut Update<N, M>) {
         let z = out.whitened[j];
@@ -170,7 +170,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         }
     }
 
-    /// The other measurements: first their part that no state explains, then the columns of the states.
+    /// Absorbs the indirect measurements: first their part that no state explains, then the columns of the states.
     #[inline(always)]
     fn absorb_indirect(
         &mut self,
@@ -220,7 +220,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
     }
 }
 
-/// The rows of a lower-triangular matrix of these columns.
+/// Rows of a lower-triangular matrix, from its columns.
 #[inline(always)]
 fn rows<const N: usize>(columns: &[[f64; N]; N]) -> [[f64; N]; N] {
     let mut rows = [[0.0; N]; N];
@@ -232,7 +232,7 @@ fn rows<const N: usize>(columns: &[[f64; N]; N]) -> [[f64; N]; N] {
     rows
 }
 
-/// The first `K` entries of a row, or all and zeros.
+/// The first `K` entries of a row, padded with zeros.
 #[inline(always)]
 fn leading<const N: usize, const K: usize>(row: &[f64; N]) -> [f64; K] {
     let mut head = [0.0; K];
@@ -242,7 +242,7 @@ fn leading<const N: usize, const K: usize>(row: &[f64; N]) -> [f64; K] {
     head
 }
 
-/// Writes the first `K` entries of a row back.
+/// Writes the first `K` entries back into a row.
 #[inline(always)]
 fn set_leading<const N: usize, const K: usize>(row: &mut [f64; N], head: &[f64; K]) {
     for (x, h) in row.iter_mut().zip(head) {

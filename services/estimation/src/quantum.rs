@@ -1,12 +1,12 @@
-//! A signal in steps: the smallest change ever seen is taken for the quantum of the sensor.
+//! Resolution of a quantised signal, estimated as the smallest change so far.
 //!
-//! A quantised signal changes by whole quanta q, and its error has a variance of q^2/12. A signal with noise soon changes by next
-//! to nothing.
+//! A quantised signal changes by whole quanta q, and its error has a variance of q^2/12. In a noisy signal the smallest change soon
+//! is close to zero.
 
 /// Changes below this are rounding, in the unit of the signal.
 const ROUNDING: f64 = 1e-9;
 
-/// What has been seen of a signal.
+/// Last value and smallest change of a signal.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Quantum {
@@ -15,7 +15,7 @@ pub(crate) struct Quantum {
 }
 
 impl Quantum {
-    /// Takes the next value; whether it is another one.
+    /// Takes the next value; returns whether it has changed.
     #[inline(always)]
     pub(crate) fn see(&mut self, new: f64) -> bool {
         let change = self

@@ -1,9 +1,9 @@
-//! The reasons of a machine by their names, from the sheet: why an estimate is not trusted, or what the machine does beside its description.
+//! Reasons of a machine by their names, from the sheet: why an estimate is not trusted, or how the machine deviates from its description.
 
 /// Defines `Reason`.
 macro_rules! reasons {
     ($( $code:literal $variant:ident $name:literal $words:literal; )*) => {
-        /// Why an estimate is not trusted, or what the machine does beside its description. Codes never change their meaning.
+        /// Why an estimate is not trusted, or how the machine deviates from its description. Codes never change their meaning.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(u32)]
         #[non_exhaustive]
@@ -22,7 +22,7 @@ macro_rules! reasons {
                 self as u32
             }
 
-            /// The reason of a code; none for one that is not known.
+            /// The reason with this code; `None` for an unknown code.
             pub fn of(code: u32) -> Self {
                 Self::ALL.get(code as usize).copied().unwrap_or_default()
             }

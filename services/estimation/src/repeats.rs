@@ -1,52 +1,52 @@
-//! By how much emptied buckets differ from each other, over what their rows leave open.
+//! Scatter between the emptied buckets of one machine, relative to the variance that their rows claim.
 //!
-//! Rows leave open what the seals hold back. Most of that is the same in each dump, so emptied buckets of one machine agree better than their
-//! rows claim. By how much better, they show themselves:
+//! The rows' variance is mainly the friction of the seals. Most of it is the same in each dump, so emptied buckets of one machine agree
+//! better than their rows claim. Their own scatter identifies by how much:
 //! ```text
-//! lambda = [PRIOR + sum (x - t)^2/S_r]/(PRIOR + n)        S_r: variance that the rows claim, x - t: beyond what was expected
+//! lambda = [PRIOR + sum (x - t)^2/S_r]/(PRIOR + n)        S_r: variance that the rows claim, x - t: deviation from the expected value
 //! ```
 //! The share is lambda, at most 1.
-//! One that is unlike the others counts as soon as another one is like them again: it was theirs, and no sensor's that changed.
+//! A deviating bucket counts as soon as a later one agrees again: the deviation was the bucket's, and no change of the sensor.
 
-/// Time between two changes of a sensor: ten hours of work, a shift [s]. One that is missed costs more than one that is looked for in vain.
+/// Time between two changes of a sensor [s]: ten hours of work, a shift. Missing a change costs more than looking for one in vain.
 pub(crate) const BETWEEN_CHANGES: f64 = 3.6e4;
-/// The claim of the rows weighs as so many emptied buckets.
+/// Weight of the rows' claim, in emptied buckets.
 const PRIOR: f64 = 2.0;
-/// So many buckets are remembered: machines wear, and work goes on elsewhere.
+/// Number of emptied buckets in the memory: machines wear, and work moves to other material.
 const MEMORY: f64 = 30.0;
-/// One bucket says no more than this square. Rows that claim to leave nothing open would say anything.
+/// Limit of a squared deviation, in variances of the rows. Rows with next to no variance would give any value.
 const MOST: f64 = 1e4;
 
-/// Memory of emptied buckets.
+/// Scatter of the emptied buckets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Repeats {
-    /// Sum of the squares, and how many.
+    /// Sum of the squared deviations, and their number.
     sum: f64,
     count: f64,
-    /// The same of those that were unlike the others since.
+    /// Sum and number of the deviations since the last bucket that agreed.
     unlike: [f64; 2],
 }
 
 impl Repeats {
-    /// Share of the rows' variance that is left between emptied buckets.
+    /// Share of the rows' variance that is independent between emptied buckets, at most 1.
     pub fn share(&self) -> f64 {
         self.ratio().min(1.0)
     }
 
-    /// The same, beyond 1 where they differ by more.
+    /// The same ratio, above 1 where buckets differ by more than their rows claim.
     pub fn ratio(&self) -> f64 {
         (PRIOR + self.sum) / (PRIOR + self.count)
     }
 
-    /// An emptied bucket differs by so many deviations of its rows; it is like the others, or not.
-    pub fn see(&mut self, away: f64, alike: bool) {
+    /// Takes the deviation of an emptied bucket, in standard deviations of its rows, and whether it agrees with the others.
+    pub fn see(&mut self, away: f64, agrees: bool) {
         let [sum, count] = &mut self.unlike;
         (*sum, *count) = (*sum + (away * away).min(MOST), *count + 1.0);
-        if alike {
+        if agrees {
             let [sum, count] = core::mem::take(&mut self.unlike);
-            let kept = 1.0 - (count / MEMORY).min(1.0);
-            (self.sum, self.count) = (kept * self.sum + sum, kept * self.count + count);
+            let retained = 1.0 - (count / MEMORY).min(1.0);
+            (self.sum, self.count) = (retained * self.sum + sum, retained * self.count + count);
         }
     }
 }
@@ -68,7 +68,7 @@ mod tests {
         assert!(repeats.share() > 2.0 * agreed);
         (0..1000).for_each(|_| repeats.see(3.0, true));
         assert_eq!(repeats.share(), 1.0);
-        // By rows that leave nothing open, and are right or not.
+        // Rows without variance, with and without a deviation.
         for away in [f64::INFINITY, f64::NAN] {
             repeats.see(away, true);
         }

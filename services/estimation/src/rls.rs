@@ -19,8 +19,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Variances beyond this carry no information and would only lose digits: without excitation of its parameter a variance would
-/// grow for ever.
+/// Limit of a variance. Beyond it a variance carries no information and only loses digits; without excitation of its parameter it
+/// would grow without bound.
 const VARIANCE_LIMIT: f64 = 1e14;
 
 /// Recursive least squares with one forgetting factor per parameter.
@@ -69,7 +69,7 @@ impl<const N: usize> MultipleForgettingRls<N> {
         let (mut innovation, mut s) = (output, 1.0);
         for i in 0..N {
             d[i] = self.variance[i] / forgetting[i];
-            // The square does not wait for the last step, as the variance does.
+            // From the squared regressor: this sum does not wait for the previous step, as the variance does.
             let own = d[i] * (regressor[i] * regressor[i]);
             spread[i] = 1.0 + own;
             s += own;
@@ -85,12 +85,12 @@ impl<const N: usize> MultipleForgettingRls<N> {
 }
 
 impl MultipleForgettingRls<3> {
-    /// The same step by solving Eq. 26 as printed: unit diagonal, L_i phi_j beside it.
+    /// The same step by solving Eq. 26 as printed: unit diagonal, L_i phi_j off the diagonal.
     ///
-    /// With g_i = L_i phi_i and theta_i = old theta_i + L_i u_i the system becomes u_i + sum_{j != i} g_j u_j = e. Its rows
-    /// less each other give (1 - g_i) u_i = m for all i, and m = e / (1 + sum g_i / (1 - g_i)): the determinant of Eq. 27, which
+    /// With g_i = L_i phi_i and theta_i = old theta_i + L_i u_i the system becomes u_i + sum_{j != i} g_j u_j = e. The
+    /// differences of its rows give (1 - g_i) u_i = m for all i, and m = e / (1 + sum g_i / (1 - g_i)): the determinant of Eq. 27, which
     /// the source only refers to, over prod (1 - g_i). 1 - g_i is positive, but loses its digits as P_i phi_i^2 grows; it is
-    /// kept from vanishing. [`update`](Self::update) loses nothing there.
+    /// bounded away from zero. [`update`](Self::update) loses no digits there.
     #[inline]
     pub fn update_by_solve(
         &mut self,
@@ -140,7 +140,7 @@ pub struct Rls<const N: usize> {
 
 impl<const N: usize> Rls<N> {
     /// Starts at `parameters`; `variance` are the prior variances in units of the output's noise
-    /// variance. No parameter's variance grows beyond its prior by forgetting. A prior of 0 keeps
+    /// variance. Forgetting never raises a parameter's variance above its prior. A prior of 0 holds
     /// a parameter fixed.
     pub fn new(parameters: [f64; N], variance: [f64; N]) -> Self {
         let limit = SVector::from(variance);
@@ -156,9 +156,9 @@ impl<const N: usize> Rls<N> {
         &self.covariance
     }
 
-    /// Forgets as by samples without excitation whose forgetting factors have the product `kept`.
-    pub fn forget(&mut self, kept: f64) {
-        self.covariance /= kept;
+    /// Forgets as after samples without excitation whose forgetting factors have the product `factor`.
+    pub fn forget(&mut self, factor: f64) {
+        self.covariance /= factor;
         self.bound();
     }
 
@@ -175,8 +175,8 @@ impl<const N: usize> Rls<N> {
         innovation
     }
 
-    /// Scales rows and columns back where forgetting without excitation has let a variance grow
-    /// past the prior: no data, no more than the prior is known.
+    /// Scales rows and columns back where forgetting without excitation has raised a variance
+    /// above the prior.
     fn bound(&mut self) {
         for i in 0..N {
             let variance = self.covariance[(i, i)];

@@ -6,11 +6,11 @@
 //! | L | result | lower-triangular root, L L' = C C' + D D' + diag(q)^2 |
 //!
 //! A textbook QR of \[C D diag(q)\]' spends most of its work on the zeros of diag(q). Here column i of the diagonal is the
-//! pivot of row i. Nothing has touched it before its turn and nothing needs it afterwards, so a reflection only ever
-//! works on the dense blocks and on one further number per row. Each reflection maps (q_i, c, d) to (-norm, 0, 0): q_i is
-//! never negative, so the pivot is formed without cancellation; the sign is turned afterwards.
+//! pivot of row i. No other row uses it before or afterwards, so a reflection only
+//! works on the dense blocks and on one further number per row. Each reflection maps (q_i, c, d) to (-norm, 0, 0). q_i is
+//! never negative, so the pivot is formed without cancellation; the sign is reversed afterwards.
 //!
-//! What this is not: a rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
+//! This is no rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -21,15 +21,15 @@ use crate::math::sqrt;
 /// One row of the dense part: `B` blocks of `W` columns.
 pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
 
-/// Sum of products in two independent partial sums, so that it vectorises; the order is fixed.
+/// Scalar product as two independent partial sums, so that it vectorises; the order is fixed.
 ///
-/// The sums start with the first products, not with zeros: every reflection waits for this sum.
+/// The sums start with the first products instead of zeros: every reflection waits for this sum.
 #[inline(always)]
 pub(crate) fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
     dot_to(W, a, b)
 }
 
-/// The same of rows whose blocks hold nothing from entry `to` on.
+/// Scalar product of rows whose blocks are zero from entry `to` on.
 #[inline(always)]
 fn dot_to<const W: usize, const B: usize>(to: usize, a: &Row<W, B>, b: &Row<W, B>) -> f64 {
     let mut even = a[0][0] * b[0][0];
@@ -48,7 +48,7 @@ fn dot_to<const W: usize, const B: usize>(to: usize, a: &Row<W, B>, b: &Row<W, B
     even + odd
 }
 
-/// Lanes that are left out together where they hold nothing.
+/// Number of lanes that are skipped together where they are zero.
 pub(crate) const BLOCK: usize = 4;
 
 /// A Householder reflection that sends (pivot, row) to (-norm, 0).
@@ -66,7 +66,7 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
         Self::of_leading(W, row, pivot)
     }
 
-    /// The same of a row that holds nothing from entry `to` on.
+    /// The same of a row that is zero from entry `to` on.
     #[inline(always)]
     pub fn of_leading(to: usize, row: &Row<W, B>, pivot: f64) -> (Self, f64) {
         let norm = sqrt(pivot * pivot + dot_to(to, row, row));
@@ -83,13 +83,13 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
         )
     }
 
-    /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign turned.
+    /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign reversed.
     #[inline(always)]
     pub fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
         self.apply_leading(W, row, entry)
     }
 
-    /// The same of a reflection of a row that holds nothing from entry `to` on.
+    /// The same for a reflection of a row that is zero from entry `to` on.
     #[inline(always)]
     pub fn apply_leading(&self, to: usize, row: &mut Row<W, B>, entry: f64) -> f64 {
         let along = self.scale * (self.pivot * entry + dot_to(to, &self.row, row));
@@ -103,8 +103,8 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
 }
 
 impl<const N: usize> Reflection<N, 1> {
-    /// Reflects rows `i + 1..` that lie side by side, by their columns, as row `i` ends at column `i`; returns their new entries
-    /// in the pivot column, where they have none before. What other rows hold is of no use afterwards.
+    /// Reflects rows `i + 1..`, stored side by side by their columns, where row `i` ends at column `i`. Returns their new entries
+    /// in the pivot column, which are zero before. The contents of the other rows are undefined afterwards.
     #[inline(always)]
     pub fn apply_lanes(&self, columns: &mut [[f64; N]; N], i: usize) -> [f64; N] {
         const { assert!(N <= 4 * BLOCK) }
@@ -135,7 +135,7 @@ impl<const N: usize> Reflection<N, 1> {
     }
 }
 
-/// Lower-triangular L with L L' = C C' + D D' + diag(q)^2; `rows` is used up.
+/// Lower-triangular L with L L' = C C' + D D' + diag(q)^2; overwrites `rows`.
 ///
 /// `diagonal` must not be negative. The diagonal of L is not negative.
 #[inline]
@@ -154,7 +154,7 @@ pub fn triangularise<const R: usize, const W: usize, const B: usize>(
     root
 }
 
-/// Lower-triangular root of rows that have no diagonal, but for those in `skipped`, written into `root`, which must hold zeros.
+/// Lower-triangular root of the rows outside `skipped`, which have no diagonal; written into `root`, which must be zero.
 #[inline(always)]
 pub(crate) fn triangularise_rest<const P: usize, const W: usize, const B: usize>(
     rows: &mut [Row<W, B>; P],

@@ -1,10 +1,10 @@
-//! Givens rotations that fold one row into its noise, and turn everything else along.
+//! Givens rotations that fold one row into its noise, applied to all other rows.
 //!
-//! A row (e_0 .. e_K) with independent noise s becomes one number: rotations from its last entry to its first, each between a
-//! column and the pivot column, in which the noise stands. Rows that are triangular stay so: a rotation of column i and the
-//! pivot finds zeros in both of a row that ends before i.
+//! A row (e_0 .. e_K) with independent noise s becomes one number, by rotations from its last entry to its first. Each acts on a
+//! column and the pivot column, which contains the noise. Triangular rows stay triangular: a row that ends before column i
+//! has zeros in column i and in the pivot.
 //!
-//! Rows that are turned together lie side by side, column by column: lane k is row k, so the work runs side by side.
+//! Rows that are rotated together are stored column by column: lane k is row k, which vectorises.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -20,11 +20,11 @@ pub(crate) struct Rotations<const K: usize> {
     pub norm: f64,
 }
 
-/// Less noise counts as this: its square is the smallest that is far from being none.
+/// Least noise; its square is the smallest that is safely above underflow.
 const LEAST: f64 = 1e-150;
 
 impl<const K: usize> Rotations<K> {
-    /// Rotations that change nothing: a measurement that is not used.
+    /// Rotations that change nothing, for a measurement that is not used.
     pub const NONE: Self = Self {
         cosine: [1.0; K],
         sine: [0.0; K],
@@ -35,7 +35,7 @@ impl<const K: usize> Rotations<K> {
     #[inline(always)]
     pub fn of(row: &[f64; K], std: f64) -> Self {
         let mut rotations = Self::NONE;
-        // Where nothing is folded into nothing, nothing turns; NaN must pass on.
+        // Zero folded into zero is no rotation; NaN must propagate.
         let std = if std < LEAST { LEAST } else { std };
         let mut sum = std * std;
         let mut norm = std;
@@ -66,7 +66,7 @@ impl<const K: usize> Rotations<K> {
     #[inline(always)]
     pub fn turn(&self, columns: &mut [[f64; K]; K]) -> [f64; K] {
         let mut pivots = [0.0; K];
-        // Row k has no entries beyond column k: the lanes before a block are zeros in its columns.
+        // Row k has no entries beyond column k: the lanes before a block are zero in its columns.
         const { assert!(K <= 4 * BLOCK) }
         self.turn_block::<{ 3 * BLOCK }>(columns, &mut pivots);
         self.turn_block::<{ 2 * BLOCK }>(columns, &mut pivots);

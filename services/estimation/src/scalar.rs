@@ -1,8 +1,8 @@
-//! The number a model is written in, so that one model serves every filter: `f64` for sigma points, [`crate::dual::Dual`]
+//! Number type of a model, so that one model serves every filter: `f64` for sigma points, [`crate::dual::Dual`]
 //! for exact derivatives.
 //!
 //! The elementary functions come from nalgebra's `libm`, so they give the same bits on every platform. On a plain `f64`
-//! call them as `Scalar::tanh(x)`: where `std` is linked, `x.tanh()` means the platform's own.
+//! call them as `Scalar::tanh(x)`: where `std` is linked, `x.tanh()` is the platform's own.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -1,4 +1,4 @@
-//! The spread and the weights of the sigma points, and their pair form.
+//! Spread and weights of the sigma points, and their pair form.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
@@ -22,14 +22,14 @@ use crate::math::sqrt;
 pub struct Spread {
     /// Distance of the points: 1 is the product's choice, 0.01 the paper's.
     pub alpha: f64,
-    /// Weight of the centre in the printed cross covariance; does not act elsewhere.
+    /// Weight of the centre in the printed cross covariance; without effect elsewhere.
     pub beta: f64,
     /// Secondary scale, usually 0.
     pub kappa: f64,
 }
 
 impl Spread {
-    /// Points one standard deviation away for n = 1, sqrt(n) in general; no weight on the centre.
+    /// Points sqrt(n) standard deviations away, one for n = 1; no weight on the centre.
     pub const UNIT: Self = Self {
         alpha: 1.0,
         beta: 2.0,

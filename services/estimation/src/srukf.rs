@@ -10,7 +10,7 @@
 //! *printed* step, [`SquareRootUkf::step_printed`], takes S_y from the propagated points without process noise (26) but
 //! S^- with it (28): its gain and its covariance disagree, by some 10 % in the gain.
 //!
-//! What this is not: the redraw of sigma points after the process noise. For linear measurements both agree.
+//! The sigma points are not redrawn after the process noise is added. For linear measurements both agree.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -24,7 +24,7 @@ use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
 use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
 
-/// What no point writes and nobody reads: rows of states that stand still, of measurements that are states. No zeros, which would be written byte by byte.
+/// Placeholder of rows that are neither written nor read: states that stand still, direct measurements. Zeros would be written bytewise.
 const UNWRITTEN: f64 = f64::NAN;
 
 /// The filter: a state and the lower root of its covariance.
@@ -97,11 +97,11 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         self.images(model).predict(process_std)
     }
 
-    /// Takes over what absorbed its measurements.
+    /// Takes over the state and root of an updated prediction.
     #[inline(always)]
     pub fn accept<P: Model<N, M>>(&mut self, updated: &Prediction<P, N, M>) {
         self.state = updated.state;
-        // What lies beyond the diagonal stays zero.
+        // Entries beyond the diagonal stay zero.
         for (k, row) in self.root.iter_mut().enumerate() {
             for (x, column) in row.iter_mut().zip(&updated.columns).take(k + 1) {
                 *x = column[k];
@@ -125,7 +125,7 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         update.nis()
     }
 
-    /// Sigma points through the model: the prediction before the process noise is added.
+    /// Passes the sigma points through the model: the prediction before the process noise is added.
     #[inline(always)]
     pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<P, N, M> {
         let center = model.predict(&self.state);
@@ -143,7 +143,7 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
             model: PhantomData,
         };
         let mut shift_measured = [0.0; M];
-        // Both points of an axis at once, a lane each. Row k of the root ends at column k: the states before i are the centre's.
+        // Both points of an axis at once, one per lane. Row k of the root ends at column k: the states before i are those of the centre.
         let mut points = self.state.map(Pair::constant);
         for i in 0..N {
             for k in i..N {
@@ -180,7 +180,7 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         images
     }
 
-    /// Writes column i of C and D of one quantity, and returns how far the pair's mean lies from the centre.
+    /// Writes column i of C and D of one quantity; returns the distance of the pair's mean from the centre.
     #[inline(always)]
     fn pair(&self, row: &mut Row<N, 2>, i: usize, plus: f64, minus: f64, center: f64) -> f64 {
         let bend = 0.5 * ((plus - center) + (minus - center));
@@ -190,7 +190,7 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
     }
 }
 
-/// What a printed step computes on its way.
+/// Intermediate results of a printed step.
 #[derive(Clone, Copy, Debug)]
 pub struct PrintedStep<const N: usize, const M: usize> {
     /// Predicted state (23).

@@ -1,37 +1,38 @@
-//! Which rows are in time, and what to do about a clock that lies.
+//! Accepts or refuses rows by their time, and detects wrong clocks.
 //!
-//! Rows must increase in time. Two lies would cost all rows that follow, and are found out:
-//! - one stamp far ahead: when the next row continues where the rows before it ended, the stamp was wrong, not the row;
-//! - a clock that was set back: when refused rows have increased among themselves for a while, theirs is the time. Set back by a
-//!   little, as clocks are that follow another, the rows go on; by more, they may be of another day, and all begins anew.
+//! Rows must increase in time. Two faults would cost all rows that follow, and are detected:
+//! - one stamp far ahead: when the next row continues where the rows before it ended, only that stamp was wrong;
+//! - a clock that was set back: when refused rows have increased among themselves for a while, their time is accepted. After a small
+//!   step back, as of a clock that follows another, the rows continue. After a larger one they may be of another day, and the estimator
+//!   restarts.
 //!
-//! Stamps that jitter about a steady period are not times either ([`crate::cadence`]).
+//! Stamps that jitter about a steady period are filtered ([`crate::cadence`]).
 
 use crate::cadence::Cadence;
 
-/// For so long refused rows must increase among themselves until they are believed [s].
+/// Duration for which refused rows must increase among themselves before their time is accepted [s].
 const CONVINCING: f64 = 1.0;
-/// The same where the clock was set back by so little that the rows go on [s].
+/// Largest step back after which rows continue [s], and the duration above for it [s].
 const LITTLE: f64 = 10.0;
 const CONVINCING_A_LITTLE: f64 = 0.2;
 
-/// A longer gap tells no more [s], 30 years: what was known is forgotten, and no power of it overflows.
+/// Longest reported gap [s], 30 years: every estimate is forgotten by then, and no power of it overflows.
 pub(crate) const LONGEST: f64 = 1e9;
 
-/// What a row's time means.
+/// Meaning of a row's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Tick {
     /// The first row with a time.
     First,
-    /// Measured so much later than the row before [s], at most [`LONGEST`].
+    /// Time since the previous row was measured [s], at most [`LONGEST`].
     Later(f64),
-    /// Not later, or no time at all.
+    /// Not later than the previous row, or not finite.
     Refused,
-    /// Not later, but the clock was set back.
+    /// Not later than the previous row, because the clock was set back.
     SetBack,
 }
 
-/// The time of the last accepted row, and of rows under suspicion.
+/// Time of the last accepted row, and the state of the fault detection.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TimeBase {
@@ -39,9 +40,9 @@ pub(crate) struct TimeBase {
     cadence: Cadence,
     /// The time before the last row, if that row jumped.
     before_jump: Option<f64>,
-    /// The last refused row, and for how long refused rows have increased among themselves.
+    /// Time of the last refused row, and the duration for which refused rows have increased among themselves [s].
     refused: Option<(f64, f64)>,
-    /// By how much the clock has been set back in all while the rows went on [s].
+    /// Total by which the clock has been set back while the rows continued [s].
     back: f64,
 }
 
@@ -51,7 +52,7 @@ impl TimeBase {
         self.last
     }
 
-    /// When the last accepted row was measured [s].
+    /// Time of measurement of the last accepted row [s].
     pub fn time(&self) -> f64 {
         self.cadence.time() + self.back
     }
@@ -62,7 +63,7 @@ impl TimeBase {
         if time.is_finite() && self.last.is_none_or(is_later) {
             return false;
         }
-        // Seldom: a copy is asked.
+        // Rare, so a copy is stepped.
         let mut clock = *self;
         clock.tick(time, gap) == Tick::Refused
     }
@@ -119,7 +120,7 @@ impl TimeBase {
         Tick::SetBack
     }
 
-    /// The clock was set back, and rows have been refused for so long since then [s].
+    /// Continues after the clock was set back; rows have been refused for `refused` since then [s].
     fn go_on(&mut self, time: f64, refused: f64) -> Tick {
         let period = refused + self.cadence.period();
         let measured = self.time() + period;
@@ -160,7 +161,7 @@ mod tests {
         for k in 0..400_u32 {
             let time = match k % 7 {
                 3 => wrong[(k / 7 % 6) as usize],
-                // A clock that is set back for good.
+                // A clock that is set back permanently.
                 _ if k > 200 => f64::from(k) * 0.01 - 50.0,
                 _ => f64::from(k) * 0.01,
             };

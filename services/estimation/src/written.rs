@@ -1,4 +1,4 @@
-//! How arrays of any length are written (feature `serde`): serde itself knows those up to 32, of a length that is a number.
+//! Serialisation of arrays of any length (feature `serde`); serde itself supports those up to 32, of a length that is a number.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -19,7 +19,7 @@ pub(crate) fn serialize<S: Serializer, T: Serialize, const N: usize>(
     tuple.end()
 }
 
-/// The array again.
+/// Reads an array, element by element.
 pub(crate) fn deserialize<'a, D: Deserializer<'a>, T: Deserialize<'a> + Copy, const N: usize>(
     from: D,
 ) -> Result<[T; N], D::Error> {
