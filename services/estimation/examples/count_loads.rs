@@ -1,4 +1,4 @@
-//! Counts the loads in estimates that `heft estimate` wrote:
+//! Counts the loads in the estimates of `heft estimate`:
 //! `cargo run -p estimation --example count_loads -- ESTIMATES.csv RATED_KG`.
 
 use std::error::Error;
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let mut ledger = Ledger::new(Settings::with_rated(rated.parse()?));
-    let tell = |load: Option<Load>| {
+    let report = |load: Option<Load>| {
         if let Some(load) = load.filter(|l| l.stage == Stage::Settled) {
             print(&load);
         }
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             trusted: is_set("trusted"),
             ..Row::default()
         });
-        tell(events.load);
+        report(events.load);
         if std::env::var("NOW").is_ok() {
             let now = ledger.now();
             println!("now {} {} {}", number("t").unwrap_or(0.0), now.kg, now.std);
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{:8.2} {}", number("t").unwrap_or(0.0), line_of(&load));
         }
     }
-    tell(ledger.finish().load);
+    report(ledger.finish().load);
     if let Some(load) = ledger.carried() {
         println!("in the bucket: {}", line_of(&load));
     }

@@ -1,6 +1,6 @@
-//! A model of one's own in two filters, a pendulum whose angle is measured: `cargo run -p estimation --example own_filter`.
+//! A user's own model in two filters, a pendulum with measured angle: `cargo run -p estimation --example own_filter`.
 //!
-//! The model is written once. The extended Kalman filter differentiates it exactly, the square-root unscented filter
+//! The model is written once. The extended Kalman filter differentiates it exactly; the square-root unscented filter
 //! evaluates it at sigma points.
 
 use estimation::ekf::Ekf;
@@ -27,7 +27,7 @@ impl Model<2, 1> for Pendulum {
 }
 
 fn main() {
-    // The filters begin at rest, half a radian off.
+    // The filters start at rest, half a radian off.
     let (start, std) = ([0.5, 0.0], [1.0, 1.0]);
     let mut ekf = Ekf::<2, 1>::new(start, &std);
     let mut ukf = SquareRootUkf::<2, 1>::new(start, &std, Spread::UNIT);
@@ -35,7 +35,7 @@ fn main() {
     let mut truth = [1.0, 0.0];
     for row in 1..=500_u32 {
         (truth, _) = Pendulum.predict(&truth);
-        // An error of the sensor that looks like noise and is the same each time.
+        // Sensor error that resembles noise and is the same in each run.
         let noise = 0.02 * (f64::from(row) * 12.9898).sin();
         let measured = [truth[0] + noise];
         ekf.step(&Pendulum, &process_std, &measured, &measurement_std);

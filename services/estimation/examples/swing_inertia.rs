@@ -1,15 +1,15 @@
-//! The swing inertia of an excavator that swings to and fro: `cargo run -p estimation --example swing_inertia`.
+//! Swing inertia of an excavator that swings to and fro: `cargo run -p estimation --example swing_inertia`.
 //!
-//! The machine here is the one that the description says, with a load; a real one is read from its sensors, a row each.
+//! The simulated machine is the described one with a load; a real one is read from its sensors, one row each.
 
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 
 /// Time between two rows [s].
 const PERIOD: f64 = 0.01;
-/// Boom, arm, bucket [rad].
+/// Angles of boom, arm and bucket [rad].
 const POSTURE: [f64; 3] = [0.9, -1.6, -1.0];
-/// In the bucket [kg].
+/// Load in the bucket [kg].
 const PAYLOAD: f64 = 300.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut velocity: f64 = 0.0;
     for row in 0..6000_u32 {
         let time = f64::from(row) * PERIOD;
-        // Speeds up for a second, slows down for a second, rests for two; then the other way.
+        // Speeds up for a second, slows down for a second, rests for two; then in the other direction.
         let phase = time % 8.0;
         let torque = match phase {
             p if p < 1.0 => 6000.0,

@@ -1,4 +1,4 @@
-//! What was dumped: when its weight is final, and to which truck and day it goes.
+//! Accounts of dumped loads: when a weight is final, and to which truck and day it belongs.
 
 use super::book::{DAY, Day, Truck};
 use super::events::Events;
@@ -12,13 +12,13 @@ use super::total::Total;
 pub(super) struct Accounts {
     settings: Settings,
     pub carry_back: CarryBack,
-    /// Dumped, and what stays in the bucket is still being weighed.
+    /// Dumped load whose carry-back is still being weighed.
     pub pending: Option<Load>,
-    /// Loads so far.
+    /// Number of loads so far.
     pub loads: u32,
     pub truck: Truck,
     pub day: Day,
-    /// The day has counted this truck.
+    /// Whether the day has counted this truck.
     day_has_truck: bool,
     pub all: Total,
 }
@@ -41,7 +41,7 @@ impl Accounts {
         }
     }
 
-    /// Today with one more load.
+    /// The present day with one more load.
     pub fn day_with(&self, load: Option<&Load>) -> Day {
         let mut day = self.day;
         day.trucks += u32::from(!self.day_has_truck && load.is_some());
@@ -49,7 +49,7 @@ impl Accounts {
         day
     }
 
-    /// Another value of the signal begins another truck.
+    /// Takes the truck signal; another value starts another truck.
     pub fn call_truck(&mut self, signal: f64, events: &mut Events) {
         if self.truck.signal.is_some_and(|known| known != signal) {
             self.change_truck(Some(signal), events);
@@ -57,7 +57,7 @@ impl Accounts {
         self.truck.signal = Some(signal);
     }
 
-    /// What is dumped from now on goes to another truck, unless this one is empty.
+    /// Assigns the loads dumped from now on to another truck, unless the present one is empty.
     pub fn change_truck(&mut self, signal: Option<f64>, events: &mut Events) {
         self.settle(events);
         if self.truck.total.loads > 0 {
@@ -70,7 +70,7 @@ impl Accounts {
 
     fn change_day(&mut self, time: f64, events: &mut Events) {
         let days = (time - self.settings.midnight) / DAY;
-        // Rounds down, for times before that midnight too.
+        // Rounds down, also for times before that midnight.
         let whole = days as i64;
         let number = whole.saturating_sub(i64::from(days < whole as f64));
         if number != self.day.number {
@@ -83,7 +83,7 @@ impl Accounts {
         }
     }
 
-    /// A load has left at `time`; `rest` is what stays in the bucket. Returns it with its truck and its day.
+    /// Books a load that has left at `time`; `rest` is what stays in the bucket. Returns it with its truck and day.
     pub fn dump(
         &mut self,
         load: Load,
@@ -108,14 +108,14 @@ impl Accounts {
         dumped
     }
 
-    /// What stays in the bucket is weighed better.
+    /// Replaces the weight of what stays in the bucket by a better one.
     pub fn weigh_rest(&mut self, weight: Weight) {
         if let Some(load) = self.pending.as_mut().filter(|l| l.carry_back_weighed) {
             load.carry_back = weight;
         }
     }
 
-    /// Nothing more will be known of what stayed in the bucket.
+    /// Books the pending load: nothing more becomes known of what stayed in the bucket.
     pub fn settle(&mut self, events: &mut Events) {
         let Some(mut load) = self.pending.take() else {
             return;
@@ -132,7 +132,7 @@ impl Accounts {
         events.load = Some(load);
     }
 
-    /// The last load, truck and day.
+    /// Closes the last load, truck and day.
     pub fn close(&mut self, events: &mut Events) {
         self.settle(events);
         events.truck = Some(self.truck).filter(|t| t.total.loads > 0);

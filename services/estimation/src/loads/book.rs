@@ -1,4 +1,4 @@
-//! Trucks and days: where one ends and the next begins, and what they add up to.
+//! Trucks and days and their totals.
 
 use super::load::Load;
 use super::total::Total;
@@ -7,29 +7,29 @@ use super::total::Total;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Truck {
-    /// Counts from 1.
+    /// Number, from 1.
     pub number: u32,
-    /// Value of the signal that called it, where there is one.
+    /// Value of the truck signal, where there is one.
     pub signal: Option<f64>,
     /// Number of the day of its first load.
     pub day: i64,
-    /// When its first load was dumped \[s\].
+    /// Time at which its first load was dumped \[s\].
     pub from: Option<f64>,
-    /// When its last load was dumped \[s\].
+    /// Time at which its last load was dumped \[s\].
     pub to: Option<f64>,
-    /// What it holds.
+    /// Total of its loads.
     pub total: Total,
-    /// What it shall hold \[kg\].
+    /// Target weight \[kg\].
     pub target: Option<f64>,
 }
 
 impl Truck {
-    /// What is missing to the target; negative where there is too much \[kg\].
+    /// Remaining weight to the target; negative above it \[kg\].
     pub fn remaining(&self) -> Option<f64> {
         self.target.map(|target| target - self.total.kg)
     }
 
-    /// The next one.
+    /// Returns the next truck.
     pub(super) fn next(&self, signal: Option<f64>) -> Self {
         Self {
             number: self.number.saturating_add(1),
@@ -39,7 +39,7 @@ impl Truck {
         }
     }
 
-    /// Adds a load that was dumped.
+    /// Adds a dumped load.
     pub(super) fn add(&mut self, load: &Load) {
         if self.from.is_none() {
             (self.from, self.day) = (load.dumped, load.day);
@@ -61,11 +61,11 @@ impl Truck {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Day {
-    /// Midnights since that of the settings.
+    /// Number of midnights since that of the settings.
     pub number: i64,
-    /// Trucks that got something.
+    /// Number of trucks that were loaded.
     pub trucks: u32,
-    /// What was delivered.
+    /// Total delivered.
     pub total: Total,
 }
 

@@ -1,8 +1,8 @@
-//! Which rows are in time.
+//! Accepts or refuses rows by their time.
 
 use crate::time_base::LONGEST;
 
-/// So many rows behind the clock: it was set back.
+/// Number of consecutive rows behind the clock at which it counts as set back.
 const SET_BACK: u32 = 5;
 
 /// The time of the last row that was in time.
@@ -10,17 +10,17 @@ const SET_BACK: u32 = 5;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Clock {
     time: Option<f64>,
-    /// Rows behind it since then.
+    /// Number of rows behind it since then.
     behind: u32,
 }
 
-/// What a row's time means.
+/// Meaning of a row's time.
 pub(super) enum Tick {
-    /// So long after the row before [s].
+    /// Time since the previous row [s].
     Later(f64),
-    /// Too late, or no time at all.
+    /// Not later than the previous row, or not finite.
     Refused,
-    /// The clock was set back: what was seen before is of another time.
+    /// The clock was set back: earlier rows belong to another time.
     SetBack,
 }
 

@@ -1,4 +1,4 @@
-//! What the bucket holds from row to row: the level that is known, whether it may be another by now, and the empty bucket.
+//! Content of the bucket from row to row: the known level, whether it may have changed, and the empty bucket.
 
 use super::level::Level;
 use super::open::{CHANGING, Open};
@@ -6,30 +6,30 @@ use super::row::Row;
 use crate::Quantity;
 use crate::math::{ln, norm, sqrt};
 
-/// Contents differ if they are further apart than this, in standard deviations of their difference.
+/// Contents differ if they are further apart than this, in standard deviations of their difference,
 const CLEAR: f64 = 2.5;
-/// And by more than this, in rated payloads: smaller loads are none.
+/// and by more than this, in rated payloads: no load is smaller.
 pub(super) const LEAST: f64 = 0.08;
-/// Differences up to this are none, in rated payloads.
+/// Differences up to this count as none, in rated payloads.
 const SAME: f64 = 0.04;
-/// Empty bucket before it is weighed: standard deviation in rated payloads.
+/// Standard deviation of the empty bucket before it is weighed, in rated payloads.
 const EMPTY_STD: f64 = 0.05;
-/// A content counts when it has been seen for this long [s].
+/// Duration after which a content counts as constant [s].
 pub(super) const SETTLED: f64 = 0.3;
-/// A load: mean and standard deviation in rated payloads. Buckets are filled from a tenth to a little above it.
+/// A load: mean and standard deviation in rated payloads. Buckets are filled from a tenth to slightly more than the rated payload.
 const LOAD: Quantity = Quantity {
     value: 0.6,
     std: 0.25,
 };
-/// Logarithm of the odds at which one of two explanations is taken: 3 to 1.
+/// Logarithm of the odds at which one of two hypotheses is accepted: 3 to 1.
 const DECIDED: f64 = 1.1;
-/// Logarithm of the odds that a standing machine opens its bucket to dump a load, before anything is known of it: 2 to 1.
+/// Logarithm of the prior odds that a standing machine that opens its bucket dumps a load: 2 to 1.
 const OPENED_FOR_A_LOAD: f64 = 0.7;
-/// What a load may be where nothing weighed it: standard deviation in rated payloads, that of a payload in a machine file.
+/// Standard deviation of a load that nothing weighed, in rated payloads: that of a payload in a machine file.
 const UNKNOWN: f64 = 0.4;
-/// A payload whose variance grows by this from the best was opened: what comes is another content.
+/// Ratio of a payload's variance to the smallest so far at which the estimator has reset it: the content that follows is another.
 const OPENED: f64 = 1.5;
-/// Share of the variance of a payload that all loads of a machine share, where the estimator does not tell.
+/// Share of a payload's variance that is common to all loads of a machine, where the estimator does not state it.
 const COMMON: f64 = 0.7;
 
 /// The content of the bucket.
@@ -38,40 +38,40 @@ const COMMON: f64 = 0.7;
 pub(super) struct Content {
     rated: f64,
     pub level: Option<Level>,
-    /// What seems to be another level.
+    /// Candidate for another level.
     next: Option<Level>,
     pub open: Option<Open>,
-    /// The best that was seen of a content which is not weighed, while the machine moved.
+    /// Best estimate of a content that is not weighed, from rows in motion.
     rough: Option<Level>,
-    /// The same from before the estimator saw it change.
+    /// The same, from before the estimator detected a change.
     unchanged: Option<Level>,
     pub empty: Quantity,
-    /// The level is the first one, or lower than the one before.
+    /// The level is the first one, or lower than the previous one.
     may_be_empty: bool,
     moving_since: Option<f64>,
-    /// The estimator sees it change, and did not in the row before.
+    /// The estimator detects a change, and did not in the previous row.
     begins_to_change: bool,
     changes: bool,
-    /// For how long the content has been seen to change now, while the machine stands [s].
+    /// Duration of the detected change, while the machine stands [s].
     opening: f64,
 }
 
-/// What a row shows of the content.
+/// Result of a row for the content.
 pub(super) enum Shown {
-    /// Nothing that is sure.
+    /// Not conclusive.
     Nothing,
-    /// What is in the bucket is still there.
+    /// The content is unchanged.
     Same,
-    /// It is another, and stays.
+    /// The content is another, and constant.
     Another(Level),
 }
 
-/// What is known of the load in the bucket.
+/// State of the load in the bucket.
 #[derive(Clone, Copy)]
 pub(super) struct Carries {
-    /// There is one.
+    /// There is a load.
     pub a_load: bool,
-    /// It was seen to leave.
+    /// It has been detected to leave.
     pub leaving: bool,
 }
 
@@ -96,13 +96,13 @@ impl Content {
         }
     }
 
-    /// What was seen is of another time; of the empty bucket it is not.
+    /// Discards the contents of another time; the empty bucket stays known.
     pub fn forget(&mut self) {
         (self.level, self.next, self.open, self.moving_since) = (None, None, None, None);
         (self.rough, self.unchanged) = (None, None);
     }
 
-    /// Notes whether the machine moves, and whether it stands and opens its bucket.
+    /// Updates whether the machine moves, and whether it opens its bucket while it stands.
     pub fn follow(&mut self, row: &Row, dt: f64) {
         self.begins_to_change = row.changing && !self.changes;
         self.changes = row.changing;
@@ -113,7 +113,7 @@ impl Content {
         };
         let moved = self.moving(row.time);
         if !row.moves() && moved > 0.0 && moved < SETTLED {
-            // A bucket that digs shakes the machine, and nothing is carried.
+            // Digging shakes the machine: a short motion carries no load.
             let is_of_it = |rough: &Level| rough.from >= row.time - moved;
             self.rough = self.rough.filter(|rough| !is_of_it(rough));
         }
@@ -123,7 +123,7 @@ impl Content {
         }
     }
 
-    /// The content may be another than before; for how long it has been seen `changing` in this `dt`.
+    /// Notes that the content may have changed; a change was detected during `changing` of this `dt` [s].
     pub fn doubt(&mut self, row: &Row, changing: f64, dt: f64) -> Open {
         self.next = None;
         let open = self.open.get_or_insert(Open::from(row, dt));
@@ -131,7 +131,7 @@ impl Content {
         *open
     }
 
-    /// The content is weighed.
+    /// Takes a weighed content.
     pub fn weigh(&mut self, row: &Row, value: Quantity, carries: Carries) -> Shown {
         let common = common(row, value);
         let floor = SAME * self.rated;
@@ -148,8 +148,8 @@ impl Content {
             .open
             .map_or(-DECIDED, |_| self.exchanged(value) + prior);
         if level.holds(value, floor) && !left && odds < DECIDED {
-            let is_telling = odds <= -DECIDED && self.is_telling(value, carries.a_load);
-            if self.open.is_some() && !is_telling {
+            let is_decisive = odds <= -DECIDED && self.is_decisive(value, carries.a_load);
+            if self.open.is_some() && !is_decisive {
                 return Shown::Nothing;
             }
             if let Some(level) = &mut self.level {
@@ -172,24 +172,24 @@ impl Content {
             .map_or(Shown::Nothing, Shown::Another)
     }
 
-    /// The machine has been as far away as a truck is since the content is not known.
+    /// Whether the machine has moved as far as to a truck since the content became unknown.
     fn may_have_returned(&self, row: &Row) -> bool {
         self.open
             .is_some_and(|open| open.has_travelled(row.time, row.witness))
     }
 
-    /// After the content may have changed: whether a value tells that it has not.
-    fn is_telling(&self, value: Quantity, is_loaded: bool) -> bool {
+    /// Whether a value is accurate enough to confirm that a content that may have changed has not.
+    fn is_decisive(&self, value: Quantity, is_loaded: bool) -> bool {
         let close = (2.0 * self.level.map_or(0.0, |l| l.weight.std)).max(SAME * self.rated);
         value.std <= close || is_loaded && self.is_clear(value, self.empty)
     }
 
-    /// Whether a content is rather a load than what stays in an empty bucket.
+    /// Whether a content is more likely a load than the rest in an empty bucket.
     pub fn is_likely(&self, content: Quantity) -> bool {
         self.odds(content) > 0.0
     }
 
-    /// Logarithm of the odds of that.
+    /// Logarithm of the odds of a load against an empty bucket.
     fn odds(&self, content: Quantity) -> f64 {
         log_likelihood(content, self.any_load()) - log_likelihood(content, self.empty)
     }
@@ -201,8 +201,8 @@ impl Content {
         }
     }
 
-    /// Logarithm of the odds that a load was dumped, or an empty bucket filled, against those that the level is still there; of
-    /// what is weighed after it may have changed.
+    /// Logarithm of the odds that the content was exchanged, against an unchanged level, from a value that is weighed after it may have
+    /// changed. Exchanged: a load was dumped, or an empty bucket filled.
     pub fn exchanged(&self, value: Quantity) -> f64 {
         let Some(level) = self.level.map(|level| level.weight.quantity()) else {
             return 0.0;
@@ -212,19 +212,19 @@ impl Content {
         } else {
             self.any_load()
         };
-        // Rows of one filter share their errors: the larger deviation bounds their difference.
+        // Rows of one filter share their errors: the larger standard deviation bounds their difference.
         let std = value.std.max(level.std);
         let same = log_likelihood(Quantity { std, ..value }, Quantity { std: 0.0, ..level });
         log_likelihood(value, other) - same
     }
 
-    /// Whether one content is more than another beyond doubt.
+    /// Whether one content is significantly more than another.
     pub fn is_clear(&self, more: Quantity, less: Quantity) -> bool {
         let std = norm(&[more.std, less.std]);
         more.value - less.value > (CLEAR * std).max(LEAST * self.rated)
     }
 
-    /// The content is another one from now on.
+    /// Replaces the level.
     pub fn change_to(&mut self, next: Level) {
         let fell = |old: Level| next.weight.kg < old.weight.kg;
         self.may_be_empty = self.level.is_some_and(fell);
@@ -236,7 +236,7 @@ impl Content {
         (self.rough, self.unchanged) = (None, None);
     }
 
-    /// Notes a content that is not weighed, while the machine moves: what a load that leaves has been at best.
+    /// Takes a content that is not weighed, while the machine moves: improves the estimate of a load that leaves later.
     pub fn notice(&mut self, row: &Row, value: Quantity) {
         let common = common(row, value);
         let opened =
@@ -244,7 +244,7 @@ impl Content {
         if self.begins_to_change {
             self.unchanged = self.rough;
         }
-        // It has stood since then, and moves again.
+        // The machine has stood since then, and moves again.
         let is_old = |best: &Level| best.is_over && self.moving_since.is_some_and(|t| t > best.to);
         self.rough = self.rough.filter(|best| !is_old(best));
         match &mut self.rough {
@@ -255,8 +255,8 @@ impl Content {
         }
     }
 
-    /// The content that leaves where a standing machine opens its bucket, if that is a load more likely than not. With a load
-    /// that `left` before, it is one that has come since then.
+    /// Content that leaves where a standing machine opens its bucket, unless it is unlikely to be a load. Where a load has `left` before,
+    /// only one that has been filled since then.
     pub fn leaves(&self, row: &Row, left: bool) -> Option<Level> {
         let is_back = |open: &Open| open.has_come_back(row.time, row.witness);
         let content = if left {
@@ -269,7 +269,7 @@ impl Content {
         content.filter(|level| self.opening >= CHANGING && may_leave(level))
     }
 
-    /// What hung since then, if that is a load more likely than not.
+    /// Content that has been suspended since then, unless it is unlikely to be a load.
     pub fn hung(&self, row: &Row, since: f64) -> Option<Level> {
         let any = Quantity {
             std: UNKNOWN * self.rated,
@@ -280,8 +280,8 @@ impl Content {
         (self.odds(hung.weight.quantity()) > -OPENED_FOR_A_LOAD).then_some(hung)
     }
 
-    /// A load that was seen while the machine moved and that has left since then, with when: what is weighed now is an empty bucket,
-    /// and rather that than the same content.
+    /// Load that was seen in motion and has left since then, with the time of leaving. The weighed value must indicate an empty bucket
+    /// rather than the same content.
     pub fn left_unseen(&self, value: Quantity) -> Option<(Level, f64)> {
         let open = self.open.filter(Open::has_changed)?;
         let load = self.unchanged?;
@@ -295,7 +295,7 @@ impl Content {
         Some((load, open.changed?)).filter(|_| has_left)
     }
 
-    /// It was in the bucket, and leaves.
+    /// Sets the content to a load that has begun to leave.
     pub fn take(&mut self, mut level: Level, row: &Row, is_weighed: bool) {
         if !is_weighed {
             level.guess(Quantity {
@@ -308,12 +308,12 @@ impl Content {
         self.open = Some(Open::from(row, 0.0));
     }
 
-    /// The level, where it is sure that it is still there.
+    /// The level, where it is certainly unchanged.
     pub fn known(&self) -> Option<Level> {
         self.level.filter(|_| self.open.is_none())
     }
 
-    /// What is no load is what an empty bucket weighs, where it may be one.
+    /// Learns the weight of the empty bucket from a content that is no load, where it may be empty.
     pub fn learn_empty(&mut self, content: Quantity) {
         if self.may_be_empty && content.std < LEAST * self.rated {
             let std = content.std.max(SAME * self.rated / 2.0);
@@ -321,12 +321,12 @@ impl Content {
         }
     }
 
-    /// How long the machine has moved [s].
+    /// Duration of the present motion [s].
     pub fn moving(&self, now: f64) -> f64 {
         self.moving_since.map_or(0.0, |since| now - since)
     }
 
-    /// When the bucket was full: when it was weighed; where nothing showed the content before, when the machine set off.
+    /// Time at which the bucket was full: when it was weighed, or when the machine set off if nothing showed the content before.
     pub fn filled(&self, next: &Level) -> f64 {
         match (self.open, self.moving_since) {
             (Some(open), Some(since)) => since.clamp(open.since.min(next.from), next.from),
@@ -335,15 +335,15 @@ impl Content {
     }
 }
 
-/// Logarithm of the likelihood of a value if the truth is spread like `truth`, but for a constant.
+/// Logarithm of the likelihood of a value under a normal distribution `truth`, without the constant.
 fn log_likelihood(value: Quantity, truth: Quantity) -> f64 {
     let std = norm(&[value.std, truth.std]);
     let off = (value.value - truth.value) / std;
     -0.5 * off * off - ln(std)
 }
 
-/// Standard deviation of what all loads share of a payload \[kg\].
+/// Standard deviation of the error of a payload that is common to all loads \[kg\].
 fn common(row: &Row, value: Quantity) -> f64 {
-    let told = row.common_std.filter(|common| common.is_finite());
-    told.unwrap_or(sqrt(COMMON) * value.std)
+    let stated = row.common_std.filter(|common| common.is_finite());
+    stated.unwrap_or(sqrt(COMMON) * value.std)
 }

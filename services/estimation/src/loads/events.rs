@@ -1,16 +1,16 @@
-//! What one row has brought about.
+//! Events of one row.
 
 use super::book::{Day, Truck};
 use super::load::Load;
 
-/// What one row has brought about.
+/// Events of one row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Events {
-    /// A load came as far as its stage says, or is reported better.
+    /// A load that has reached its stage, or whose report has improved.
     pub load: Option<Load>,
-    /// A truck is complete.
+    /// A truck that is complete.
     pub truck: Option<Truck>,
-    /// A day is over.
+    /// A day that is over.
     pub day: Option<Day>,
 }
 

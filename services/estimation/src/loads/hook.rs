@@ -1,33 +1,33 @@
-//! A load that hangs from a hook: no bucket opens where it leaves. It was there while it swung, and is set down where the machine stops.
+//! A load suspended from a hook: no bucket opens where it leaves. It is present while it swings, and is set down where the machine stops.
 
 use super::content::SETTLED;
 use super::open::Open;
 use super::row::Row;
 
-/// Setting down, and taking up the next one, take so long at least [s].
+/// Least duration of setting down and taking up the next load [s].
 const SETS_DOWN: f64 = 4.0;
 
-/// What was seen of a load that hangs.
+/// Observations of a suspended load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Hook {
-    /// Since when it swings, and for how long it was seen to \[s\].
+    /// Time since which it swings, and duration of swinging so far \[s\].
     since: Option<f64>,
     swung: f64,
-    /// How long the machine has stood [s].
+    /// Duration for which the machine has stood [s].
     stood: f64,
-    /// Where the machine has been since the last load left.
+    /// Travel of the machine since the last load left.
     way: Option<Open>,
 }
 
 impl Hook {
-    /// A load has left: what swings on the way back is none.
+    /// Notes that a load has left: swinging on the return travel is no load.
     pub fn left(&mut self, row: &Row) {
         self.way = Some(Open::from(row, 0.0));
     }
 
-    /// Takes a row, `dt` after the one before. Since when there was a load on the hook and when the machine stopped, where it is set
-    /// down now.
+    /// Takes a row, `dt` after the previous one. Where a load is set down now, returns since when it was on the hook, and when the machine
+    /// stopped.
     pub fn step(&mut self, row: &Row, dt: f64) -> Option<[f64; 2]> {
         self.stood = if row.moves() { 0.0 } else { self.stood + dt };
         if let Some(way) = &mut self.way {

@@ -1,13 +1,13 @@
 //! From levels to loads.
 //!
-//! | what is seen | what it means |
+//! | observation | meaning |
 //! |---|---|
-//! | the payload rises clear of the empty bucket | a load is in the bucket |
-//! | it falls clear of the load, or the estimator sees it change | the load leaves |
+//! | the payload rises significantly above the empty bucket | a load is in the bucket |
+//! | it falls significantly below the load, or the estimator detects a change | the load leaves |
 //! | it is weighed lower after that | the load is dumped, and this stays in the bucket |
 //! | it is weighed as before, and the machine has not moved meanwhile | the load never left |
-//! | the machine has moved as far as from a truck to a pile | it was dumped, and this is the next one |
-//! | it hung in a swing, and the machine stops for a while | it is set down |
+//! | the machine has moved as far as from a truck to a pile | the load was dumped, and this is the next one |
+//! | it was suspended during a swing, and the machine stops for a while | the load is set down |
 //! | it is weighed higher, and the machine has not moved meanwhile | one more scoop |
 
 use super::accounts::Accounts;
@@ -25,11 +25,11 @@ use super::settings::Settings;
 use super::total::Total;
 use crate::{CommonError, HALF_WIDTH_95, Quantity};
 
-/// A payload is weighed where its 95 % interval is narrower than this to either side, in rated payloads.
+/// Largest half width of the 95 % interval of a weighed payload, in rated payloads.
 const WEIGHED: f64 = 0.5;
-/// A load is reported when it has been weighed for this long [s].
+/// Duration for which a load must be weighed before it is reported [s].
 const REPORTED_AFTER: f64 = 0.4;
-/// More than this share of a load that stays is a load of its own.
+/// Share of a load above which a rest in the bucket is a load of its own.
 const PARTIAL: f64 = 0.35;
 
 /// The load in the bucket.
@@ -38,7 +38,7 @@ const PARTIAL: f64 = 0.35;
 struct Held {
     filled: f64,
     is_reported: bool,
-    /// It is said to leave since then.
+    /// Time since which it is reported to leave.
     leaving: Option<f64>,
 }
 
@@ -59,7 +59,7 @@ pub struct Ledger {
     /// Payload of a full bucket [kg].
     rated: f64,
     clock: Clock,
-    /// What all payloads are off together. It says nothing of one content against another: loads are found by the rest.
+    /// Errors common to all payloads. They cancel between two contents, so loads are found without them.
     common: CommonError,
     holding: Holding,
     content: Content,
@@ -69,7 +69,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// An empty book.
+    /// An empty ledger.
     pub fn new(settings: Settings) -> Self {
         let settings = settings.usable();
         let rated = settings.rated;
@@ -85,17 +85,17 @@ impl Ledger {
         }
     }
 
-    /// What the bucket may carry \[kg\].
+    /// Rated payload \[kg\].
     pub fn rated(&self) -> f64 {
         self.rated
     }
 
-    /// What counts as a load holds more than this \[kg\].
+    /// Smallest content that counts as a load \[kg\].
     pub fn smallest(&self) -> f64 {
         LEAST * self.rated
     }
 
-    /// Takes one estimate. Rows whose time does not increase are passed over.
+    /// Takes one estimate. Rows whose time does not increase are ignored.
     pub fn step(&mut self, row: &Row) -> Events {
         let mut events = Events::default();
         let dt = match self.clock.tick(row.time) {
@@ -133,32 +133,32 @@ impl Ledger {
         events
     }
 
-    /// What the bucket holds now: always a value.
+    /// The present content of the bucket: always a value.
     pub fn now(&self) -> Now {
         self.holding.now()
     }
 
-    /// The load in the bucket, as far as it is known; `None` when it is empty.
+    /// The load in the bucket as estimated so far; `None` when it is empty.
     pub fn carried(&self) -> Option<Load> {
         self.held.map(|held| self.load(&held, Stage::Carried))
     }
 
-    /// The truck that is being loaded, with what has been dumped so far.
+    /// The truck that is being loaded, with the loads dumped so far.
     pub fn truck(&self) -> Truck {
         self.accounts.truck.with(self.on_the_way().as_ref())
     }
 
-    /// Today.
+    /// The present day.
     pub fn day(&self) -> Day {
         self.accounts.day_with(self.on_the_way().as_ref())
     }
 
-    /// Everything since the beginning.
+    /// Total since the start.
     pub fn all(&self) -> Total {
         self.accounts.all.with(self.on_the_way().as_ref())
     }
 
-    /// Begins another truck: what is dumped from now on goes there.
+    /// Starts another truck for the loads dumped from now on.
     pub fn next_truck(&mut self) -> Events {
         let mut events = Events::default();
         let signal = self.accounts.truck.signal;
@@ -166,12 +166,12 @@ impl Ledger {
         events
     }
 
-    /// Says what each truck shall hold from now on \[kg\].
+    /// Sets the target weight of each truck from now on \[kg\].
     pub fn set_target(&mut self, target: Option<f64>) {
         self.accounts.truck.target = target.filter(|t| t.is_finite());
     }
 
-    /// The recording is over: the last load, truck and day. What is still in the bucket is [`Self::carried`].
+    /// Ends the recording: closes the last load, truck and day. A load still in the bucket is [`Self::carried`].
     pub fn finish(&mut self) -> Events {
         let mut events = Events::default();
         if let Some(time) = self.leaving() {
@@ -181,12 +181,12 @@ impl Ledger {
         events
     }
 
-    /// Since when the load in the bucket is said to leave.
+    /// Time since which the load in the bucket is reported to leave.
     fn leaving(&self) -> Option<f64> {
         self.held.and_then(|held| held.leaving)
     }
 
-    /// What was dumped and is not in the sums yet.
+    /// A dumped or leaving load that is not in the sums yet.
     fn on_the_way(&self) -> Option<Load> {
         let leaving = self.held.filter(|held| held.leaving.is_some());
         self.accounts
@@ -194,7 +194,7 @@ impl Ledger {
             .or_else(|| leaving.map(|held| self.load(&held, Stage::Dumped)))
     }
 
-    /// The content may be another than before.
+    /// Handles a row after which the content may be another.
     fn doubt(&mut self, row: &Row, changing: f64, dt: f64, events: &mut Events) {
         let open = self.content.doubt(row, changing, dt);
         if let Some(value) = row.own(&self.common) {
@@ -210,7 +210,7 @@ impl Ledger {
         }
     }
 
-    /// The content is not weighed: what it may be, and whether it leaves.
+    /// Handles a content that is not weighed: what it may be, and whether it leaves.
     fn notice(&mut self, row: &Row, value: Quantity, events: &mut Events) {
         self.content.notice(row, value);
         let is_staying = self.held.is_some_and(|held| held.leaving.is_none());
@@ -226,7 +226,7 @@ impl Ledger {
         self.take_leaving(level, row, row.time);
     }
 
-    /// A load has hung since then, and is set down where the machine stopped; one that is held, or left after it began to hang, is it.
+    /// Handles a load suspended since `since` and set down where the machine stopped. A load that is held, or left after `since`, is the same.
     fn set_down(&mut self, row: &Row, since: f64, stopped: f64, events: &mut Events) {
         let is_it = |held: Held| held.leaving.is_none_or(|left| left >= since);
         if self.held.is_some_and(is_it) {
@@ -241,7 +241,7 @@ impl Ledger {
         self.take_leaving(level, row, stopped);
     }
 
-    /// This load was in the bucket, and has begun to leave.
+    /// Makes this level the load in the bucket, which has begun to leave.
     fn take_leaving(&mut self, level: Level, row: &Row, leaving: f64) {
         let is_weighed = self.is_weighed(level.weight.quantity());
         self.content.take(level, row, is_weighed);
@@ -251,12 +251,12 @@ impl Ledger {
         });
     }
 
-    /// Whether an interval is narrow enough to call the content weighed.
+    /// Whether the interval is narrow enough for a weighed content.
     fn is_weighed(&self, value: Quantity) -> bool {
         HALF_WIDTH_95 * value.std < WEIGHED * self.rated
     }
 
-    /// The content is weighed.
+    /// Handles a weighed content.
     fn weigh(&mut self, row: &Row, value: Quantity, events: &mut Events) {
         if self.held.is_none()
             && let Some((load, left)) = self.content.left_unseen(value)
@@ -274,7 +274,7 @@ impl Ledger {
         }
     }
 
-    /// A load that was said to leave is still there.
+    /// Revokes the leaving of a load that is still there.
     fn take_back(&mut self, events: &mut Events) {
         let leaving = self.held.as_mut().and_then(|held| held.leaving.take());
         if leaving.is_some() {
@@ -282,14 +282,14 @@ impl Ledger {
         }
     }
 
-    /// Says of a load that was reported how far it has come now.
+    /// Reports the stage of a load that has been reported before.
     fn report(&self, stage: Stage, events: &mut Events) {
         if let Some(held) = self.held.filter(|held| held.is_reported) {
             events.load = Some(self.load(&held, stage));
         }
     }
 
-    /// The content is another, and stays.
+    /// Handles another constant content.
     fn move_to(&mut self, next: Level, events: &mut Events) {
         let Some(old) = self.content.level else {
             return;
@@ -301,7 +301,7 @@ impl Ledger {
         let emptied =
             open.is_some() && self.content.is_likely(before) && self.content.exchanged(after) > 0.0;
         if emptied && self.held.is_none() {
-            // Too uncertain to be called a load, until it was gone.
+            // It was too uncertain to be called a load until it was gone.
             self.held = Some(Held::since(old.left));
         }
         if self.held.is_some() && (emptied || self.content.is_clear(before, after)) {
@@ -311,7 +311,7 @@ impl Ledger {
                 self.held = Some(Held::since(next.from));
             }
         } else if self.leaving().is_some() && returned {
-            // Dumped and filled again; nobody weighed the empty bucket.
+            // Dumped and filled again; the empty bucket was not weighed.
             self.dump(left, None, events);
         } else if let Some(held) = &mut self.held {
             held.leaving = None;
@@ -322,7 +322,7 @@ impl Ledger {
         self.content.change_to(next);
     }
 
-    /// The load has left; `rest` is what stays in the bucket.
+    /// Books a load that has left; `rest` is what stays in the bucket.
     fn dump(&mut self, time: f64, rest: Option<Weight>, events: &mut Events) {
         self.accounts.settle(events);
         let Some(held) = self.held.take() else { return };
@@ -338,7 +338,7 @@ impl Ledger {
         }
     }
 
-    /// Whether the content is a load, and tells it.
+    /// Decides whether the content is a load, and reports it.
     fn find(&mut self, row: &Row, events: &mut Events) {
         let Some(level) = self.content.known() else {
             return;
@@ -349,7 +349,7 @@ impl Ledger {
                 if self.content.is_likely(content) {
                     return;
                 }
-                // What is clear of the empty bucket is the next load, not what stayed of the last.
+                // A content significantly above the empty bucket is the next load, not the rest of the last.
                 self.accounts.weigh_rest(level.weight);
                 self.content.learn_empty(content);
                 return;
@@ -370,7 +370,7 @@ impl Ledger {
         }
     }
 
-    /// The load in the bucket as it is known now.
+    /// The load in the bucket as estimated now.
     fn load(&self, held: &Held, stage: Stage) -> Load {
         let (level, accounts) = (self.content.level, &self.accounts);
         Load {

@@ -1,19 +1,19 @@
-//! A content of the bucket that stays for a while, and the best estimate of it.
+//! Level: a content of the bucket that is constant for a while, and its best estimate.
 
 use super::load::Weight;
 use super::row::{Row, Witness};
 use crate::Quantity;
 
-/// Two values further apart than this are two contents, in standard deviations of the less certain one. Rows of one
-/// filter share their errors, so the larger deviation bounds their difference.
+/// Distance of two values above which they are two contents, in standard deviations of the less certain one. Rows of one
+/// filter share their errors, so the larger standard deviation bounds their difference.
 const APART: f64 = 3.0;
 
-/// A row replaces what is known of its content if its deviation is below this share of the known one.
+/// Ratio of standard deviations below which a row replaces the estimate.
 const MORE_CERTAIN: f64 = 0.99;
-/// Equally certain rows are averaged over this time: the first rows of a dump move the mean little [s].
+/// Averaging time of equally certain rows [s]: the first rows of a dump change the mean little.
 const MEAN: f64 = 1.0;
 
-/// A content that stays.
+/// A constant content.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Level {
@@ -22,16 +22,16 @@ pub(super) struct Level {
     pub(super) trusted: bool,
     pub(super) why: u32,
     pub(super) witness: Witness,
-    /// Its first row: a content that creeps away from it is another.
+    /// Value of its first row: a content that creeps away from it is another.
     pub(super) first: Quantity,
     /// Time over which equally certain rows have been averaged [s].
     pub(super) mean_of: f64,
     /// First and last row [s].
     pub(super) from: f64,
     pub(super) to: f64,
-    /// When the content before it was left [s].
+    /// Time at which the previous content was left [s].
     pub(super) left: f64,
-    /// Another content has come.
+    /// Whether another content has come.
     pub(super) is_over: bool,
 }
 
@@ -52,7 +52,7 @@ impl Level {
         }
     }
 
-    /// Takes one more row of it: a more certain one replaces what is known, an equally certain one joins the mean.
+    /// Takes one more row: a more certain one replaces the estimate, an equally certain one joins the mean.
     pub(super) fn join(&mut self, row: &Row, value: Quantity, common: f64) {
         let dt = row.time - self.to;
         self.to = row.time;
@@ -70,7 +70,7 @@ impl Level {
         }
     }
 
-    /// Nothing weighed it: it is what a load may be, unless more is known. What is not known is the same of all loads.
+    /// Marks it as not weighed: without a better estimate it is an average load. The whole error is common to all loads.
     pub(super) fn guess(&mut self, any: Quantity) {
         if self.weight.std > any.std {
             (self.weight.kg, self.weight.std) = (any.value, any.std);
@@ -80,7 +80,7 @@ impl Level {
         self.weight.common_std = self.weight.std;
     }
 
-    /// Whether a value may be one of this content; differences up to `floor` are none.
+    /// Whether a value may belong to this content; differences up to `floor` count as none.
     pub(super) fn holds(&self, value: Quantity, floor: f64) -> bool {
         let near = |kg: f64, std: f64| {
             let apart = APART * value.std.max(std);
@@ -89,7 +89,7 @@ impl Level {
         near(self.weight.kg, self.weight.std) && near(self.first.value, self.first.std)
     }
 
-    /// How long it has been seen [s].
+    /// Duration for which it has been seen [s].
     pub(super) fn age(&self) -> f64 {
         self.to - self.from
     }

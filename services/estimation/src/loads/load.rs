@@ -4,7 +4,7 @@ use super::row::Witness;
 use crate::math::{norm, sqrt};
 use crate::{CommonError, HALF_WIDTH_95, Quantity};
 
-/// A weight with its standard deviation, and the part of it that all loads share.
+/// A weight with its standard deviation, and the part of it that is common to all loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weight {
@@ -12,12 +12,12 @@ pub struct Weight {
     pub kg: f64,
     /// Standard deviation \[kg\].
     pub std: f64,
-    /// Standard deviation of the errors that all loads share, at most `std` \[kg\].
+    /// Standard deviation of the errors common to all loads, at most `std` \[kg\].
     pub common_std: f64,
 }
 
 impl Weight {
-    /// A weight of which `common` is shared.
+    /// A weight with the standard deviation `common` of the common errors.
     pub(super) fn new(value: Quantity, common: f64) -> Self {
         Self {
             kg: value.value,
@@ -26,7 +26,7 @@ impl Weight {
         }
     }
 
-    /// The same with what all weights are off together.
+    /// The same with the errors common to all weights added.
     pub(super) fn with_common(self, common: &CommonError) -> Self {
         let together = common.std(self.kg);
         Self {
@@ -49,7 +49,7 @@ impl Weight {
         (self.std * self.std - self.common_std * self.common_std).max(0.0)
     }
 
-    /// What is left of it without `other`. Errors that both share partly cancel; by how much nobody tells, so none do.
+    /// The difference to `other`. Common errors partly cancel; since the correlation is unknown, no cancellation is assumed.
     pub(super) fn without(&self, other: &Self) -> Self {
         Self {
             kg: self.kg - other.kg,
@@ -67,16 +67,16 @@ impl Weight {
     }
 }
 
-/// How far a load has come.
+/// Stage of a load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stage {
-    /// In the bucket; its weight becomes better.
+    /// In the bucket; its estimate improves.
     #[default]
     Carried,
-    /// Dumped: its weight is final, what stays in the bucket is not weighed yet.
+    /// Dumped: its weight is final; what stays in the bucket is not weighed yet.
     Dumped,
-    /// What stays in the bucket is final too.
+    /// Booked: what stays in the bucket is final too.
     Settled,
 }
 
@@ -103,40 +103,40 @@ impl Stage {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Load {
-    /// Counts from 1.
+    /// Number, from 1.
     pub number: u32,
     /// Number of its truck, from 1.
     pub truck: u32,
     /// Number of its day: midnights since that of the settings.
     pub day: i64,
-    /// How far it has come.
+    /// Its stage.
     pub stage: Stage,
-    /// Since when the bucket is known to hold it; where only motion tells, since the machine set off \[s\].
+    /// Time since which the bucket is known to hold it, or since the machine set off where only motion is informative \[s\].
     pub filled: f64,
-    /// When it began to leave; `None` while it is in the bucket \[s\].
+    /// Time at which it began to leave; `None` while it is in the bucket \[s\].
     pub dumped: Option<f64>,
-    /// What was in the bucket.
+    /// Content of the bucket before the dump.
     pub weight: Weight,
-    /// What stayed in it.
+    /// Rest that stayed in the bucket.
     pub carry_back: Weight,
-    /// That was weighed after this load; else it is what stayed after earlier ones.
+    /// Whether the rest was weighed after this load; else it is the average of earlier ones.
     pub carry_back_weighed: bool,
-    /// The weight may be believed.
+    /// Whether the weight is trusted.
     pub trusted: bool,
-    /// Why not, in the code of the rows.
+    /// Why the weight is not trusted, in the code of the rows.
     pub why: u32,
     /// Source of the weight.
     pub witness: Witness,
 }
 
 impl Load {
-    /// What the truck got.
+    /// Weight that the truck received.
     pub fn delivered(&self) -> Weight {
         self.weight.without(&self.carry_back)
     }
 }
 
-/// Mean and spread of what stays in the bucket after a dump.
+/// Mean and variance of what stays in the bucket after a dump.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CarryBack {
@@ -146,9 +146,9 @@ pub(super) struct CarryBack {
     count: f64,
 }
 
-/// Before any is weighed: standard deviation, in rated payloads. Wet soil leaves up to a tenth.
+/// Standard deviation before any is weighed, in rated payloads. Wet soil leaves up to a tenth.
 const CARRY_BACK_STD: f64 = 0.05;
-/// The last so many count.
+/// Memory of the averages, in dumps.
 const CARRY_BACK_MEMORY: f64 = 8.0;
 
 impl CarryBack {
@@ -162,7 +162,7 @@ impl CarryBack {
         }
     }
 
-    /// Takes one that was weighed.
+    /// Takes a weighed rest.
     pub(super) fn add(&mut self, weight: &Weight) {
         self.count = (self.count + 1.0).min(CARRY_BACK_MEMORY);
         let share = 1.0 / (self.count + 1.0);
@@ -172,7 +172,7 @@ impl CarryBack {
         self.common += (weight.common_std - self.common) / self.count;
     }
 
-    /// What is expected where none is weighed.
+    /// Expected rest where none is weighed.
     pub(super) fn expected(&self) -> Weight {
         Weight {
             kg: self.mean,

@@ -1,24 +1,24 @@
-//! Loads, as people count them: what was filled, carried and dumped, in kilograms, and what a truck and a day add up to.
+//! Ledger of loads: finds what was filled, carried and dumped in the estimates, and adds it up per truck and per day, in kilograms.
 //!
-//! Knows estimates only (time, payload with its standard deviation, speed, verdict), so it serves every machine and
-//! every witness. Constant memory: it hands out each load as it ends and keeps the sums.
+//! Its input is estimates only (time, payload with its standard deviation, speed, verdict), so it serves every machine and
+//! every witness. Memory is constant: it returns each load as it ends and stores the sums.
 //!
 //! | file | what |
 //! |---|---|
-//! | `row` | what it reads: one estimate |
-//! | `settings`, `events` | what it is given, and what a row brings about |
-//! | `clock` | which rows are in time |
-//! | `level` | a content of the bucket that stays: the best estimate of it |
-//! | `open` | a content that is not known for a while |
-//! | `hook` | a load that hangs: when it is set down |
-//! | `content` | what the bucket holds from row to row, and the empty bucket |
+//! | `row` | its input: one estimate |
+//! | `settings`, `events` | settings; events of a row |
+//! | `clock` | accepts or refuses rows by their time |
+//! | `level` | a constant content of the bucket and its best estimate |
+//! | `open` | a content that may have changed |
+//! | `hook` | a suspended load: when it is set down |
+//! | `content` | content of the bucket from row to row, and the empty bucket |
 //! | `ledger` | from levels to loads: filled, carried, dumped, weighed empty again |
-//! | `accounts` | what was dumped, and to which truck and day it goes |
+//! | `accounts` | dumped loads, assigned to trucks and days |
 //! | `load` | one load, its weight and what stays in the bucket |
-//! | `total` | sums with errors that loads share and errors that they do not |
+//! | `total` | sums with common and independent errors of the loads |
 //! | `book` | trucks and days |
-//! | `now` | what the bucket holds now: always a value |
-//! | `report` | what other programs hear, in plain numbers |
+//! | `now` | the present content of the bucket: always a value |
+//! | `report` | plain numbers for other programs |
 //!
 //! ```
 //! use estimation::Quantity;

@@ -1,11 +1,11 @@
-//! What the bucket holds now: always a value, never a jump back to the prior.
+//! Present content of the bucket: always a value, without jumps back to the prior.
 //!
-//! Where the content may have changed, an estimator opens its payload to the prior (mean p0, variance S). A controller
-//! keeps the last value instead, with a deviation that covers what may have happened, and takes from the estimator only
-//! what it learns after that:
+//! Where the content may have changed, an estimator resets its payload to the prior (mean p0, variance S). A controller
+//! holds the last value instead, with a standard deviation that covers the possible change, and uses only
+//! the information that the estimator gains afterwards:
 //!
 //! ```text
-//! information   i = 1/s^2 - 1/S,          its value   y = (p/s^2 - p0/S)/i
+//! information   i = 1/s^2 - 1/S,          of the value   y = (p/s^2 - p0/S)/i
 //! held          V = v + (k - p0)^2 + S,   now = (k/V + y i)/(1/V + i)
 //! ```
 
@@ -13,36 +13,36 @@ use super::row::Row;
 use crate::Quantity;
 use crate::math::sqrt;
 
-/// What the bucket holds now.
+/// Present content of the bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Now {
     /// Payload \[kg\].
     pub kg: f64,
-    /// Standard deviation, which grows with time and by what may have changed \[kg\].
+    /// Standard deviation; it grows with time and with possible changes \[kg\].
     pub std: f64,
     /// Time since it was last weighed; `None` if it never was \[s\].
     pub age: Option<f64>,
 }
 
-/// A variance that grows by more than this from one row to the next was opened.
+/// Ratio of a variance to that of the previous row above which the estimator has reset it.
 const OPENED: f64 = 1.5;
-/// Where the estimator has learnt so much that the share left of its variance is below this, it is followed.
+/// Ratio of the estimator's variance to that at the reset below which its value is used directly.
 const LEARNT: f64 = 0.02;
-/// Material falls off a bucket that stays closed: random walk, in rated payloads per root second.
+/// Random walk of the content of a closed bucket, from which material falls, in rated payloads per root second.
 const CREEP: f64 = 0.002;
-/// Without any estimate the bucket may be filled or emptied within some seconds: rated payloads per second.
+/// Growth of the standard deviation without any estimate, in rated payloads per second: a bucket is filled or emptied within seconds.
 const UNSEEN: f64 = 0.2;
-/// Standard deviation of a content of which nothing is known, in rated payloads.
+/// Standard deviation of an unknown content, in rated payloads.
 const UNKNOWN: f64 = 0.6;
 
-/// The last known payload, and what may have changed.
+/// Last known payload and its possible change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Holding {
     rated: f64,
     now: Option<Quantity>,
-    /// The estimator's payload when it was opened, and what was held then.
+    /// Payload of the estimator at its reset, and the payload held then.
     opened: Option<(Quantity, Quantity)>,
     last: Option<Quantity>,
     seen: Option<f64>,
@@ -61,7 +61,7 @@ impl Holding {
         }
     }
 
-    /// Takes a row, `dt` after the one before. `weighed`: it tells the content.
+    /// Takes a row, `dt` after the previous one. `weighed`: it determines the content.
     pub(super) fn step(&mut self, row: &Row, dt: f64, weighed: bool) {
         self.time = row.time;
         let Some(p) = row.weighed() else {
@@ -84,15 +84,15 @@ impl Holding {
         self.now = Some(match self.opened {
             Some((open, held)) if variance(p) > LEARNT * variance(open) => {
                 let (own, was) = (1.0 / variance(p), 1.0 / variance(open));
-                let (information, kept) = ((own - was).max(0.0), 1.0 / variance(held));
+                let (information, prior) = ((own - was).max(0.0), 1.0 / variance(held));
                 let moment = if information > 0.0 {
                     p.value * own - open.value * was
                 } else {
                     0.0
                 };
-                let sum = kept + information;
+                let sum = prior + information;
                 Quantity {
-                    value: (held.value * kept + moment) / sum,
+                    value: (held.value * prior + moment) / sum,
                     std: sqrt(1.0 / sum),
                 }
             }
@@ -110,7 +110,7 @@ impl Holding {
         }
     }
 
-    /// Time goes on without an estimate.
+    /// Widens the held value over `dt` without an estimate.
     fn unseen(&mut self, dt: f64) {
         if let Some(now) = &mut self.now {
             let most = (UNKNOWN * self.rated).max(now.std);
@@ -118,7 +118,7 @@ impl Holding {
         }
     }
 
-    /// What the bucket holds now. Before any estimate: half of the rated payload, give or take.
+    /// The present content of the bucket. Before any estimate: half of the rated payload, with [`UNKNOWN`].
     pub(super) fn now(&self) -> Now {
         let nothing = Quantity {
             value: 0.5 * self.rated,

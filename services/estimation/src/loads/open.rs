@@ -1,33 +1,33 @@
-//! A content that is not known for a while: what may have happened to it meanwhile.
+//! A content that may have changed, and what the machine did meanwhile.
 
 use super::row::{Row, Witness};
 
-/// The content changes when the estimator has said so for this long [s].
+/// Duration of a detected change after which the content counts as changed [s].
 pub(super) const CHANGING: f64 = 0.15;
-/// Dumping, the way back and filling again take so long at least [s].
+/// Least duration of dumping, returning and filling again [s].
 const ROUND_TRIP: f64 = 4.0;
-/// A longer step between rows is a gap [s].
+/// A longer step between two rows is a gap [s].
 pub(super) const GAP: f64 = 2.0;
 
-/// The content is not known since then.
+/// Interval in which the content is not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Open {
     pub since: f64,
-    /// For how long the estimator has seen it change, and since when [s].
+    /// Duration for which the estimator has detected a change, and its first time [s].
     changing: f64,
     pub changed: Option<f64>,
-    /// A standing machine has opened its bucket.
+    /// Whether a standing machine has opened its bucket.
     pub by_standing: bool,
-    /// Where the machine is, and the ends of where it has been since then [rad or m].
+    /// Position of the machine, and lowest and highest position since then [rad or m].
     at: f64,
     ends: [f64; 2],
-    /// The furthest that it has come back from an end, from the lower and from the upper one [rad or m].
+    /// Largest return from the lowest and from the highest position [rad or m].
     back: [f64; 2],
 }
 
 impl Open {
-    /// From a row on, or from the one before where nothing is known of the `dt` between them.
+    /// Starts at a row, or at the previous row where `dt` between them is a gap.
     pub fn from(row: &Row, dt: f64) -> Self {
         Self {
             since: row.time - if dt > GAP { dt } else { 0.0 },
@@ -40,31 +40,31 @@ impl Open {
         }
     }
 
-    /// Goes on for `dt`, in which the content was seen `changing` for so long.
+    /// Continues for `dt`, in which a change was detected during `changing` [s].
     pub fn go_on(&mut self, row: &Row, changing: f64, dt: f64) {
         self.changing += changing;
         if changing > 0.0 {
             self.changed.get_or_insert(row.time);
         }
-        let way = row.speed * dt;
-        self.at += if way.is_finite() { way } else { 0.0 };
+        let travel = row.speed * dt;
+        self.at += if travel.is_finite() { travel } else { 0.0 };
         self.ends = [self.ends[0].min(self.at), self.ends[1].max(self.at)];
         let back = [self.at - self.ends[0], self.ends[1] - self.at];
         self.back = [self.back[0].max(back[0]), self.back[1].max(back[1])];
     }
 
-    /// The estimator has seen the content change.
+    /// Whether the estimator has detected a change.
     pub fn has_changed(&self) -> bool {
         self.changing >= CHANGING
     }
 
-    /// Whether the machine may have dumped and filled again by now: it was as far away as a truck is.
+    /// Whether the machine may have dumped and filled again by now: it has moved as far as to a truck.
     pub fn has_travelled(&self, now: f64, witness: Witness) -> bool {
         let far = self.ends[1] - self.ends[0] >= witness.trip();
         far && now - self.since >= ROUND_TRIP
     }
 
-    /// Whether it has been there and come back: a swing that goes on one way brings no second load.
+    /// Whether it has also come back: a swing in one direction brings no second load.
     pub fn has_come_back(&self, now: f64, witness: Witness) -> bool {
         let both = self.back.iter().all(|back| *back >= witness.trip());
         both && self.has_travelled(now, witness)

@@ -1,4 +1,4 @@
-//! What other programs hear of the ledger, in plain numbers.
+//! Report of the ledger for other programs, in plain numbers.
 
 use super::book::Truck;
 use super::ledger::Ledger;
@@ -6,7 +6,7 @@ use super::load::{Load, Stage, Weight};
 use super::now::Now;
 use sheet::loads::bits;
 
-/// Where each number comes from.
+/// Sources of the numbers.
 struct At {
     now: Now,
     load: Load,
@@ -43,10 +43,10 @@ macro_rules! report {
 sheet::loads_fields!(report);
 
 impl LoadReport {
-    /// What a ledger knows; `last`: the latest load that it has reported.
+    /// Report of a ledger; `last` is the latest load that it has reported.
     pub fn of(ledger: &Ledger, last: Option<&Load>) -> Self {
         let (now, truck) = (ledger.now(), ledger.truck());
-        // One that leaves may come back: nothing of it is final. One that was carried and is not any more is unknown.
+        // A load that leaves may come back: it is not final. One that was carried and no longer is, is unknown.
         let carried = ledger.carried();
         let load = carried.or(last.copied().filter(|load| load.stage != Stage::Carried));
         let flags = flags(load.as_ref(), carried.is_some(), &now, &truck);
@@ -110,7 +110,7 @@ mod tests {
         for i in 0..1200 {
             let time = f64::from(i) * 0.01;
             let value = if (200..500).contains(&i) { 900.0 } else { 20.0 };
-            // Nothing weighs it in the last seconds.
+            // No row weighs it in the last seconds.
             let payload = (i < 1000).then_some(Quantity { value, std: 20.0 });
             let row = Row {
                 time,

@@ -1,4 +1,4 @@
-//! What the ledger reads: one estimate of any machine.
+//! Input of the ledger: one estimate of any machine.
 
 use crate::math::sqrt;
 use crate::{CommonError, Quantity};
@@ -7,7 +7,7 @@ use crate::{CommonError, Quantity};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Witness {
-    /// How the machine accelerates.
+    /// Acceleration of the machine.
     #[default]
     Motion,
     /// Cylinder pressures.
@@ -16,7 +16,7 @@ pub enum Witness {
     Both,
     /// A scale on the machine: its mass is measured.
     Scale,
-    /// Nothing: it was seen to leave, and is what a load may be.
+    /// Nothing: the load was detected to leave; its weight is that of an average load.
     Nothing,
 }
 
@@ -46,8 +46,8 @@ impl Witness {
         self as u32
     }
 
-    /// Shortest way from a truck to the pile, in the unit of [`Row::speed`]: an excavator swings it, a loader drives it, and pushes
-    /// its bucket in for less \[rad, m\].
+    /// Shortest travel from a truck to the pile, in the unit of [`Row::speed`]: an excavator swings, a loader drives. A loader moves
+    /// less to push its bucket in \[rad, m\].
     pub(super) const fn trip(self) -> f64 {
         match self {
             Self::Motion | Self::Both | Self::Nothing => 0.35,
@@ -63,35 +63,35 @@ pub struct Row {
     pub time: f64,
     /// Payload with its standard deviation; `None` where nothing is estimated \[kg\].
     pub payload: Option<Quantity>,
-    /// Standard deviation of those errors of the payload that all loads share (span, zero, gain, description); `None`
-    /// where the estimator does not tell them apart \[kg\].
+    /// Standard deviation of those errors of the payload that are common to all loads (span, zero, gain, description); `None`
+    /// where the estimator does not separate them \[kg\].
     pub common_std: Option<f64>,
-    /// Swing rate [rad/s] or driving speed [m/s], of any sign.
+    /// Swing rate [rad/s] or driving speed [m/s], with any sign.
     pub speed: f64,
-    /// The content is changing.
+    /// Whether the content is changing.
     pub changing: bool,
-    /// The load hangs and swings: it is a pendulum, which no bucket drops.
+    /// Whether the load is suspended and swings as a pendulum: no bucket drops it.
     pub hangs: bool,
-    /// The estimate may be believed.
+    /// Whether the estimate is trusted.
     pub trusted: bool,
-    /// Why not, in a code of whoever hands the row in; carried along.
+    /// Why it is not trusted, in a code of the caller; passed on.
     pub why: u32,
-    /// Its source.
+    /// Source of the payload.
     pub witness: Witness,
-    /// Which truck is loaded: another value begins another truck.
+    /// Which truck is loaded: another value starts another truck.
     pub truck: Option<f64>,
 }
 
-/// Beyond this a payload is no payload [kg].
+/// Largest plausible payload and standard deviation [kg].
 const LIMIT: f64 = 1e7;
-/// At least this share of a payload's variance is its own: pressures weigh without the scale of the swings.
+/// Least share of a payload's variance that is independent: pressures do not depend on the gain of the swing motion.
 const LEAST_OWN: f64 = 0.25;
 
-/// Speed of a machine that moves [rad/s, m/s].
+/// Speed above which a machine moves [rad/s, m/s].
 const MOVING: f64 = 0.05;
 
 impl Row {
-    /// The machine swings or drives.
+    /// Whether the machine swings or drives.
     pub(super) fn moves(&self) -> bool {
         self.speed.abs() > MOVING
     }
@@ -102,7 +102,7 @@ impl Row {
             .filter(|p| p.value.abs() < LIMIT && p.std > 0.0 && p.std < LIMIT)
     }
 
-    /// The payload without what all are off together.
+    /// The payload without the variance of the common errors.
     pub(super) fn own(&self, common: &CommonError) -> Option<Quantity> {
         let Quantity { value, std } = self.weighed()?;
         let variance = std * std;

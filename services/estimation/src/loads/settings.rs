@@ -1,25 +1,25 @@
-//! What the ledger is given.
+//! Settings of the ledger.
 
 use crate::CommonError;
 
-/// What the ledger is given.
+/// Settings of the ledger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Payload of a full bucket, roughly \[kg\].
     pub rated: f64,
-    /// What all payloads are off together; their own deviations hold it too.
+    /// Errors common to all payloads; the standard deviations of the payloads include them.
     pub common: CommonError,
-    /// What a truck shall hold \[kg\].
+    /// Target weight of a truck \[kg\].
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck; 0 never \[s\].
+    /// Pause between two loads after which another truck begins; 0: never \[s\].
     pub pause: f64,
     /// Time of a midnight, from which days are counted \[s\].
     pub midnight: f64,
 }
 
 impl Settings {
-    /// No bucket holds less or more \[kg\].
+    /// Range of the rated payload \[kg\].
     pub const RATED: [f64; 2] = [1e-3, 1e7];
 
     /// No target, a new truck after five minutes, days from time 0.
@@ -33,7 +33,7 @@ impl Settings {
         }
     }
 
-    /// The same with numbers that can be used.
+    /// The same, with unusable numbers replaced.
     pub(super) fn usable(self) -> Self {
         Self {
             rated: if self.rated.is_finite() {

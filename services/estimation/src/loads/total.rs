@@ -1,5 +1,5 @@
-//! Sums of loads. Ten loads are not ten times as certain: what all share (span, zero, gain, description) adds up, what
-//! each has of its own averages out.
+//! Sums of loads. Their relative error does not fall as that of independent loads: common errors (span, zero, gain, description)
+//! add up, independent ones average out.
 //!
 //! ```text
 //! var = sum_i own_i^2 + (sum_i common_i)^2
@@ -9,21 +9,21 @@ use super::load::Load;
 use super::row::Witness;
 use crate::math::sqrt;
 
-/// A sum with its two kinds of errors.
+/// A sum with its common and independent errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Total {
-    /// Loads.
+    /// Number of loads.
     pub loads: u32,
-    /// Of them those that may not be believed.
+    /// Number of those that are not trusted.
     pub untrusted: u32,
-    /// Of them those that nothing weighed before they left.
+    /// Number of those that nothing weighed before they left.
     pub unweighed: u32,
-    /// What they delivered \[kg\].
+    /// Delivered weight \[kg\].
     pub kg: f64,
-    /// Sum of the variances that each load has of its own [kg^2].
+    /// Sum of the independent variances of the loads [kg^2].
     pub own_variance: f64,
-    /// Sum of the standard deviations that all loads share \[kg\].
+    /// Sum of the common standard deviations of the loads \[kg\].
     pub common_std: f64,
 }
 
@@ -40,7 +40,7 @@ impl Total {
         self.common_std += delivered.common_std;
     }
 
-    /// The sum with one more load.
+    /// Returns the sum with one more load.
     #[must_use]
     pub fn with(mut self, load: Option<&Load>) -> Self {
         if let Some(load) = load {
