@@ -1,6 +1,7 @@
-//! How probable it is that a sensor of the arm shows otherwise than it did.
+//! Probability that a sensor of the arm has changed, from steps of the moment and from the weights of emptied buckets.
 //!
-//! Two hypotheses, weighed by Bayes' rule wherever a step of the moment stays (`steps`) and wherever a bucket has been emptied and shows x:
+//! Bayes' rule updates the odds of two hypotheses (changed, unchanged) where a step of the moment stays (`steps`), and where an emptied
+//! bucket shows x:
 //! ```text
 //! step that stays:   o += CHANGES/BLOWS
 //! emptied bucket:    o = [o/2 max N(x; c, S) + (T/T_c)/C] / [(1 - p) N(x; t, S) + p/C]
@@ -8,21 +9,22 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | o | odds that a sensor has changed, q/(1 - q) | 1 |
-//! | t | what emptied buckets showed before, 0 where none did | kg |
-//! | c | what they show if a sensor has changed: as foretold by the step, as a zero or as a scale, or as the last one did | kg |
-//! | S | variance of what rows, as far as buckets differ by them ([`Repeats`]), what sticks and what is known of t or c leave open | kg^2 |
-//! | p | share of the tipped buckets that keep a part of their load, any; below t none does | 1 |
-//! | T, T_c | time since the last emptied bucket, and between two changes of a sensor | s |
+//! | t | expected x without a change: what earlier emptied buckets showed, 0 before the first | kg |
+//! | c | expected x after a change: predicted from the step, as a zero or as a scale, or the last x | kg |
+//! | S | variance of the rows, scaled by how well buckets repeat ([`Repeats`]), of sticking material, and of t | kg^2 |
+//! | p | share of tipped buckets that retain a part of their load, uniform over C; 0 for x below t | 1 |
+//! | T, T_c | time since the last emptied bucket, mean time between two changes of a sensor | s |
 //! | C | what the bucket may carry | kg |
 //!
-//! A bucket that is tipped in the air holds nothing then, whatever it showed before. It tells once, by its sharpest row until it turns again.
-//! S is smaller for one that weighs less than before: no more can be gone than what stuck in it.
+//! A bucket tipped in the air is empty, whatever it showed before. It is used once, by its row of least deviation until it turns again.
+//! S is smaller for x below t: no more can be missing than what stuck in the bucket before.
 //!
-//! What is known of t is what emptied buckets have told, and fades as zeros warm up. Where the arm stands otherwise than for those, the numbers of
-//! the drawing do something else to the bucket.
+//! The variance of t grows with time, since zeros drift as they warm up. It also grows where the arm's posture differs from that of the
+//! earlier buckets, since errors of the drawing then have another effect.
 //!
-//! So one emptied bucket that weighs what it did takes a blow back. One that weighs what the step foretold confirms it. Where no step was seen, the
-//! second emptied bucket that shows the same wrong weight tells. What neither hypothesis tells apart fades by a half with each emptied bucket.
+//! So an emptied bucket with its former weight revokes a step: it was a blow. One with the weight predicted by the step confirms the change.
+//! Without a step, the second emptied bucket with the same wrong weight indicates a change. A bucket of equal likelihood under both
+//! hypotheses halves the odds.
 
 use super::content::Motion;
 use super::doubt::Doubts;
@@ -32,77 +34,78 @@ use crate::Quantity;
 use crate::math::{exp, norm, sqrt};
 use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
-/// Blows that look like a change of a sensor are as frequent as such changes.
+/// Odds that a step which stays is a change of a sensor: blows that look like one are as frequent.
 const CHANGES_OVER_BLOWS: f64 = 1.0;
-/// A low bucket of a standing machine that shows less than nothing since was let down at once, this much likelier.
+/// The same where a low bucket of a standing machine shows less than 0 afterwards: it has probably been put down at once.
 const CHANGES_OVER_LANDINGS: f64 = 0.04;
-/// By how much zeros that warm up move an emptied bucket, as a share of the capacity: a bar of each pressure, .0125, in a quarter of an
-/// hour [1/s^.5].
+/// Random walk of an emptied bucket's weight as zeros warm up, as a share of the capacity [1/s^.5]: a bar of each pressure, .0125, in a
+/// quarter of an hour.
 const WARMS: f64 = 4.2e-4;
-/// Share of the tipped buckets that keep a part of their load: frozen, sticky.
+/// Share of tipped buckets that retain a part of their load: frozen or sticky material.
 const PARTS: f64 = 0.03;
-/// What sticks in an emptied bucket, standard deviation as a share of the capacity.
+/// Standard deviation of the material sticking in an emptied bucket, as a share of the capacity.
 const STICKS: f64 = 0.03;
-/// The same below what it weighed before: no more than what stuck in it then can be gone.
+/// The same for a bucket lighter than before: no more can be missing than what stuck in it then.
 const STUCK_BEFORE: f64 = 0.015;
-/// What rows may leave open of a bucket that tells, as a share of the capacity: at most, and where no further row is waited for.
+/// Standard deviation of a row, as a share of the capacity: largest one that is used, and one at which no better row is awaited.
 const TOLD: f64 = 0.05;
 const SHARP: f64 = 0.02;
-/// From this share of the capacity on a bucket holds a load.
+/// Share of the capacity beyond which a bucket holds a load.
 const LOADED: f64 = 0.2;
-/// A bucket that turned so far below the horizontal, in the air, was tipped: loose material slides from half a radian on [rad].
+/// Angle of the bucket in the air below which it is tipped [rad]: loose material slides from half a radian on.
 const TIPPED: f64 = -0.5;
-/// Square of the standard deviations within which an emptied bucket weighs what it did.
-const ALIKE: f64 = 4.0;
-/// Probability beyond which the sensor is not believed.
+/// Squared normalised residual within which an emptied bucket agrees with the earlier ones.
+const AGREES: f64 = 4.0;
+/// Probability of a change beyond which the sensor is not trusted.
 pub(super) const DOUBTED: f64 = 0.05;
-/// Share of the changed sensors that show an emptied bucket as neither a zero nor a scale foretells.
+/// Share of changed sensors for which neither a zero nor a scale predicts the weight of an emptied bucket.
 const OTHERWISE: f64 = 0.5;
-/// Odds beyond which nothing is more certain.
+/// Largest odds.
 const MOST: f64 = 1e6;
 
-/// Memory of the sensor.
+/// Odds of a change, and state of the bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Changed {
+    /// Odds that a sensor has changed.
     odds: f64,
-    /// What emptied buckets show as long as nothing has changed, once one did [kg].
+    /// t: weight of emptied buckets without a change; none before the first [kg].
     tare: Option<Quantity>,
-    /// What the numbers of the drawing did to those [kg].
+    /// Effect of each number of the drawing on those [kg].
     drawn: [f64; NUMBERS],
     repeats: Repeats,
-    /// What they show if something has [kg].
+    /// c: weight of an emptied bucket after a change, as a zero and as a scale [kg].
     others: [f64; 2],
-    /// It held a load, and was emptied since.
+    /// The bucket has held a load; it has been tipped in the air. Both are reset when it is used.
     loaded: bool,
     tipped: bool,
-    /// It is tipped now.
+    /// The bucket is tipped in this row.
     down: bool,
-    /// The sharpest that rows have shown of it since [kg].
+    /// Weight of the emptied bucket with the least standard deviation so far [kg].
     sharpest: Option<Quantity>,
     /// Time since the last emptied bucket [s].
     since: f64,
 }
 
-/// What is seen of a bucket in a row.
+/// Observation of the bucket in a row.
 pub(super) struct Bucket<'a> {
-    /// What the rows show of its content [kg].
+    /// Its content by the rows [kg].
     pub shown: Quantity,
-    /// What the drawing's doubts do to that.
+    /// Effects of the drawing's uncertain numbers on that.
     pub doubts: &'a Doubts,
     pub motion: &'a Motion,
-    /// Its angle to the horizontal where it is in the air [rad].
+    /// Its angle to the horizontal; none where it is not in the air [rad].
     pub in_the_air: Option<f64>,
-    /// It was emptied in another way.
+    /// It was emptied by another criterion (`tare`).
     pub is_empty: bool,
     /// The ground may carry a part of it.
     pub rests: bool,
-    /// What it may carry [kg].
+    /// Capacity [kg].
     pub capacity: f64,
 }
 
 impl Changed {
-    /// A step has stayed; `empty` is what the cylinders carry of arm and bucket alone [kg]. `rests`: the ground may carry a part of it.
+    /// Updates with a step that stays. `empty`: weight of arm and bucket alone at the cylinders [kg]; `rests`: the ground may carry a part.
     pub fn step(&mut self, step: Stepped, empty: f64, rests: bool) {
         if self.odds == 0.0 {
             self.others = [self.tare.map_or(0.0, |tare| tare.value); 2];
@@ -116,7 +119,7 @@ impl Changed {
         self.others[1] += step.share * empty;
     }
 
-    /// Takes a row, `dt` after the last.
+    /// Updates with a row, `dt` after the last.
     pub fn see(&mut self, bucket: &Bucket<'_>, dt: f64) {
         self.since += dt;
         let Bucket {
@@ -135,7 +138,7 @@ impl Changed {
         if motion.held {
             self.tipped = false;
         }
-        // Whatever it held, it holds nothing now; one that stays tipped tells it once.
+        // A tipped bucket is empty, whatever it held; one that stays tipped counts once.
         let down = bucket.in_the_air.is_some_and(|angle| angle < TIPPED);
         self.tipped |= down & !core::mem::replace(&mut self.down, down);
         if is_open || bucket.rests || shown.std > TOLD * capacity {
@@ -151,7 +154,7 @@ impl Changed {
         }
     }
 
-    /// What an emptied bucket shows if nothing has changed but zeros, by so much since the last one [kg].
+    /// Expected weight of an emptied bucket without a change; `warmed`: drift of the zeros since the last one [kg].
     fn expected(&self, doubts: &Doubts, warmed: f64) -> Quantity {
         let Some(Quantity { value, std }) = self.tare else {
             return Quantity {
@@ -166,14 +169,14 @@ impl Changed {
         }
     }
 
-    /// An emptied bucket shows this.
+    /// Updates the odds with the weight of an emptied bucket.
     #[cold]
     #[inline(never)]
     fn emptied(&mut self, shown: Quantity, doubts: &Doubts, capacity: f64) {
         let since = core::mem::take(&mut self.since);
         let before = self.expected(doubts, WARMS * sqrt(since) * capacity);
         let away = shown.value - before.value;
-        // Nothing weighs less than nothing: what is left is more, and no more is gone than what stuck.
+        // Retained material makes it heavier; it is lighter by no more than what stuck in it before.
         let (sticks, parts) = if away > 0.0 {
             (STICKS, PARTS / capacity)
         } else {
@@ -188,19 +191,19 @@ impl Changed {
         let same = (1.0 - PARTS) * density(away) + parts;
         let as_foretold = self.others.map(|other| density(shown.value - other));
         let changed = OTHERWISE * self.odds * as_foretold[0].max(as_foretold[1]);
-        let anew = since / BETWEEN_CHANGES / capacity;
-        self.odds = ((changed + anew) / same.max(f64::MIN_POSITIVE)).min(MOST);
-        if anew > changed {
+        let recent = since / BETWEEN_CHANGES / capacity;
+        self.odds = ((changed + recent) / same.max(f64::MIN_POSITIVE)).min(MOST);
+        if recent > changed {
             self.others = [shown.value; 2];
         }
         if self.is_doubted() {
             return;
         }
-        let alike = away * away < ALIKE * known * known;
+        let agrees = away * away < AGREES * known * known;
         if self.tare.is_some() {
-            self.repeats.see(away / shown.std, alike);
+            self.repeats.see(away / shown.std, agrees);
         }
-        if alike {
+        if agrees {
             self.odds = 0.0;
             let gain = before.std * before.std / (known * known);
             self.tare = Some(Quantity {
@@ -218,7 +221,7 @@ impl Changed {
         self.odds / (1.0 + self.odds)
     }
 
-    /// It is too probable to be believed.
+    /// A change is so probable that the sensor is not trusted.
     pub fn is_doubted(&self) -> bool {
         self.probability() > DOUBTED
     }
@@ -230,17 +233,17 @@ mod tests {
     use super::*;
 
     const CAPACITY: f64 = 1500.0;
-    /// What the cylinders carry of arm and bucket [kg].
+    /// Weight of arm and bucket at the cylinders [kg].
     const EMPTY: f64 = 600.0;
 
-    /// A drawing that may be off by so much [kg].
+    /// A drawing with an error of this standard deviation [kg].
     fn drawn(std: f64) -> Doubts {
         let mut doubts = Doubts::default();
         doubts.put(HEAD_ZERO, [std, 0.0, 0.0]);
         doubts
     }
 
-    /// A load of this weight, tipped; what the emptied bucket shows [kg].
+    /// Tips a load of this weight; the emptied bucket shows `shown` [kg].
     fn dump(changed: &mut Changed, load: f64, shown: f64) {
         let doubts = drawn(60.0);
         let motion = |open| Motion {
@@ -298,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_doubted_until_an_emptied_bucket_tells_whose_it_was() {
+    fn a_step_is_doubted_until_an_emptied_bucket_identifies_its_cause() {
         for share in [-0.4, 1.0] {
             let step = stepped(share * (1000.0 + EMPTY), share);
             let mut blow = sound();
@@ -316,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn the_second_emptied_bucket_with_the_same_wrong_weight_tells_without_a_step() {
+    fn the_second_emptied_bucket_with_the_same_wrong_weight_is_a_change_without_a_step() {
         let mut changed = sound();
         dump(&mut changed, 1000.0, 600.0);
         assert!(changed.probability() < DOUBTED, "a part of a load");
@@ -349,7 +352,7 @@ mod tests {
         assert!(found_after(3) > 2, "nothing is known of them yet");
     }
 
-    /// Deviates of a normal distribution of a fixed seed.
+    /// Normal deviates from a fixed seed.
     fn normal() -> impl FnMut() -> f64 {
         let mut seed = 1_u64;
         move || {
@@ -362,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn sound_buckets_that_keep_what_they_like_are_believed() {
+    fn sound_buckets_that_retain_varying_amounts_are_trusted() {
         let (mut normal, mut changed) = (normal(), Changed::default());
         let mut mud = 0.0;
         let doubted = (0..20_000).filter(|k| {
@@ -398,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_emptied_bucket_tells_fades() {
+    fn odds_fade_where_both_hypotheses_are_equally_likely() {
         let mut changed = sound();
         changed.step(stepped(40.0, 0.04), EMPTY, false);
         (0..8).for_each(|_| dump(&mut changed, 1000.0, 15.0));
@@ -415,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn one_tipping_tells_once_by_its_sharpest_row() {
+    fn one_tipping_counts_once_by_its_sharpest_row() {
         let mut changed = sound();
         let (motion, doubts) = (Motion::default(), drawn(60.0));
         let still = |value, std, angle| Bucket {

@@ -1,27 +1,27 @@
-//! Whether a load moves as it weighs: its inertial mass, by the force of the wheels over the acceleration, against its weight by the pressures.
+//! Consistency of a load's inertial mass, from wheel force and acceleration, with its weight by the pressures: detects a changed sensor.
 //!
 //! ```text
-//! a = kappa u - c sgn(v) + z,   u = F/M_0              each row in which the wheels drive; kappa is another one with each load
+//! a = kappa u - c sgn(v) + z,   u = F/M_0              each row in which the wheels drive; kappa restarts with each load
 //! y = ln(kappa (M_0 + m_p)/M_0) = A + B x + e,   x = m_p/(M_0 + m_p)               each load, and each emptied bucket
 //! ```
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
-//! | a, F, v | `row` | specific force, force of the wheels, speed, smoothed alike | m/s^2, N, m/s |
-//! | M_0 | `rolling` | mass of the empty machine, and what its wheels turn | kg |
-//! | kappa | `motion` | M_0 over the mass that rolls, times true over stated torque | 1 |
-//! | c, z | `motion` | what resists, and zero of the accelerometer: of ground and sensor, the next load finds them as they were | m/s^2 |
+//! | a, F, v | `row` | specific force, force of the wheels, speed, with equal smoothing | m/s^2, N, m/s |
+//! | M_0 | `rolling` | mass of the empty machine, with the equivalent mass of its wheels | kg |
+//! | kappa | `motion` | M_0 over the loaded mass, times true over stated torque | 1 |
+//! | c, z | `motion` | resistance, zero of the accelerometer: of ground and sensor, retained from load to load | m/s^2 |
 //! | m_p | `weighed` | payload by the pressures | kg |
-//! | A, B | `Line` | gain of torques, tyres and mass; what goes with a load: drawing, pressures, tyres that give way | 1 |
+//! | A, B | `Line` | log gain of torques, tyres and mass; error proportional to the load: drawing, pressures, tyre deflection | 1 |
 //!
-//! No description is as good as A and B are known after some loads. A pressure sensor or an angle that shows otherwise than it did moves the
-//! next loads off the line, and an emptied bucket less; a torque, a tyre or the accelerometer moves all alike. Three lines go on from load to
-//! load, one where all is as it was and one for each of these; Bayes' rule weighs them (an interacting multiple model; Blom, Bar-Shalom 1988):
+//! After some loads A and B are known better than any machine file states them. A changed pressure sensor or angle moves loads off the
+//! line, and emptied buckets less. A changed torque, tyre or accelerometer moves both equally. Three hypotheses have a line each: no change,
+//! arm sensor changed, drive changed. Bayes' rule weights them (an interacting multiple model; Blom, Bar-Shalom 1988):
 //! ```text
-//! since the last load:   o += T/T_c,   and the line takes over as much of the first one, opened by a change
+//! since the last load:   o += T/T_c,   and the line mixes with the unchanged one, widened by a change, by that share of o
 //! load:                  o *= [(1 - p) N(y; changed) + p/R]/[(1 - p) N(y; same) + p/R]
 //! ```
-//! with o the odds of a change, T_c the time between two of them, and p the share of loads that move as nobody foretells, anywhere in R.
-//! A drive that has changed more probably than not is the one that the next loads are compared with.
+//! with o the odds of a change, T_c the mean time between two changes, and p the share of outlier loads, uniform over a range R.
+//! Where a changed drive is more probable than the other two together, its line becomes the unchanged one.
 
 use crate::Quantity;
 use crate::linear::{Measurement, diagonal, dot};
@@ -29,46 +29,46 @@ use crate::math::{exp, ln, sqrt};
 use crate::mixture::mix;
 use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
-/// One row in so long is taken: closer ones are smoothed over the same time [s].
+/// Period of the rows used [s]: closer rows share the smoothing.
 const EVERY: f64 = 0.15;
-/// Noise of such a row: roads, tyres and a load that heaves [m/s^2].
+/// Standard deviation of such a row [m/s^2]: roads, tyres, a heaving load.
 const NOISE: f64 = 0.05;
-/// Slower than this, stiction and the ground act [m/s].
+/// Least speed of a row [m/s]: below it stiction and the ground act.
 const LEAST_SPEED: f64 = 0.5;
-/// An innovation beyond this is a bad row or a force, no load [m/s^2].
+/// Gate of the innovation [m/s^2]: a larger one is a bad row or an external force.
 const LARGEST: f64 = 0.4;
-/// kappa of any load, a usual rolling resistance, no zero, and their standard deviations [1, m/s^2, m/s^2].
+/// Prior of kappa, c and z, with standard deviations [1, m/s^2, m/s^2]: kappa of any load, a usual rolling resistance, no zero.
 const START: [f64; 3] = [0.9, 0.2, 0.0];
 const START_STD: [f64; 3] = [0.15, 0.1, 0.06];
 /// Random walk of c and z [m/s^2/s^.5].
 const WALK: f64 = 0.01;
-/// A load tells once kappa is known so well; one that is put down before, where it is known half as well.
+/// Relative standard deviation of kappa at which a load is evaluated. A load put down before that is evaluated up to twice this value.
 const SHARP: f64 = 0.01;
-/// What rows may leave open of the weight, as a share of the capacity.
+/// Largest standard deviation of a weight that is used, as a share of the capacity.
 const WEIGHED: f64 = 0.05;
-/// Standard deviations of A and B before the first load: torques within a tenth; B is -.49 to .24 on eight machines of others.
+/// Prior standard deviations of A and B: torques within a tenth; B is -.49 to .24 on eight independently simulated machines.
 const LINE_STD: [f64; 2] = [0.1, 0.3];
-/// Random walk of A and B from load to load: tyres and oil warm up, the ground is another one.
+/// Random walk of A and B per load: tyres and oil warm up, the ground changes.
 const LINE_WALK: [f64; 2] = [0.002, 0.005];
-/// What a change does to A and B, standard deviations: a third of the weight, with a zero of a hundredth of the machine, by the arm's sensors; an
-/// eighth of the force by the drive's.
+/// Standard deviations of a change of A and B. Sensors of the arm: a third of the weight, with a zero of a hundredth of the machine. Drive:
+/// an eighth of the force.
 const CHANGES: [[f64; 2]; 2] = [[0.01, 0.3], [0.12, 0.0]];
 const ARM: usize = 0;
 const DRIVE: usize = 1;
-/// What a load leaves unexplained beside rows and kappa, until loads have shown it themselves: .005 to .04 on those machines.
+/// Prior scatter of y between loads, beyond that of weight and kappa: .005 to .04 on those machines. Loads rescale it (`scatter`).
 const SCATTER: f64 = 0.012;
-/// Loads that move as nobody foretells, as a share, and how far: a wheel that slips, a brake that drags, a bucket that pushes.
+/// Share of outlier loads, and their range in y: a slipping wheel, a dragging brake, a pushing bucket.
 const ODD: f64 = 0.03;
 const RANGE: f64 = 0.3;
-/// Beyond so many deviations a load says no more of the scatter, and beyond so many nothing of the line.
+/// Standard deviations at which a residual is clipped for the scatter, and beyond which it does not update the unchanged line.
 const FAR: f64 = 2.0;
 const OTHER: f64 = 3.0;
-/// What is less probable an interval may leave out: a tenth of what one of 95 % does.
+/// Probability below which a change is neglected: a tenth of what a 95 % interval leaves out.
 const EXCLUDED: f64 = 0.005;
-/// Odds beyond which nothing is more certain: sensors are mended.
+/// Largest sum of the odds: sensors are repaired, so a hypothesis must be able to return.
 const MOST: f64 = 100.0;
 
-/// A and B.
+/// Estimate of A and B, with covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Line {
@@ -82,27 +82,28 @@ impl Line {
         covariance: diagonal(LINE_STD),
     };
 
-    /// A measurement of it, and how likely that was, odd ones left out.
-    fn foretells(&self, by: &[f64; 2], y: f64, noise: f64) -> (Measurement<2>, f64) {
-        let told = Measurement::of(&self.covariance, by, y - dot(&self.state, by), noise);
-        let square = told.innovation * told.innovation / told.variance;
-        let density = exp(-0.5 * square) / (2.5 * sqrt(told.variance));
-        (told, (1.0 - ODD) * density)
+    /// Returns a measurement of the line, and its likelihood times the share of loads that are no outliers.
+    fn predict(&self, by: &[f64; 2], y: f64, noise: f64) -> (Measurement<2>, f64) {
+        let found = Measurement::of(&self.covariance, by, y - dot(&self.state, by), noise);
+        let square = found.innovation * found.innovation / found.variance;
+        let density = exp(-0.5 * square) / (2.5 * sqrt(found.variance));
+        (found, (1.0 - ODD) * density)
     }
 
-    /// Takes a measurement that is its own with this probability.
-    fn take(&mut self, told: &Measurement<2>, probability: f64) {
+    /// Updates with a measurement that belongs to this line with this probability.
+    fn take(&mut self, found: &Measurement<2>, probability: f64) {
         let mut taken = *self;
-        told.take(&mut taken.state, &mut taken.covariance);
+        found.take(&mut taken.state, &mut taken.covariance);
         self.mix(&taken, probability);
     }
 
-    /// Becomes the other one with this probability.
+    /// Becomes the mixture with another line of this probability.
     fn mix(&mut self, other: &Self, probability: f64) {
         let other = (&other.state, &other.covariance);
         mix(&mut self.state, &mut self.covariance, other, probability);
     }
 
+    /// Adds these standard deviations, as squares.
     fn open(&mut self, stds: [f64; 2]) {
         for (i, std) in stds.into_iter().enumerate() {
             self.covariance[i][i] += std * std;
@@ -110,29 +111,31 @@ impl Line {
     }
 }
 
-/// Memory of loads, of the ground and of the sensors.
+/// State of the consistency test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct InertialMass {
     /// kappa of this load, c and z.
     motion: [f64; 3],
     covariance: [[f64; 3]; 3],
-    /// Time until a row is taken, and since the last load that told [s].
+    /// Time until the next row is used, and since the last load that was evaluated [s].
     wait: f64,
     since: f64,
-    /// Weight of this load, as sharp as rows have shown it [kg].
+    /// Weight of this load, with the least standard deviation so far [kg].
     weighed: Option<Quantity>,
-    /// This load has told.
+    /// This load has been evaluated.
     told: bool,
+    /// Line of an unchanged machine.
     same: Line,
-    /// With the arm's sensors changed, and with those of the drive.
+    /// Lines and odds of a changed sensor of the arm, and of a changed drive.
     changed: [Hypothesis; 2],
+    /// Ratio of the scatter observed to that claimed.
     scatter: Repeats,
-    /// Probability that the arm's have: asked in each row, another one with each load.
+    /// Probability of a changed sensor of the arm: read in each row, updated with each load.
     probability: f64,
 }
 
-/// A line after a change, and the odds of that.
+/// Line after a change, and the odds of that change against none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Hypothesis {
@@ -146,13 +149,13 @@ impl Hypothesis {
         odds: 0.0,
     };
 
-    /// It may have come since the last load, as a change of `same`, with this probability.
+    /// Predicts: a change of `same` may have happened since the last load, with this probability.
     fn may_come(&mut self, same: &Line, change: [f64; 2], probability: f64) {
-        let mut anew = *same;
-        anew.open(change);
+        let mut widened = *same;
+        widened.open(change);
         self.line.open(LINE_WALK);
         self.odds += probability;
-        self.line.mix(&anew, (probability / self.odds).min(1.0));
+        self.line.mix(&widened, (probability / self.odds).min(1.0));
     }
 }
 
@@ -174,13 +177,13 @@ impl Default for InertialMass {
 }
 
 impl InertialMass {
-    /// Time passes; whether a row is taken.
+    /// Advances the time; true where the next row is due.
     pub fn is_due(&mut self, dt: f64) -> bool {
         self.wait -= dt;
         self.wait <= 0.0
     }
 
-    /// Takes a row: specific force, force over `rolling` [m/s^2] and speed [m/s], and what rows show of the payload. `open`: the content
+    /// Updates with a row: specific force, force over `rolling` [m/s^2], speed [m/s], and the weighed payload [kg]. `open`: the content
     /// may be changing.
     #[cold]
     #[inline(never)]
@@ -202,11 +205,11 @@ impl InertialMass {
                 self.weighed = Some(shown);
             }
             self.pull(row, passed);
-            self.tell(SHARP, rolling);
+            self.evaluate(SHARP, rolling);
         }
     }
 
-    /// A row in which the wheels drive.
+    /// Updates kappa, c and z with a row in which the wheels drive.
     fn pull(&mut self, [a, u, v]: [f64; 3], passed: f64) {
         if v.abs() < LEAST_SPEED || u * v <= 0.0 {
             return;
@@ -217,15 +220,15 @@ impl InertialMass {
         let by = [u, -1.0_f64.copysign(v), 1.0];
         let innovation = a - dot(&self.motion, &by);
         if innovation.abs() < LARGEST {
-            let told = Measurement::of(&self.covariance, &by, innovation, NOISE * NOISE);
-            told.take(&mut self.motion, &mut self.covariance);
+            let found = Measurement::of(&self.covariance, &by, innovation, NOISE * NOISE);
+            found.take(&mut self.motion, &mut self.covariance);
         }
     }
 
-    /// The content may be another one from now on.
+    /// Ends a load: the content may change from now on, so kappa restarts from its prior.
     fn put_down(&mut self, rolling: f64) {
         if !self.told {
-            self.tell(2.0 * SHARP, rolling);
+            self.evaluate(2.0 * SHARP, rolling);
         }
         (self.weighed, self.told) = (None, false);
         self.motion[0] = START[0];
@@ -235,8 +238,8 @@ impl InertialMass {
         self.covariance[0][0] = START_STD[0] * START_STD[0];
     }
 
-    /// What this load tells, once kappa is known so well.
-    fn tell(&mut self, sharp: f64, rolling: f64) {
+    /// Evaluates this load once kappa is known to the relative deviation `sharp`.
+    fn evaluate(&mut self, sharp: f64, rolling: f64) {
         let (kappa, std) = (self.motion[0], sqrt(self.covariance[0][0]));
         let Some(weighed) = self.weighed.filter(|_| std < sharp * kappa) else {
             return;
@@ -248,17 +251,17 @@ impl InertialMass {
         self.load(weighed.value / mass, ln(kappa * mass / rolling), noise);
     }
 
-    /// A load at x has shown this y.
+    /// Updates lines and odds with the measurement (x, y) of a load.
     fn load(&mut self, x: f64, y: f64, noise: f64) {
         let by = [1.0, x];
         let odd = ODD / RANGE;
         let may_change = core::mem::take(&mut self.since) / BETWEEN_CHANGES;
         self.same.open(LINE_WALK);
-        let (same, own) = self.same.foretells(&by, y, noise);
+        let (same, own) = self.same.predict(&by, y, noise);
         for (changed, change) in self.changed.iter_mut().zip(CHANGES) {
             changed.may_come(&self.same, change, may_change);
-            let (told, likely) = changed.line.foretells(&by, y, noise);
-            changed.line.take(&told, likely / (likely + odd));
+            let (found, likely) = changed.line.predict(&by, y, noise);
+            changed.line.take(&found, likely / (likely + odd));
             changed.odds *= (likely + odd) / (own + odd);
         }
         if !self.sum().is_finite() {
@@ -267,7 +270,7 @@ impl InertialMass {
         }
         let certain = (self.sum() / MOST).max(1.0);
         self.changed.iter_mut().for_each(|c| c.odds /= certain);
-        // One far away may be of a change.
+        // A large residual may be due to a change: it is clipped for the scatter, or not used for the line.
         let z = same.innovation / sqrt(same.variance);
         let near = z.clamp(-FAR, FAR);
         self.scatter.see(near * sqrt(self.scatter.ratio()), true);
@@ -291,12 +294,12 @@ impl InertialMass {
         };
     }
 
-    /// Of the odds of all.
+    /// Sum of the odds, that of an unchanged machine being 1.
     fn sum(&self) -> f64 {
         1.0 + self.changed[ARM].odds + self.changed[DRIVE].odds
     }
 
-    /// Probability that a sensor of the arm shows otherwise than it did; 0 where an interval may leave it out.
+    /// Probability that a sensor of the arm has changed; 0 where it is negligible.
     pub fn probability(&self) -> f64 {
         self.probability
     }
@@ -308,10 +311,10 @@ mod tests {
 
     const ROLLING: f64 = 5000.0;
     const CAPACITY: f64 = 1500.0;
-    /// Payload that the cylinders carry as arm and bucket [kg].
+    /// Weight of arm and bucket at the cylinders, as a payload [kg].
     const ARM_WEIGHS: f64 = 300.0;
 
-    /// A machine: gains of pressures and torques, and what it stands on.
+    /// A machine: gains of pressures and torques, and its rolling resistance [m/s^2].
     #[derive(Clone, Copy)]
     struct Machine {
         pressure: f64,
@@ -326,7 +329,7 @@ mod tests {
     };
 
     impl Machine {
-        /// Drives to and fro with this payload, and puts it down.
+        /// Drives forward and back with this payload, and puts it down.
         fn carries(self, inertial: &mut InertialMass, payload: f64) {
             let shown = Quantity {
                 value: self.pressure * (payload + ARM_WEIGHS) - ARM_WEIGHS,
@@ -345,7 +348,8 @@ mod tests {
             }
         }
 
-        /// The same for so many loads, an emptied bucket after each; after how many a sensor of the arm is doubted, and how many are.
+        /// The same for a number of loads, each followed by an emptied bucket. Returns the first load after which a changed sensor of the
+        /// arm is probable, and the number of such loads.
         fn works(self, inertial: &mut InertialMass, loads: u32) -> (Option<u32>, u32) {
             let mut doubted = (None, 0);
             for load in 0..loads {
@@ -370,7 +374,7 @@ mod tests {
             ..SOUND
         };
         assert_eq!(soft.works(&mut inertial, 20), (None, 0));
-        // What is stated is off, and stays so.
+        // The machine file is wrong, and stays so.
         let mut inertial = InertialMass::default();
         let misdescribed = Machine {
             pressure: 1.1,
@@ -408,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_without_a_drive_or_without_numbers_tell_nothing() {
+    fn rows_without_a_drive_or_without_numbers_carry_no_information() {
         for torque in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let mut inertial = InertialMass::default();
             Machine { torque, ..SOUND }.works(&mut inertial, 3);

@@ -1,75 +1,78 @@
-//! How far the bucket turns with the arm while nobody tilts: the cylinders of the arm carry bucket and load by this share beyond the hinge.
+//! Turn t of the bucket per turn of the arm, tilt cylinder held: a Bayes estimate on a grid. By this share the lift cylinders carry the part
+//! of a load's moment that is due to its distance from the bucket's pin.
 //!
 //! ```text
-//! d(beta) = t d(th) with the tilt cylinder held;   by virtual work a mass m in the bucket asks for   m [(L cos th + t c cos beta) g' - (L sin th + t c sin beta) a]
+//! d(beta) = t d(th);   moment of a mass m, by virtual work:   m [(L cos th + t c cos beta) g' - (L sin th + t c sin beta) a]
 //! ```
-//! t is 1 where the tilt cylinder sits on the arm, 0 where the linkage keeps the bucket level, .1 to .3 with the Z-bar of most wheel
-//! loaders, whose cylinder sits on the frame: there it carries a part of the load, and the lift cylinders less.
+//! L is the arm's length, c the distance from pin to load; th, beta, g' and a are those of the parent module.
+//! t is 1 where the tilt cylinder sits on the arm, and 0 where the linkage holds the bucket level. The Z-bar of most wheel loaders, with
+//! its cylinder on the frame, has .1 to .3: there the tilt cylinder carries a part of the load, and the lift cylinders less.
 //!
-//! The angles show t, and so does a hand that levels the bucket: what it does on the way up it does not do on the way down, and a linkage
-//! does the same both ways. So the posterior on a grid of t has the share of the stretches that fit it, of the way up times of the way down:
+//! An operator who levels the bucket turns it as a linkage does, but mostly while lifting. A linkage acts equally in both directions. So the
+//! likelihood of t is the share of upward stretches of arm motion that fit it, times the same share of downward stretches:
 //! ```text
 //! p(t) ~ prior(t) s_up(t) s_down(t),   s = (n_t + n_0)/(n + n_0)
 //! ```
-//! It is a share and no product over stretches: what a hand does in one stretch it does in the next. Stretches are forgotten beyond a number,
-//! so no share is less than that of doubt. With a cylinder on the arm a hand must level a full bucket on the way up: for t = 1 a share
-//! of the level stretches counts there as well.
+//! n counts stretches, n_t those near t, n_0 is a pseudo-count. A product over stretches would not do, since an operator's habit repeats.
+//! n is limited by forgetting, so no share becomes negligible. With the cylinder on the arm an operator must level a full bucket while
+//! lifting: for t = 1 a share of the level upward stretches counts as well.
 //!
-//! At work a hand may level both ways, so no angles make the arm less likely than one in two. Who lifts for a calibration tilts nothing,
-//! and there the posterior stands as it is.
+//! At work an operator may level in both directions, so p(1) is at least one half. Lifts for a calibration are without tilting: there the
+//! posterior is used as it is.
 
 use core::f64::consts::TAU;
 
 use crate::Quantity;
 use crate::math::{exp, sqrt};
 
-/// Ways of the arm.
+/// Directions of the arm.
 const UP: usize = 0;
 const DOWN: usize = 1;
 
-/// Arm angle of a stretch [rad].
+/// Arm motion of a stretch [rad].
 const STRETCH: f64 = 0.15;
-/// Stretches of each way that count as doubt, and that are remembered.
-const DOUBT: f64 = 1.5;
+/// Pseudo-count n_0 of a direction, and largest number of stretches remembered.
+const N_0: f64 = 1.5;
 const REMEMBERED: f64 = 40.0;
-/// The grid: from where, how far apart, how many, and which of it is 1, the tilt cylinder on the arm.
+/// Grid of t: first value, spacing, size, and index of t = 1, the tilt cylinder on the arm.
 const FROM: f64 = -0.3;
 const STEP: f64 = 0.1;
 const SIZE: usize = 15;
 const ON_THE_ARM: usize = 13;
-/// Linkages with the cylinder on the frame: mean and standard deviation.
+/// Prior of t with the cylinder on the frame: mean and standard deviation.
 pub(super) const FRAME: f64 = 0.15;
 const FRAME_STD: f64 = 0.15;
-/// Share of the machines that have the cylinder on the arm: skid steers, loaders of tractors, some small ones.
+/// Prior probability of the cylinder on the arm: skid steers, tractor loaders, some small wheel loaders.
 const ARMS: f64 = 0.25;
-/// At work a hand may level the bucket both ways, as a linkage does: no angles make a cylinder on the arm less likely than one in two.
+/// Least probability of the cylinder on the arm, at work: an operator may level the bucket in both directions, as a linkage does.
 const AT_WORK: f64 = 0.5;
-/// What is level on the way up, and how many of the hands that lift with a cylinder on the arm keep it so.
+/// Range of t that counts as level, and share of the level upward stretches that count for t = 1: operators who level a bucket by hand.
 const LEVEL: [f64; 2] = [-0.15, 0.25];
 const HANDS: f64 = 0.3;
-/// How much a linkage differs from posture to posture.
+/// Standard deviation of t of a linkage from posture to posture.
 const POSTURE: f64 = 0.07;
 
-/// How far the bucket turns with the arm, and what the angles have shown of it.
+/// Counts of the stretches, from which the posterior of t is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Linkage {
-    /// Angles of arm and bucket where the stretch began [rad].
+    /// Angles of arm and bucket at the start of the stretch [rad].
     began: Option<[f64; 2]>,
-    /// Stretches near each t, and all, upward and downward.
+    /// Number of stretches near each t, and of all, upward and downward.
     near: [[f64; SIZE]; 2],
     all: [f64; 2],
 }
 
 impl Linkage {
-    /// Nothing has been seen.
+    /// Without stretches.
     pub const NEW: Self = Self {
         began: None,
         near: [[0.0; SIZE]; 2],
         all: [0.0; 2],
     };
 
-    /// Takes the angles of arm and bucket to the horizontal [rad]; `moves` while the arm does. What is known with a stretch that ended.
+    /// Updates with the angles of arm and bucket to the horizontal [rad]; `moves` while the arm does. Returns the estimate at work where a
+    /// stretch has ended.
     pub fn see(&mut self, angles: [f64; 2], moves: bool) -> Option<Quantity> {
         if !moves {
             self.began = None;
@@ -81,18 +84,18 @@ impl Linkage {
             return None;
         }
         self.began = Some(angles);
-        let way = if lift > 0.0 { UP } else { DOWN };
-        self.count(way, bucket / lift);
+        let direction = if lift > 0.0 { UP } else { DOWN };
+        self.count(direction, bucket / lift);
         Some(self.known())
     }
 
-    /// Counts a stretch, shared between the two places of the grid that it lies between.
-    fn count(&mut self, way: usize, turned: f64) {
-        let (near, all) = (&mut self.near[way], &mut self.all[way]);
+    /// Counts a stretch, shared between the two neighbouring values of the grid.
+    fn count(&mut self, direction: usize, turned: f64) {
+        let (near, all) = (&mut self.near[direction], &mut self.all[direction]);
         if *all >= REMEMBERED {
-            let kept = 1.0 - 1.0 / REMEMBERED;
-            near.iter_mut().for_each(|n| *n *= kept);
-            *all *= kept;
+            let forgetting = 1.0 - 1.0 / REMEMBERED;
+            near.iter_mut().for_each(|n| *n *= forgetting);
+            *all *= forgetting;
         }
         *all += 1.0;
         for (i, n) in near.iter_mut().enumerate() {
@@ -100,17 +103,17 @@ impl Linkage {
         }
     }
 
-    /// What is known of it at work, where a hand may level the bucket.
+    /// Estimate of t at work, where an operator may level the bucket.
     pub fn known(&self) -> Quantity {
         self.posterior(AT_WORK)
     }
 
-    /// What is known of it where nobody tilted, as in a lift for a calibration.
+    /// Estimate of t where nobody tilted, as in lifts for a calibration.
     pub fn untouched(&self) -> Quantity {
         self.posterior(0.0)
     }
 
-    /// The tilt cylinder is on the arm at least this likely.
+    /// Mean and standard deviation of the posterior, with at least this probability of t = 1.
     fn posterior(&self, least: f64) -> Quantity {
         let (mut sum, mut mean, mut square, mut arm) = (0.0, 0.0, 0.0, 0.0);
         let levelled: f64 = (0..SIZE)
@@ -121,7 +124,7 @@ impl Linkage {
             let is_arm = i == ON_THE_ARM;
             let by_hand = if is_arm { HANDS * levelled } else { 0.0 };
             let near = [self.near[UP][i].max(by_hand), self.near[DOWN][i]];
-            let fits = |way: usize| (near[way] + DOUBT) / (self.all[way] + DOUBT);
+            let fits = |direction: usize| (near[direction] + N_0) / (self.all[direction] + N_0);
             let weight = prior(i) * fits(UP) * fits(DOWN);
             if is_arm {
                 arm = weight;
@@ -142,12 +145,12 @@ impl Linkage {
     }
 }
 
-/// Where a place of the grid is.
+/// Value of t at an index of the grid.
 fn place(i: usize) -> f64 {
     FROM + STEP * i as f64
 }
 
-/// How likely it is before anything was seen.
+/// Prior probability at an index of the grid.
 fn prior(i: usize) -> f64 {
     let z = (place(i) - FRAME) / FRAME_STD;
     let frame = STEP / (FRAME_STD * sqrt(TAU)) * exp(-0.5 * z * z);
@@ -159,19 +162,19 @@ fn prior(i: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// What ten raises and ten lowerings show in which the bucket turns by these shares of the arm's turn.
+    /// Ten raises and ten lowerings in which the bucket turns by these shares of the arm's turn.
     fn shown(up: f64, down: f64) -> Linkage {
         let mut linkage = Linkage::NEW;
         for _ in 0..10 {
             let (mut lift, mut bucket) = (-0.5, 0.6);
-            for (way, share) in [(1.0, up), (-1.0, down)] {
+            for (sign, share) in [(1.0, up), (-1.0, down)] {
                 for _ in 0..200 {
-                    lift += 0.005 * way;
-                    bucket += 0.005 * way * share;
+                    lift += 0.005 * sign;
+                    bucket += 0.005 * sign * share;
                     linkage.see([lift, bucket], true);
                 }
                 // The driver dumps or turns in while the arm stands.
-                bucket -= 0.8 * way;
+                bucket -= 0.8 * sign;
                 linkage.see([lift, bucket], false);
             }
         }
@@ -183,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn before_anything_is_seen_a_cylinder_may_sit_on_the_frame_or_on_the_arm() {
+    fn before_the_first_stretch_a_cylinder_may_sit_on_the_frame_or_on_the_arm() {
         let Quantity { value, std } = Linkage::NEW.known();
         assert!((0.5..0.65).contains(&value), "{value}");
         for turn in [0.0, 1.0] {
@@ -192,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_linkage_turns_the_bucket_alike_up_and_down_and_is_learnt_where_nobody_tilts() {
+    fn a_linkage_turns_the_bucket_equally_up_and_down_and_is_learnt_where_nobody_tilts() {
         for turn in [0.0, 0.2, 0.3, 1.0] {
             let Quantity { value, std } = shown(turn, turn).untouched();
             assert!(
@@ -218,12 +221,12 @@ mod tests {
             assert!((1.0 - value).abs() < 1.96 * std, "{down}: {value} {std}");
             assert!(value.abs() < 1.96 * std, "{down}: {value} {std}");
         }
-        // Nobody keeps a bucket still to the arm that a linkage turns.
+        // An operator does not hold a bucket still to the arm against a linkage that turns it.
         assert!(seen(0.0, 1.0).value > 0.85);
     }
 
     #[test]
-    fn bits_of_motion_and_a_resting_arm_tell_nothing() {
+    fn short_motions_and_a_resting_arm_carry_no_information() {
         let mut linkage = Linkage::NEW;
         for k in 0..1000 {
             linkage.see([0.05 * f64::from(k % 2), 0.3 * f64::from(k % 3)], true);

@@ -1,27 +1,28 @@
-//! The second witness: pressure of the lift cylinders and the arm's geometry tell the load by gravity alone, moving or standing,
-//! and with it the machine's mass and its centre of gravity. It shares no assumption with the slips but the empty machine.
+//! Payload, mass and centre of gravity from the lift-cylinder pressures and the arm's geometry: a moment balance about the arm's pivot.
+//!
+//! It weighs by gravity, moving or standing. The only assumption it shares with the slip-based filter is the empty machine.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `drawing`, `numbers` | the described numbers, each with its doubt |
+//! | `drawing`, `numbers` | the described numbers, each with its standard deviation |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
-//! | `signals` | a row need not hold all of them |
-//! | `silence` | signals that do not come: a load may have come or gone |
-//! | `seals` | friction of the seals remembers which way the rod moved last |
-//! | `grading` | a low bucket that the ground may carry, where nobody tells a torque |
+//! | `signals` | last value of each signal, since a row need not hold all of them |
+//! | `silence` | missing signals: the load may have changed since the last weight |
+//! | `seals` | friction of the seals, a play operator: it depends on the rod's last direction |
+//! | `grading` | a low bucket that the ground may carry, where no torque is measured |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
-//! | `drive` | the specific force where no accelerometer tells it; wheels that push
+//! | `drive` | the specific force where there is no accelerometer; wheels that push |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
-//! | `turn` | sine and cosine of an angle, taken once a row |
+//! | `turn` | sine and cosine of an angle, computed once a row |
 //! | `stops` | the ends of the arm's travel: what a stop carries is no weight |
-//! | `scale` | payload and rest of friction from row to row |
-//! | `saturation` | a pressure sensor at its end |
-//! | `tare` | an emptied bucket is a weight that is known |
-//! | `below` | a payload below zero, or more than the rear axle balances: the description is off by more than it claims |
-//! | `steps`, `changed` | a step that neither arm nor content can do is a sensor's, and how probable that is |
-//! | `inertial_mass` | a load that does not move as it weighs tells of a sensor too |
+//! | `scale` | Kalman filter of payload and residual friction |
+//! | `saturation` | a pressure sensor at the end of its range |
+//! | `tare` | an emptied bucket is a known weight |
+//! | `below` | a payload below zero, or beyond what the rear axle balances: the errors exceed their stated deviations |
+//! | `steps`, `changed` | signal steps that neither arm nor content can make, and the probability that a sensor has changed |
+//! | `inertial_mass` | inertial mass of a load against its weight: a second test for a changed sensor |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
-//! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
+//! | `doubt` | propagation of the drawing's standard deviations to the answer, one number a row |
 //!
 //! ```text
 //! tau = r(th) [n (A_h p_h - A_r p_r) - F]  =  m_a (x_a g' - z_a a) + (m_b + m_p)(x_t g' - z_t a)        about the pivot
@@ -32,12 +33,12 @@
 //! |---|---|---|
 //! | th, beta | angle of the arm, of the bucket (pin to load) from the horizontal | rad |
 //! | x, z | centre of mass from the pivot, forward and up, of arm a, bucket and load b | m |
-//! | t | how far the bucket turns with the arm while nobody tilts (`linkage`): the tilt cylinder on a frame carries the rest | - |
-//! | r | lever of the cylinder, dl/dth | m |
+//! | t | turn of the bucket per turn of the arm, tilt cylinder held (`linkage`); a tilt cylinder on the frame carries the rest | - |
+//! | r | lever of the cylinder, dl/dth (l: its length) | m |
 //! | F | friction of the seals | N |
 //! | g', a | g cos(slope), specific force along the body | m/s^2 |
 //! | x_f | load ahead of the front axle, pivot_x + x_b | m |
-//! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: arm and bucket away from there | -, m |
+//! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: effect of arm and bucket away from it | -, m |
 
 mod below;
 mod changed;
@@ -91,31 +92,31 @@ use stops::{End, Stops};
 use tare::Emptied;
 use turn::Turn;
 
-/// Nothing is known of what was done in a longer gap between two weighed rows [s].
+/// Longest gap between two weighed rows [s]: after a longer one the filter restarts.
 const GAP: f64 = 0.5;
-/// A pressure or angle that never changes for so long while the machine moves is none [s].
+/// Time after which a pressure or angle that does not change, while the machine moves, counts as stuck [s].
 const STUCK: f64 = 3.0;
-/// In a gap of this length the bucket may have become another one [s].
+/// Gap after which the bucket may have been exchanged [s].
 const CHANGED: f64 = 60.0;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
-/// Deviations below nothing beyond which a bucket at the lower end of the arm's travel rests on something.
+/// Standard deviations below zero beyond which a bucket at the lower end of the arm's travel rests on a stop or the ground.
 const CARRIED: f64 = 1.9;
-/// Faster than this the machine shakes its sensors [m/s].
+/// Speed above which the machine drives, and shakes its sensors [m/s].
 const DRIVING: f64 = 0.5;
 
-/// The lift arm as far as it has been described and measured.
+/// State of the lift-arm estimator.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct LiftWitness {
     drawing: Drawing,
-    /// Smoothed angles of arm and bucket, and their rates [rad], [rad/s].
+    /// Smoothed angles of arm and bucket to the horizontal [rad], and their rates [rad/s].
     angles: Option<[f64; 2]>,
     rates: [f64; 2],
     last_time: f64,
-    /// Time of the last row with the signals of the arm, used or not [s].
+    /// Time of the last row that held the arm's signals, used or not [s].
     seen: f64,
-    /// The last head pressure and lift angle, and how long they have stood still while the machine moved [s].
+    /// Last head pressure [Pa] and lift angle [rad], and how long each has been unchanged while the machine moved [s].
     held: [f64; 2],
     still: [f64; 2],
     saturation: Saturation,
@@ -129,12 +130,12 @@ pub(super) struct LiftWitness {
     grading: Grading,
     stops: Stops,
     scale: Scale,
-    /// What the angles tell of the linkage; none where it is stated, or no angle of the bucket is measured.
+    /// Estimate of the bucket turn t from the angles; none where t is stated. It learns only where the bucket's angle is measured.
     linkage: Option<Linkage>,
     doubts: Doubts,
     emptied: Emptied,
     below: Below,
-    /// Steps of the angles of arm and bucket, and of the moment.
+    /// Step detectors of the angles of arm and bucket, and of the moment.
     angle_steps: [AngleSteps; 2],
     moment_steps: MomentSteps,
     changed: Changed,
@@ -142,43 +143,43 @@ pub(super) struct LiftWitness {
     answer: Option<Weighed>,
 }
 
-/// What the machine carries in a row, for who measures the empty one otherwise.
+/// What the machine carries in a row: input to the slip-based filter, whose states are those of the empty machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Carried {
-    /// Mass of the machine with it [kg].
+    /// Mass of the machine with its load [kg].
     pub mass: f64,
-    /// What load and arm add to the empty machine.
+    /// Effect of load and arm on the empty machine's centre of gravity.
     pub loading: Loading,
-    /// Standard deviations of ratio and height of that, the empty machine being known [-, m].
+    /// Standard deviations of ratio and height given the empty machine [-, m].
     pub loading_std: [f64; 2],
-    /// The content may be changing, or the ground carries a part of it.
+    /// The content may be changing, or the ground may carry a part of it.
     pub open: bool,
 }
 
-/// What the pressures say of a row.
+/// Estimate of a row from the pressures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Weighed {
-    /// What the bucket holds, as the pressures show it: an empty one may show less than nothing [kg].
+    /// Payload, not limited to positive values: an empty bucket may show less than 0 [kg].
     pub payload: Quantity,
-    /// Share of the weight in front.
+    /// Front-axle load fraction.
     pub ratio: Quantity,
     /// Height of the centre of gravity [m].
     pub height: Quantity,
-    /// What the slips take of it.
+    /// Input to the slip-based filter.
     pub carried: Carried,
-    /// How far it lies from either place of the tilt cylinder, while both are possible [kg].
+    /// Standard deviation of the payload by an unknown place of the tilt cylinder; 0 where the bucket turn is stated [kg].
     pub undecided: f64,
-    /// Standard deviation by the pressure's gain at a load, which a weighed load alone tells: in that of the payload [kg].
+    /// Standard deviation by the pressure's gain at a load, included in that of the payload [kg]. Only a weighed load identifies it.
     pub gain_left: f64,
-    /// No doubt that was stated explains what the pressures show.
+    /// The stated deviations do not explain the pressures (`below`), or a sensor has probably changed (beyond [`DOUBTED`]).
     pub wrong: bool,
-    /// Signals of the arm are missing or too old: this is what may be since the last weight.
+    /// Signals of the arm are missing or too old: this is a prediction since the last weight (`silence`).
     pub silent: bool,
 }
 
-/// What a row says of it, or what may be where it says nothing.
+/// Estimate of a row, or a prediction where signals are missing.
 pub(super) enum Said<'a> {
     Weighed(&'a Weighed),
     Silent(Weighed),
@@ -196,7 +197,7 @@ impl Deref for Said<'_> {
 }
 
 impl LiftWitness {
-    /// The witness that a description allows; none where no arm is described.
+    /// Returns none where no arm is described.
     pub fn new(settings: &Settings) -> Option<Self> {
         let mut drawing = Drawing::of(settings)?;
         drawing.set(ROD_ZERO, drawing.rod_zero(false));
@@ -235,13 +236,13 @@ impl LiftWitness {
         self.drawing.empty()
     }
 
-    /// The payload where no pressure tells it: whatever the bucket holds, so that who writes columns has it from the first row on.
+    /// Prior of the payload, where no pressure has been measured yet. With it the output has a payload from the first row on.
     pub fn unknown(&self) -> Quantity {
         Scale::new(&self.drawing).payload()
     }
 
-    /// Takes a plausible row that was accepted, whose values count for as long as they are `fresh` [s]; what is known after it, once
-    /// something was weighed.
+    /// Updates with a plausible, accepted row; a value counts until it is older than `fresh` [s]. Returns the estimate after it, none
+    /// before the first weight.
     pub fn step(&mut self, sample: &Sample, fresh: f64) -> Option<Said<'_>> {
         let now = self.signals.take(sample, fresh);
         let Now {
@@ -279,7 +280,7 @@ impl LiftWitness {
         let bucket = self.drawing.bucket_angle(lift, tilt);
         let old = self.angles.filter(|_| dt > 0.0 && dt < GAP);
         if old.is_none() {
-            // The first row, after a gap, or after a clock that was set: nothing is known of what was done meanwhile.
+            // First row, gap, or clock that was set: the work in between is unknown, so the filter restarts.
             let silent = self.silent(&now, sample);
             self.scale.forget(&self.drawing);
             self.content = Content::default();
@@ -308,7 +309,7 @@ impl LiftWitness {
         self.answer.as_ref().map(Said::Weighed)
     }
 
-    /// Inertial mass and weight of the load.
+    /// Compares inertial mass and weight of the load.
     fn compare_masses(&mut self) {
         let open = self.answer.is_none_or(|answer| answer.carried.open);
         let masses = [self.drive.rolling, self.drawing.capacity];
@@ -316,16 +317,16 @@ impl LiftWitness {
             .see(self.drive.pull(), self.scale.payload(), open, masses);
     }
 
-    /// The last answer counts still.
+    /// The last answer still counts.
     fn is_fresh(&self, time: f64, fresh: f64) -> bool {
         self.answer.is_some() && (0.0..=fresh).contains(&(time - self.last_time))
     }
 
-    /// Counts how long signals stand still while the machine moves.
+    /// Counts the time in which a signal is unchanged while the machine moves.
     fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
         let driving = drives(sample);
         for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
-            // The same bits: a sensor that lives has noise, or a machine that shakes it.
+            // Compared to the bit: a working sensor has noise, or a machine that shakes it.
             if *held != new {
                 *still = 0.0;
             } else if driving && dt > 0.0 {
@@ -343,7 +344,7 @@ impl LiftWitness {
         for ((smooth, rate), new) in smooth.iter_mut().zip(&mut self.rates).zip(angles) {
             let away = new - *smooth;
             *smooth += weight * away;
-            // Smoothed once more: the noise of an angle is no turning bucket.
+            // Smoothed a second time, so that angle noise does not look like a turning bucket.
             *rate += weight * (away / SMOOTH.max(dt) - *rate);
         }
     }
@@ -373,14 +374,14 @@ impl LiftWitness {
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         posture.seals = self.seals.share();
         let shown = drawing.shown(values, &stance, &posture);
-        // One that drives with its bucket low carries it: who levels carries next to nothing, and that is no weight.
+        // A low bucket rests only while the machine stands. Driven low it is carried, or levels: then the cylinders carry almost nothing.
         let rests = low && !driving;
         self.watch_steps(&shown, &motion, [rests, pushes], dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
         self.take(&shown, [posture.head, lift], driving, &motion, dt);
-        // What swings is not known, whatever comes of it.
+        // While the moment swings, the content is unknown.
         motion.open |= self.scale.swings();
         posture.rest = self.scale.rest();
         let (drawing, values) = (&self.drawing, &self.drawing.values);
@@ -404,7 +405,7 @@ impl LiftWitness {
         let drawn = self.doubts.shown();
         let std = norm(&[payload.std, drawn]);
         let shown = Quantity { std, ..payload };
-        // The ground may carry a low bucket.
+        // The ground may carry a low bucket, so only a high one hangs free.
         let hangs = !low && self.below.explains(shown);
         let capacity = self.drawing.capacity;
         let tare = self.emptied.see(payload, &motion, hangs, capacity);
@@ -425,13 +426,13 @@ impl LiftWitness {
         self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
     }
 
-    /// Steps of the moment that no content makes. `rests`: the ground may carry a part of it; `pushes`: the wheels do.
+    /// Detects steps of the moment that no content makes. `rests`: the ground may carry a part of it; `pushes`: the wheels push.
     fn watch_steps(&mut self, shown: &Shown, motion: &Motion, [rests, pushes]: [bool; 2], dt: f64) {
         let acts =
             motion.turning || pushes || self.stops.carry() && !self.moment_steps.is_stepping();
         let rows = [shown.payload(), shown.lifting / shown.per_load];
         let Quantity { value, std } = self.scale.payload();
-        // What the ground carries a part of is not known.
+        // The payload is unknown while the ground carries a part of it.
         let is_known = !(motion.open || rests && value < -std);
         let known = is_known.then_some(value);
         if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
@@ -439,7 +440,7 @@ impl LiftWitness {
         }
     }
 
-    /// The payload by this row, as far as no stop and no ground carries.
+    /// Updates the payload with a row, and detects stops, saturation, jumps and ground contact.
     fn take(
         &mut self,
         shown: &Shown,
@@ -473,7 +474,7 @@ impl LiftWitness {
             && !motion.open
             && self.is_less_than_nothing(self.scale.payload().value, shown)
         {
-            // Nobody saw it come to rest.
+            // It rests without a swing at contact: the payload is unknown.
             self.scale.forget(drawing);
             self.stops.meet(End::Lower, lift);
         } else if self.scale.jumped() {
@@ -485,7 +486,7 @@ impl LiftWitness {
         }
     }
 
-    /// The cylinders carry less than the empty arm and bucket, whatever the drawing and the seals leave open.
+    /// The cylinders carry significantly less than the empty arm and bucket, given the deviations of drawing and seals.
     fn is_less_than_nothing(&self, payload: f64, shown: &Shown) -> bool {
         let (drawing, v) = (&self.drawing, &self.drawing.values);
         let friction = self.seals.unknown() * v[FRICTION] * drawing.full_force(v);
@@ -494,7 +495,7 @@ impl LiftWitness {
         payload - off.value < -CARRIED * norm(&[seals, off.std])
     }
 
-    /// How probable it is that a sensor shows otherwise than it did.
+    /// Probability that a sensor of the arm has changed.
     fn changed(&self) -> f64 {
         if self.angle_steps.iter().any(AngleSteps::has_stepped) {
             1.0
@@ -504,7 +505,7 @@ impl LiftWitness {
         }
     }
 
-    /// What the angles tell of the linkage. The payload stays the one that the pressures showed: with another lever it is another one.
+    /// Updates the bucket turn from the angles. The measured moment stays; with another lever it is another payload.
     fn learn(&mut self, posture: &Posture, motion: &Motion) {
         let (Some(linkage), Some(angles)) = (&mut self.linkage, self.angles) else {
             return;
@@ -521,11 +522,11 @@ impl LiftWitness {
         self.scale.redraw(moments);
     }
 
-    /// A number of the drawing is known better, or otherwise.
+    /// Sets a number of the drawing, and rescales its effects on the answer.
     fn know(&mut self, number: usize, known: Quantity) {
         let (value, std) = (self.drawing.values[number], self.drawing.std[number]);
         let moved = (known.value - value) / std;
-        // The effect of one that was exact is taken at its turn.
+        // An exact number has no effect to rescale: the next round computes it.
         let [by, moved] = if std > 0.0 {
             [known.std / std, moved]
         } else {
@@ -535,13 +536,14 @@ impl LiftWitness {
         self.drawing.set(number, known);
     }
 
-    /// The centre of gravity with this payload, with all doubts; `moved`: the machine with its arm where it may be while more is in it.
+    /// Centre of gravity with this payload, with all deviations. `moved`: the machine with its arm one deviation away, where the angles
+    /// are not measured.
     fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
-        // No emptied bucket tells the gain of a pressure that it has not.
+        // An emptied bucket does not identify the gain at the pressure of a load.
         let gain_left = drawing.gain_left_std * payload.value.max(0.0);
-        // With a sensor that has changed it may hold anything.
+        // With a changed sensor the content may be anything up to the capacity.
         let changed = self.changed();
         let anything = sqrt(changed) * drawing.capacity;
         let std = norm(&[payload.std, gain_left, anything]);
@@ -550,7 +552,7 @@ impl LiftWitness {
         let shown = self
             .doubts
             .doubted(payload.value, centre, rows, self.below.factor());
-        // What may have come into the bucket meanwhile is no error about what it holds.
+        // While the content may be changing, the deviation is mostly that of the content itself: the bound at 0 is not applied.
         let widened = if open {
             shown
         } else {
@@ -581,7 +583,7 @@ impl LiftWitness {
     }
 }
 
-/// The machine drives.
+/// The machine drives, and shakes its sensors.
 fn drives(sample: &Sample) -> bool {
     sample.speed.is_some_and(|v| v.abs() > DRIVING)
 }

@@ -1,13 +1,14 @@
-//! The payload from row to row: a Kalman filter of payload m_p and rest of friction e.
+//! Kalman filter of payload m_p and residual friction e, from the moment of the lift cylinders.
 //!
 //! ```text
-//! tau_row = empty + m_p k + r F (s f + e) + noise         k: moment of a kilogram; F: full force; f, s: friction and its direction
+//! tau_row = empty + m_p k + r F (s f + e) + noise         k: moment of a kilogram; r: lever; F: full force; f, s: friction and its direction
 //! ```
-//! While the bucket turns, m_p walks by as much as the bucket holds, by the angle where it turns slowly; else it stays. e fades to what
-//! the seals leave unknown. An e that no seals have is content that comes or goes: a jump, however slow.
-//! The noise is that of the pressures and of the load that heaves while the machine drives: found in the innovations, as a
-//! share of the moment. Heaving goes on for some tenths of a second, in which rows tell the same.
-//! Doubts of the drawing are no noise: they are added to the answer (`doubt`).
+//! While the bucket turns, m_p is a random walk of the size of the capacity; where it turns slowly, in proportion to its rate; otherwise m_p
+//! is almost constant. e decays to 0, with the deviation that the seals leave unknown. An e larger than friction can be is content that
+//! comes or goes: it counts as a jump, however slow.
+//!
+//! The noise is that of the pressures and of the heaving load while the machine drives. It is estimated from the innovations, as a share of
+//! the moment, and is correlated for some tenths of a second. Errors of the drawing are no noise: they are added to the answer (`doubt`).
 
 use super::content::Motion;
 use super::drawing::Drawing;
@@ -18,82 +19,82 @@ use crate::Quantity;
 use crate::linear::Measurement;
 use crate::math::sqrt;
 
-/// How long heaving, lifting and settling contents do the same to the moment, and rows tell the same [s].
+/// Correlation time of the noise by heaving, lifting and settling [s].
 const TOGETHER: f64 = 0.3;
-/// Smoothing of the innovation that shows a jump [s].
+/// Time constant of the smoothed innovation, which detects jumps [s].
 const FAST: f64 = 0.3;
-/// Averaging time of the heaving [s].
+/// Averaging time of the usual heaving [s].
 const MEMORY: f64 = 3.0;
-/// Heaving at the start, and at least, as shares of the moment.
+/// Standard deviation of heaving, initial and least, as shares of the moment.
 const FIRST_HEAVING: f64 = 0.02;
 const LEAST_HEAVING: f64 = 0.004;
-/// Moments of an arm that carries nothing heave too: what counts as carried at least, as a share of the full force.
+/// Added to the moment that shares refer to, as a share of the moment at full force: an arm without moment heaves too.
 const ARM_ALONE: f64 = 0.03;
-/// A load swings for some periods of half a second after the machine or the arm has stopped: what heaves now, over as long as rows tell
-/// the same [s].
+/// Averaging time of the present heaving [s]: a load swings for some periods of half a second after machine or arm stops.
 const ROCKING: f64 = 0.2;
-/// Square of an innovation beyond which it is no heaving: a fifth of the moment.
+/// Limit of a squared innovation in the usual heaving: a fifth of the moment.
 const MOST_HEAVING: f64 = 0.04;
-/// What an accelerated arm adds, and what a moving content does, as shares of the moment.
+/// Standard deviations added by an accelerated arm, and by a settling content, as shares of the moment.
 const LIFTING: f64 = 0.08;
 const SETTLING: f64 = 0.15;
-/// What a missing accelerometer adds, as a share of the moment.
+/// Standard deviation added where there is no accelerometer, as a share of the moment.
 const ACCELERATED: f64 = 0.05;
-/// Share of the capacity by which the content walks in a second, turning and carried.
+/// Random walk of the content, turning and carried, as shares of the capacity [1/s^.5].
 const TURNING_WALK: f64 = 0.8;
 const CARRIED_WALK: f64 = 3e-4;
-/// What the ground may have put into the bucket meanwhile, as a share of the capacity: per root second and at most.
+/// Random walk of the content in the ground, and its largest standard deviation, as shares of the capacity [1/s^.5], [1].
 const DUG_WALK: f64 = 0.7;
 const DUG: f64 = 0.45;
-/// A jump of the moment opens the content by this share of the capacity.
+/// Standard deviation added to the content by a jump of the moment, as a share of the capacity; also the mean of the prior.
 const JUMP: f64 = 0.25;
-/// Standard deviations of the smoothed innovation that are a jump.
+/// Standard deviations of the smoothed innovation beyond which it is a jump.
 const JUMPS: f64 = 3.5;
-/// Shares of the variances of heaving and of noise that the smoothing over `FAST` leaves.
+/// Shares of the variances of heaving and of noise that remain after smoothing with `FAST`.
 const HEAVING_LEFT: f64 = 0.6;
 const NOISE_LEFT: f64 = 0.04;
-/// What drawing and friction leave unexplained in a smoothed innovation, as a share of the moment.
+/// Standard deviation of a smoothed innovation by drawing and friction, as a share of the moment.
 const UNEXPLAINED: f64 = 0.015;
-/// Rest of friction before the first row: standard deviation, as a share of the friction.
+/// Prior standard deviation of residual friction, as a share of the friction.
 const UNKNOWN_REST: f64 = 1.5;
-/// The rest of friction is another one after so long while the rod moves, and while it stands [s].
+/// Time constant of residual friction while the rod moves, and while it stands [s].
 const REST_MOVING: f64 = 0.3;
 const REST_STILL: f64 = 3.0;
 
-/// Memory of the scale.
+/// State of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Scale {
-    /// Payload [kg], and rest of friction as a share of the full force.
+    /// Payload [kg], and residual friction as a share of the full force.
     state: [f64; 2],
     covariance: [[f64; 2]; 2],
-    /// Smoothed innovation, and variance of what heaves, as shares of the moment.
+    /// Smoothed innovation, and variance of the usual heaving, as shares of the moment.
     fast: f64,
     heaving: f64,
-    /// The same of the last moments, whatever its size.
+    /// Variance of the present heaving, averaged over `ROCKING` beyond what is predicted, without `MOST_HEAVING`.
     rocking: f64,
-    /// The moment is another one, of a rocking machine or of another content.
+    /// The smoothed innovation exceeds the usual heaving: the machine rocks, or the content has changed.
     swings: bool,
+    /// The moment has jumped in this row.
     jumped: bool,
-    /// What was lifted: known, and the ground has not had it since.
+    /// Payload last known in the air, until the ground may carry the bucket.
     lifted: Option<Lifted>,
 }
 
-/// A payload that was known in the air, where nothing comes into a bucket.
+/// A payload known in the air, where nothing enters a bucket.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Lifted {
-    /// [kg], [kg^2]
+    /// Value [kg] and variance [kg^2].
     payload: f64,
     variance: f64,
-    /// Variance of what may have left since [kg^2].
+    /// Variance by what may have left the bucket since [kg^2].
     left: f64,
-    /// Smoothed moment beyond it, as a share of the moment.
+    /// Smoothed excess of the moment over that of this payload, as a share of the moment.
     above: f64,
 }
 
 impl Scale {
-    /// A bucket that holds anything.
+    /// Prior: a bucket with any content.
     pub fn new(drawing: &Drawing) -> Self {
         let capacity = drawing.capacity;
         let friction = UNKNOWN_REST * drawing.values[FRICTION];
@@ -109,7 +110,7 @@ impl Scale {
         }
     }
 
-    /// The bucket may hold anything; the noise stays.
+    /// Resets payload and friction to the prior; the heaving is retained.
     pub fn forget(&mut self, drawing: &Drawing) {
         let heaving = self.heaving;
         *self = Self {
@@ -118,7 +119,7 @@ impl Scale {
         };
     }
 
-    /// Takes a row.
+    /// Updates with a row. `accelerated`: an accelerometer is there.
     pub fn step(
         &mut self,
         drawing: &Drawing,
@@ -135,7 +136,7 @@ impl Scale {
             lifting,
         } = *shown;
         let full = lever.abs() * drawing.full_force(&drawing.values);
-        // The friction that is expected is in the moment already, its rest is a state.
+        // The expected friction is taken from the moment already; the residual is a state.
         let by = [per_load, full];
         let innovation = lifting - empty - per_load * self.state[0] - full * self.state[1];
         let carried = lifting.abs() + ARM_ALONE * full;
@@ -168,7 +169,7 @@ impl Scale {
         self.correct(by, innovation, variance);
     }
 
-    /// Follows what was lifted, and how far the moment is beyond it.
+    /// Updates the payload known in the air, and the excess of the moment over it.
     fn lift(&mut self, innovation: f64, [per_load, carried]: [f64; 2], motion: &Motion, dt: f64) {
         if motion.held {
             self.lifted = None;
@@ -187,7 +188,7 @@ impl Scale {
         }
     }
 
-    /// The cylinders press with more than what was lifted.
+    /// The moment exceeds that of the payload known in the air: the cylinders press against a stop.
     pub fn presses(&self, shown: &Shown, motion: &Motion) -> bool {
         self.lifted.is_some_and(|lifted| {
             let moment = |payload: f64| shown.empty + shown.per_load * payload;
@@ -199,13 +200,13 @@ impl Scale {
                 UNEXPLAINED
             };
             let usual = HEAVING_LEFT * self.heaving + moves * moves;
-            // `above` is a share of what is shown now.
+            // `above` is a share of the present moment: here it becomes one of the known moment.
             let above = lifted.above / (1.0 - lifted.above.min(0.9)) * known;
             above > JUMPS * sqrt(std * std + usual * known * known)
         })
     }
 
-    /// A stop carries: the bucket holds what was lifted, or what is left of it.
+    /// A stop carries: the payload returns to the one known in the air, with the variance of what may have left.
     pub fn stop(&mut self) {
         if let Some(lifted) = self.lifted {
             self.state[0] = lifted.payload;
@@ -215,14 +216,14 @@ impl Scale {
         (self.fast, self.swings, self.jumped) = (0.0, false, false);
     }
 
-    /// The content may have become another one at once.
+    /// Widens the payload after a jump: the content may have changed at once.
     pub fn open(&mut self, drawing: &Drawing) {
         let open = JUMP * drawing.capacity;
         self.covariance[0][0] += open * open;
         (self.fast, self.state[1]) = (0.0, 0.0);
     }
 
-    /// Time passes over payload and rest of friction.
+    /// Predicts payload and residual friction over `dt`.
     pub fn walk(&mut self, drawing: &Drawing, seals: &Seals, motion: &Motion, dt: f64) {
         let walk = TURNING_WALK * TURNING_WALK * motion.changing + CARRIED_WALK * CARRIED_WALK;
         let variance = walk * drawing.capacity * drawing.capacity * dt;
@@ -236,20 +237,21 @@ impl Scale {
         } else {
             REST_STILL
         };
-        let kept = 1.0 - (dt / time).min(1.0);
-        self.state[1] *= kept;
-        self.covariance[0][1] *= kept;
-        self.covariance[1][0] *= kept;
+        let decay = 1.0 - (dt / time).min(1.0);
+        self.state[1] *= decay;
+        self.covariance[0][1] *= decay;
+        self.covariance[1][0] *= decay;
         self.covariance[1][1] =
-            kept * kept * self.covariance[1][1] + (1.0 - kept * kept) * unknown * unknown;
+            decay * decay * self.covariance[1][1] + (1.0 - decay * decay) * unknown * unknown;
     }
 
+    /// Predicted variance of the moment [N^2 m^2].
     fn variance(&self, [a, b]: [f64; 2]) -> f64 {
         let p = &self.covariance;
         a * a * p[0][0] + 2.0 * a * b * p[0][1] + b * b * p[1][1]
     }
 
-    /// Follows the innovation, as a share of the moment.
+    /// Updates smoothed innovation and heaving. Innovation, and its predicted variance, are shares of the moment.
     fn listen(&mut self, innovation: f64, expected: f64, motion: &Motion, dt: f64) {
         let innovation = innovation.clamp(-1.0, 1.0);
         self.fast += (dt / FAST).min(1.0) * (innovation - self.fast);
@@ -258,7 +260,7 @@ impl Scale {
         }
         let away = innovation - self.fast;
         let square = away * away;
-        // An arm that starts or stops rocks its load as a machine does.
+        // An arm that starts or stops rocks its load, so lifting counts here.
         let rocking = (square - expected).max(0.0);
         self.rocking += (dt / ROCKING).min(1.0) * (rocking - self.rocking);
         if !motion.lifting {
@@ -266,11 +268,12 @@ impl Scale {
         }
     }
 
-    /// Variance of what heaves, as a share of the moment: usually, or now.
+    /// Variance of the heaving, as a share of the moment: usual or present, whichever is larger.
     fn heaves(&self) -> f64 {
         self.heaving.max(self.rocking)
     }
 
+    /// The smoothed innovation exceeds what state, pressures, this heaving and drawing explain.
     fn is_jump(&self, [carried, predicted, noise]: [f64; 3], heaves: f64) -> bool {
         let square = carried * carried;
         let usual = HEAVING_LEFT * heaves * square
@@ -279,13 +282,13 @@ impl Scale {
         self.fast * self.fast * square > JUMPS * JUMPS * (predicted + usual)
     }
 
-    /// The rest of friction is more than that of any seals.
+    /// The residual friction exceeds what seals can have.
     fn is_no_friction(&self, drawing: &Drawing, unknown: f64) -> bool {
         let (friction, std) = (unknown * drawing.values[FRICTION], drawing.std[FRICTION]);
         self.state[1] * self.state[1] > JUMPS * JUMPS * (friction * friction + std * std)
     }
 
-    /// The ground carries a part: the content may become anything.
+    /// Predicts the payload while the ground may carry a part: the content may change to any value.
     pub fn dig(&mut self, drawing: &Drawing, dt: f64) {
         let capacity = drawing.capacity;
         let (walk, most) = (DUG_WALK * capacity, DUG * capacity);
@@ -295,14 +298,15 @@ impl Scale {
         }
     }
 
+    /// Kalman update.
     fn correct(&mut self, by: [f64; 2], innovation: f64, variance: f64) {
-        let told = Measurement::of(&self.covariance, &by, innovation, variance);
-        if told.variance > 0.0 && told.variance.is_finite() && innovation.is_finite() {
-            told.take(&mut self.state, &mut self.covariance);
+        let found = Measurement::of(&self.covariance, &by, innovation, variance);
+        if found.variance > 0.0 && found.variance.is_finite() && innovation.is_finite() {
+            found.take(&mut self.state, &mut self.covariance);
         }
     }
 
-    /// The arm's own moment and that of a kilogram are other ones than was thought: the same moment is another payload.
+    /// Converts the state to new moments (of the empty arm, of a kilogram), the measured moment being unchanged.
     pub fn redraw(&mut self, [before, after]: [(f64, f64); 2]) {
         let by = before.1 / after.1;
         self.state[0] = by * self.state[0] + (before.0 - after.0) / after.1;
@@ -311,7 +315,7 @@ impl Scale {
         self.covariance[1][0] *= by;
     }
 
-    /// What the bucket holds, as far as the rows tell [kg].
+    /// Payload by the rows, without errors of the drawing [kg].
     pub fn payload(&self) -> Quantity {
         Quantity {
             value: self.state[0],
@@ -319,17 +323,17 @@ impl Scale {
         }
     }
 
-    /// Rest of friction, as a share of the full force.
+    /// Residual friction, as a share of the full force.
     pub fn rest(&self) -> f64 {
         self.state[1]
     }
 
-    /// The machine rocks, or the content is another one: half a second of rows tells which.
+    /// The machine rocks, or the content has changed: some tenths of a second of rows decide.
     pub fn swings(&self) -> bool {
         self.swings
     }
 
-    /// The moment jumped in this row, and no bucket turned.
+    /// The moment has jumped in this row, without a turning bucket.
     pub fn jumped(&self) -> bool {
         self.jumped
     }
