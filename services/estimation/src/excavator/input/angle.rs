@@ -1,51 +1,51 @@
-//! A joint angle without the noise that would pass for motion.
+//! Removes from a joint angle the noise that would appear as motion.
 //!
-//! The swing's equation has the rate of the inertia in it, and an opening bucket shows in its rate. Noise of an angle, divided
-//! by the period of the rows, makes both. So angles of a noisy sensor are those of an alpha-beta filter (steady state of a Kalman
-//! filter over angle and rate; Kalata, "The tracking index", 1984), which does not lag behind a steady motion:
+//! The swing's equation contains the rate of the inertia, and the rate of the bucket shows its opening. Noise of an angle over the
+//! period of the rows disturbs both. So the angles of a noisy sensor pass an alpha-beta filter (steady state of a Kalman filter
+//! over angle and rate; Kalata, "The tracking index", 1984), which does not lag behind a steady motion:
 //! ```text
 //! l = s_a T^2/s,  r = (4 + l - sqrt(8 l + l^2))/4,  alpha = 1 - r^2,  beta = 2 (2 - alpha) - 4 sqrt(1 - alpha)
 //! ```
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | s | noise beyond what the estimators bear, as described or as found, whichever is more | rad |
+//! | s | noise beyond what the estimators tolerate, described or measured, whichever is larger | rad |
 //! | s_a | acceleration that a joint may have from row to row | rad/s^2 |
 //! | T | period | s |
 //!
-//! Noise is found from second differences b: of noise alone E b_k b_(k-1) = -4 s^2, and motion only ever adds to that. A sensor
-//! as quiet as the estimators bear passes bit by bit.
+//! Second differences b measure the noise: E b_k b_(k-1) = -4 s^2 for noise alone, and motion only raises that product. A sensor
+//! with tolerated noise passes unchanged.
 
 use crate::math::sqrt;
 
-/// Noise that the estimators bear [rad].
+/// Noise that the estimators tolerate [rad].
 const BORNE: f64 = 0.0015;
 /// Acceleration of a joint from row to row [rad/s^2].
 const ACCELERATION: f64 = 4.0;
-/// Share of one product in their mean; about 1 s at 100 Hz.
+/// Weight of one product in the mean; about 1 s at 100 Hz.
 const MEMORY: f64 = 0.01;
-/// A second difference beyond this is a jump, not noise [rad].
+/// Second difference beyond which it is a jump, not noise [rad].
 const JUMP: f64 = 0.3;
 
-/// One angle.
+/// Filter of one angle.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Angle {
-    /// Noise as described [rad].
+    /// Described noise [rad].
     stated: f64,
     last: Option<f64>,
     step: f64,
     bend: f64,
     /// Mean of the products of neighbouring second differences [rad^2].
     product: f64,
-    /// Angle and rate of the filter; none before the first angle.
+    /// Angle and rate of the filter; `None` before the first angle.
     state: Option<(f64, f64)>,
-    /// Time since an angle came [s].
+    /// Time since the last angle [s].
     gap: f64,
 }
 
 impl Angle {
-    /// With its noise as described [rad].
+    /// From the described noise [rad].
     pub(in crate::excavator) fn new(stated: f64) -> Self {
         Self {
             stated,
@@ -53,7 +53,7 @@ impl Angle {
         }
     }
 
-    /// The angle without its noise; missing where it is missing.
+    /// The filtered angle; missing where the measured one is missing.
     pub(in crate::excavator) fn pass(&mut self, angle: Option<f64>, period: f64) -> Option<f64> {
         self.gap += period;
         let angle = angle?;
@@ -92,9 +92,9 @@ impl Angle {
 /// Gains of the filter for a tracking index.
 fn gains(index: f64) -> (f64, f64) {
     let root = 0.25 * (4.0 + index - sqrt(index * (8.0 + index)));
-    let kept = root.clamp(0.0, 1.0);
-    let alpha = 1.0 - kept * kept;
-    (alpha, 2.0 * (2.0 - alpha) - 4.0 * kept)
+    let pole = root.clamp(0.0, 1.0);
+    let alpha = 1.0 - pole * pole;
+    (alpha, 2.0 * (2.0 - alpha) - 4.0 * pole)
 }
 
 #[cfg(test)]
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     fn noise(k: u32) -> f64 {
-        // Uniform, of standard deviation 1, and without order.
+        // Uniform white noise of standard deviation 1.
         let mixed = k
             .wrapping_mul(2_654_435_761)
             .rotate_left(13)
@@ -110,7 +110,7 @@ mod tests {
         (f64::from(mixed >> 8) / f64::from(1u32 << 24) - 0.5) * sqrt(12.0)
     }
 
-    /// Error of angle and of rate of a joint that moves, rms, with noise of this size [rad, rad/s].
+    /// Rms errors of angle and rate of a moving joint [rad, rad/s]; `size`: noise of the sensor [rad].
     fn error(stated: f64, size: f64) -> (f64, f64) {
         let mut sensor = Angle::new(stated);
         let truth =

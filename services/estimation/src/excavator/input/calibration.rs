@@ -1,48 +1,47 @@
-//! Bias and noise of the velocity, measured over the first half second if the machine stands then.
-//! Single samples far outside are left out: one of them would hide that the machine stands.
+//! Measures bias and noise of the velocity over the first half second, if the machine stands. Single outliers are left out, since one
+//! of them would hide the standstill.
 
 use super::standstill::torque_share;
 use crate::excavator::grid::Tick;
 use crate::excavator::settings::Settings;
 use crate::math::sqrt;
 
-/// Length of the measurement [s].
+/// Duration of the measurement [s].
 const WINDOW: f64 = 0.5;
-/// Ticks that fit into it, with some to spare.
+/// Ticks of the measurement, with a margin.
 const CAPACITY: usize = 128;
-/// A larger mean is motion, not bias [rad/s].
+/// Mean velocity above which it is motion, not bias [rad/s].
 const BIAS_MAX: f64 = 0.03;
-/// Motion may have begun this many ticks before it is noticed.
+/// Ticks before its detection in which motion may have begun.
 const ONSET: usize = 8;
-/// Motion is judged by the median of so many velocities.
+/// Number of velocities whose median detects motion.
 const RECENT: usize = 5;
-/// Fewest ticks that give a bias when the machine sets off early.
+/// Least number of ticks for a bias when the machine sets off early.
 const FEWEST: usize = 12;
-/// A sample this many standard deviations from the median is an outlier. A Gaussian one lies there
-/// once in two million.
+/// Distance of an outlier from the median, in standard deviations. A Gaussian sample lies there once in two million.
 const OUTLIER: f64 = 5.0;
 
-/// How far the measurement is.
+/// Progress of the measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::excavator) enum Progress {
-    /// The machine may yet be seen to stand.
+    /// The measurement continues.
     Measuring,
-    /// It stood.
+    /// The machine stood.
     Stood(Calibrated),
-    /// It did not stand, or too little was seen of it.
+    /// The machine moved, or too few velocities are valid.
     Failed,
 }
 
-/// What was found while the machine stood.
+/// Bias and noise of the velocity at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::excavator) struct Calibrated {
-    /// To be subtracted from every velocity [rad/s].
+    /// Bias, to be subtracted from every velocity [rad/s].
     pub(in crate::excavator) bias: f64,
-    /// Measured over described noise, at least 1.
+    /// Measured over described standard deviation, at least 1.
     pub(in crate::excavator) noise: f64,
 }
 
-/// Collects the first half second.
+/// Collects the velocities of the first half second.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Calibration {
@@ -76,8 +75,7 @@ impl Calibration {
         }
     }
 
-    /// Takes in one tick of a source with `slowness` ticks per row; over with the first tick that is
-    /// no longer part of it.
+    /// Takes one tick of a source with `slowness` ticks per row. The first tick after the window ends the measurement.
     pub(in crate::excavator) fn step(&mut self, tick: &Tick, slowness: f64) -> Progress {
         self.slowness = slowness;
         if self.elapsed >= WINDOW - 1e-6 || self.ticks >= CAPACITY {
@@ -99,21 +97,21 @@ impl Calibration {
         }
     }
 
-    /// The first `n` velocities without outliers, and how many are left. The scale is the median
-    /// distance from the median, which a few outliers do not move, but at least the described one.
+    /// The first `n` velocities without outliers, and their number. The scale is the median distance from the median, which a few outliers
+    /// do not change, and at least the described standard deviation.
     fn inliers(&self, n: usize) -> ([f64; CAPACITY], usize) {
         let mut sorted = self.velocities;
         let centre = median(&mut sorted[..n]);
         let mut distances = sorted.map(|v| (v - centre).abs());
         let std = (1.4826 * median(&mut distances[..n])).max(sqrt(self.variance));
-        let (mut kept, mut count) = ([0.0; CAPACITY], 0);
+        let (mut inside, mut count) = ([0.0; CAPACITY], 0);
         for &v in &self.velocities[..n] {
             if (v - centre).abs() < OUTLIER * std {
-                kept[count] = v;
+                inside[count] = v;
                 count += 1;
             }
         }
-        (kept, count)
+        (inside, count)
     }
 
     fn moves(&self) -> bool {
@@ -124,7 +122,7 @@ impl Calibration {
         median(&mut recent_velocities).abs() > limit || self.torque.abs() > self.friction
     }
 
-    /// The machine set off before the time was over: what came before may still tell the bias.
+    /// The machine set off within the window: velocities from before may still give the bias.
     fn early(&self) -> Progress {
         let (before, n) = self.inliers(self.valid.saturating_sub(ONSET));
         let before = &before[..n];
@@ -146,8 +144,8 @@ impl Calibration {
         if !complete || torque.abs() >= self.friction || !plausible(all, self.variance) {
             return Progress::Failed;
         }
-        // Measured noise only ever widens: a quiet half second may be a quantised sensor. The
-        // margin is the error of a standard deviation from fifty samples.
+        // Measured noise only widens: a quiet half second may come from a quantised sensor. The margin is the error of a standard deviation
+        // from fifty samples.
         let ratio = deviation(all) / sqrt(self.variance);
         let noise = if self.measure_noise && ratio > 1.3 {
             ratio.min(4.0)
@@ -161,13 +159,13 @@ impl Calibration {
     }
 }
 
-/// Median of some values, which are sorted for it.
+/// Median; sorts the values.
 fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// A steady small mean with the described noise.
+/// Whether the mean is small and steady, and the noise as described.
 fn plausible(values: &[f64], variance: f64) -> bool {
     let std = sqrt(variance);
     let (first, second) = values.split_at(values.len() / 2);

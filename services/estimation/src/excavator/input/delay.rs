@@ -1,7 +1,7 @@
 //! Delay line between change detector and estimator (modes C and A).
 //!
-//! A change of torque is noticed 0.1 to 0.15 s after it happened. The estimator therefore runs 15
-//! ticks late, and the flag of a change covers the ticks from 15 before its detection to 25 after.
+//! The detector finds a change of torque 0.1 to 0.15 s late. The estimator therefore runs 15 ticks late, and the
+//! flag of a change covers the ticks from 15 before its detection to 25 after.
 
 use crate::excavator::drive::Drive;
 use crate::excavator::standstill::Phase;
@@ -11,7 +11,7 @@ pub(in crate::excavator) const LATE: usize = 15;
 /// Ticks that stay flagged after a detection (0.25 s).
 const AFTER: u32 = 25;
 
-/// One entry of the line: what of a drive is delayed with the velocity and does not depend on the torque.
+/// Entry of the line: the part of a drive that is delayed with the velocity and independent of the torque.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Entry {
@@ -19,7 +19,7 @@ pub(in crate::excavator) struct Entry {
     /// Gated velocity and its variance.
     pub(in crate::excavator) velocity: Option<f64>,
     pub(in crate::excavator) variance: f64,
-    /// Inertia over the step and its rate, each without payload and per kilogram of it.
+    /// Mean inertia over the step and its rate, each without payload and per kilogram of it.
     pub(in crate::excavator) mean: [f64; 2],
     pub(in crate::excavator) rate: [f64; 2],
     pub(in crate::excavator) phase: Phase,
@@ -42,7 +42,7 @@ impl Entry {
     }
 }
 
-/// The line.
+/// The delay line.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct DelayLine {
@@ -60,7 +60,7 @@ impl DelayLine {
         }
     }
 
-    /// Puts a tick in; gives the one that leaves, once the line is full.
+    /// Stores a tick. Returns the oldest one, once the line is full.
     pub(in crate::excavator) fn push(&mut self, mut entry: Entry, event: bool) -> Option<Entry> {
         if event {
             self.ring.iter_mut().for_each(|e| e.flagged = true);

@@ -1,9 +1,9 @@
 //! Angle, torque and velocity of the same instant from an encoder.
 //!
 //! The direction of friction needs a velocity, and a causal one is late: at a reversal a few
-//! milliseconds shift the estimated friction and damping by several percent. So it is the central
-//! difference over 2D samples, and angle and torque are delayed by D samples to match it. D is as
-//! small as the noise of the angle permits.
+//! milliseconds shift the estimated friction and damping by several percent. So the velocity is the
+//! central difference over 2D samples, and angle and torque are delayed by D samples to match it. D is
+//! as small as the noise of the angle permits.
 
 use crate::excavator::settings::Settings;
 use crate::math::sqrt;
@@ -23,7 +23,7 @@ pub(in crate::excavator) struct Aligned {
     pub(in crate::excavator) velocity: f64,
 }
 
-/// Remembers the last samples.
+/// Stores the last samples.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Aligner {
@@ -36,7 +36,7 @@ pub(in crate::excavator) struct Aligner {
 impl Aligner {
     pub(in crate::excavator) fn new(settings: &Settings) -> Self {
         let (s, e) = (&settings.sensors, &settings.estimator);
-        // The difference over 2D samples has half the width of the friction's sign as deviation.
+        // With 2D samples the standard deviation of the difference is half the width of the friction's sign.
         let noise = 2.0 * sqrt(2.0) * s.swing_angle_std * s.rate;
         let samples = noise / e.svf_friction_width;
         Self {
@@ -52,7 +52,7 @@ impl Aligner {
         self
     }
 
-    /// Takes in one sample; before the first 2D, what there is.
+    /// Takes one sample. Before the first 2D samples, the difference uses those that are there.
     pub(in crate::excavator) fn push(&mut self, time: f64, angle: f64, torque: f64) -> Aligned {
         self.ring[self.count % RING] = (time, angle, torque);
         self.count += 1;

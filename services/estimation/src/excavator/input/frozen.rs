@@ -1,35 +1,35 @@
-//! A sensor that repeats one value although its noise forbids it.
+//! Detects a sensor that repeats one value in spite of its noise.
 //!
-//! Noise makes the increments of a signal change their sign from sample to sample; the motion of a joint, or
-//! a coarse step of the sensor, does not. A signal that was noisy and then says exactly the same for half a
-//! second is not measured any more: a cable, a bus or a gateway repeats its last word.
+//! Noise makes the increments of a signal alternate in sign; the motion of a joint, or a coarse step of the sensor,
+//! does not. If a noisy signal has exactly one value for half a second, it is no longer measured: a cable, a bus or a
+//! gateway repeats the last value.
 
-/// Samples of exactly one value that are taken for a fault: 0.5 s at 100 Hz.
+/// Number of equal samples that are a fault: 0.5 s at 100 Hz.
 const REPEATS: u32 = 50;
-/// Share of increments of alternating sign, as a mean, above which a signal is noisy; white noise has two thirds.
+/// Mean share of increments of alternating sign above which a signal is noisy; it is two thirds for white noise.
 const NOISY: f64 = 0.45;
-/// Share of one sample in that mean.
+/// Weight of one sample in that mean.
 const MEMORY: f64 = 0.02;
-/// A signal that has changed so often and never repeated a value for so long is noisy too, however it moves [samples].
+/// A signal with more than `CHANGES` changes and never `LONGEST` repeats is noisy too, however it moves [samples].
 const CHANGES: u32 = 500;
 const LONGEST: u32 = 5;
 
-/// One signal.
+/// Detector of one signal.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Repetition {
     last: Option<f64>,
     increment: f64,
-    /// Share of increments that alternate.
+    /// Mean share of increments of alternating sign.
     alternating: f64,
     repeats: u32,
-    /// Most repeats so far, but for a frozen sensor's, and changes.
+    /// Longest repetition so far, other than by a frozen sensor; number of changes.
     longest: u32,
     changes: u32,
 }
 
 impl Repetition {
-    /// The value as it counts: missing while the sensor is frozen.
+    /// The value; missing while the sensor is frozen.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>) -> Option<f64> {
         let value = value?;
         let increment = value - self.last.replace(value).unwrap_or(value);
@@ -47,7 +47,7 @@ impl Repetition {
         Some(value)
     }
 
-    /// Repeats that end are steps of the sensor, not noise.
+    /// A repetition that ends was a step of the sensor, not noise.
     fn ends(&mut self) {
         if !self.is_frozen() {
             self.longest = self.longest.max(self.repeats);
@@ -56,7 +56,7 @@ impl Repetition {
         self.repeats = 0;
     }
 
-    /// Whether it repeats one value against its own noise.
+    /// Whether the sensor repeats one value in spite of its noise.
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
         let always = self.changes >= CHANGES && self.longest < LONGEST;
         self.repeats >= REPEATS && (self.alternating > NOISY || always)
@@ -67,12 +67,12 @@ impl Repetition {
 mod tests {
     use super::*;
 
-    /// Whether a joint is frozen that moves by this much a sample, then repeats one value, and how it says its angle.
-    fn frozen(moves: f64, said: impl Fn(f64) -> f64) -> bool {
+    /// Whether the detector reports a sensor as frozen after a motion of `moves` a sample; `shown` maps true to measured angles.
+    fn frozen(moves: f64, shown: impl Fn(f64) -> f64) -> bool {
         let mut sensor = Repetition::default();
         for k in 0..2000 {
             let noise = 0.001 * f64::from(k * 7919 % 13 - 6) / 6.0;
-            sensor.pass(Some(said(moves * f64::from(k) + noise)));
+            sensor.pass(Some(shown(moves * f64::from(k) + noise)));
         }
         let last = sensor.last;
         for _ in 0..60 {
@@ -86,7 +86,7 @@ mod tests {
      {
         assert!(frozen(0.0, |angle| angle));
         assert!(frozen(0.01, |angle| angle));
-        // A coarse one repeats its values anyway.
+        // A coarse sensor repeats its values anyway.
         assert!(!frozen(0.001, |angle| (angle / 0.02).round() * 0.02));
     }
 }

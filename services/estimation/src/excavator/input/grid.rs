@@ -1,10 +1,9 @@
-//! From rows at any rate to a grid of about 100 Hz.
+//! Converts rows at any rate to a grid of about 100 Hz.
 //!
-//! The detectors and state-space estimators were tuned at 100 Hz. Rows that come faster are
-//! averaged, so that their noise averages too and the counts of the detectors keep their meaning;
-//! a gap is filled with prediction-only ticks, angles interpolated, torque held. A gap beyond
-//! [`LONG_GAP`] is not bridged: the machine may have done anything, and the work per row stays
-//! bounded.
+//! The detectors and state-space estimators were tuned at 100 Hz. Faster rows are averaged, which averages their
+//! noise and preserves the sample counts of the detectors. A gap is filled with prediction-only ticks, angles
+//! interpolated, torque held. A gap beyond [`LONG_GAP`] is not filled: the motion in it is unknown, and the work
+//! per row stays bounded.
 
 use crate::excavator::estimate::Sample;
 use crate::excavator::settings::Settings;
@@ -13,19 +12,19 @@ use crate::excavator::settings::Settings;
 pub(in crate::excavator) const PERIOD: f64 = 0.01;
 /// Longest gap that is filled [s].
 pub(in crate::excavator) const LONG_GAP: f64 = 1.0;
-/// Rows at least this far apart are taken singly [s].
+/// Least distance of rows that are taken singly [s].
 const SINGLE: f64 = 0.51 * PERIOD;
-/// Faster rows are collected until this much time has passed [s].
+/// Duration over which faster rows are averaged [s].
 const BLOCK: f64 = 0.99 * PERIOD;
-/// More than this share of the noise variance is never averaged away: real noise is not white
-/// without limit, and the models' own errors on the grid do not average. With 0.1 mode D covers
-/// the truth in 85 % of the samples at 1 kHz, with 0.4 as at 100 Hz.
+/// Least share of the noise variance that averaging leaves: real noise is not white without limit, and the models'
+/// own errors on the grid do not average. With 0.1 mode D covers the truth in 85 % of the samples at 1 kHz, with
+/// 0.4 as at 100 Hz.
 const LEAST_SHARE: f64 = 0.4;
 
-/// A torque or a joint angle that is missing for longer: the swing tells nothing [s].
+/// Age from which a torque or a joint angle is unknown; the swing then carries no information [s].
 const MISSING: f64 = 0.2;
 
-/// Whether two ticks are as long as each other: differences of stamps are rounded.
+/// Whether two ticks have the same length, apart from rounded differences of stamps.
 pub(in crate::excavator) fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-9 * PERIOD
 }
@@ -40,17 +39,17 @@ pub(in crate::excavator) struct Tick {
     pub(in crate::excavator) velocity: Option<f64>,
     /// Variance of the velocity [(rad/s)^2].
     pub(in crate::excavator) velocity_variance: f64,
-    /// Mean torque, the last valid one where missing; 0 before the first.
+    /// Mean torque, or the last valid one; 0 before the first.
     pub(in crate::excavator) torque: f64,
-    /// Joint angles, the last valid ones where missing.
+    /// Joint angles, or the last valid ones.
     pub(in crate::excavator) posture: [f64; 3],
-    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    /// Variance of a joint angle by sensor noise [rad^2].
     pub(in crate::excavator) posture_variance: f64,
-    /// Share of a single row's noise variance that is left.
+    /// Share of a single row's noise variance that remains after averaging.
     pub(in crate::excavator) share: f64,
     /// Time since the last torque, infinite before the first [s].
     pub(in crate::excavator) torque_age: f64,
-    /// Time since all three angles were there, infinite before [s].
+    /// Time since all three joint angles were measured, infinite before [s].
     pub(in crate::excavator) posture_age: f64,
     /// Pitch and roll, where both are measured.
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
@@ -70,15 +69,15 @@ impl Tick {
     }
 }
 
-/// What one row set off: some prediction-only ticks and a tick with data.
+/// Ticks that follow from one row: prediction-only ones, then one with data.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::excavator) struct Fill {
     from: Tick,
     to: Tick,
     inserted: usize,
-    /// The rows come slower than the grid, but regularly: nothing is missing between them.
+    /// The rows are slower than the grid, but regular: none is missing between them.
     pub(in crate::excavator) regular: bool,
-    /// The gap was too long to fill: begin anew.
+    /// The gap was too long to fill: restart.
     pub(in crate::excavator) restart: bool,
 }
 
@@ -107,10 +106,10 @@ impl Fill {
                 period: h,
                 velocity: None,
                 posture: core::array::from_fn(|j| between(from.posture[j], to.posture[j])),
-                // The noise of the rows is in all n + 1 ticks: their mean is no better than that of the rows.
+                // Interpolated ticks share the noise of their rows: the mean of all n + 1 ticks must have the variance of a row.
                 posture_variance: to.posture_variance * (n + 2) as f64,
                 velocity_variance: to.velocity_variance,
-                // Between regular rows torque and pressures have moved on; in a gap it is not known how.
+                // Between regular rows torque and pressures are interpolated; in a gap their course is unknown.
                 torque: if regular {
                     between(from.torque, to.torque)
                 } else {
@@ -167,25 +166,25 @@ struct Block {
     pressure: [Mean; 2],
 }
 
-/// Averages and fills.
+/// Averages rows and fills gaps.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Grid {
     angle: bool,
     velocity_variance: f64,
-    /// What steps of the sensor add to it.
+    /// Variance that the quantisation of the sensor adds to it.
     steps: f64,
     posture_noise: f64,
     angle_variance: f64,
     block: Block,
     since: f64,
-    /// Length of the step before [s].
+    /// Length of the last step [s].
     period: f64,
     last: Option<Tick>,
     last_angle: Option<(f64, f64)>,
     torque: Option<f64>,
     posture: [Option<f64>; 3],
-    /// The pressure of the rod side has been seen.
+    /// The rod pressure has been measured.
     rod: bool,
 }
 
@@ -210,7 +209,7 @@ impl Grid {
         }
     }
 
-    /// Takes in one row, `period` after the row before; answers when a tick is complete.
+    /// Takes one row, `period` after the row before. Returns the ticks once one is complete.
     pub(in crate::excavator) fn push(&mut self, sample: &Sample, period: f64) -> Option<Fill> {
         self.since += period;
         let block = &mut self.block;
@@ -237,22 +236,22 @@ impl Grid {
         complete.then(|| self.finish(sample.time))
     }
 
-    /// The velocity's sensor has steps that add so much to the variance of its noise [(rad/s)^2].
+    /// Sets the variance that the quantisation of the velocity adds to its noise [(rad/s)^2].
     pub(in crate::excavator) fn steps(&mut self, variance: f64) {
         self.steps = variance;
     }
 
-    /// The joint angles of a row have noise of this variance [rad^2].
+    /// Sets the variance of the noise of a joint angle in a row [rad^2].
     pub(in crate::excavator) fn posture_noise(&mut self, variance: f64) {
         self.posture_noise = variance;
     }
 
-    /// Last valid torque (mean of its block).
+    /// Last valid torque (mean of its block) [N m].
     pub(in crate::excavator) fn torque(&self) -> Option<f64> {
         self.torque
     }
 
-    /// All three joint angles have been seen.
+    /// Whether all three joint angles have been measured.
     pub(in crate::excavator) fn has_posture(&self) -> bool {
         self.posture.iter().all(Option::is_some)
     }
@@ -295,7 +294,7 @@ impl Grid {
         };
         let from = self.last.unwrap_or(to);
         let restart = self.last.is_some() && period > LONG_GAP;
-        // A single row after 1.5 periods or more has rows missing before it.
+        // If a single row comes after 1.5 periods or more, rows are missing before it.
         let whole = (period / PERIOD + 0.5) as usize;
         let inserted = if self.last.is_none() || restart || block.rows > 1 && period < 1.5 * PERIOD
         {
@@ -318,7 +317,7 @@ impl Grid {
         }
     }
 
-    /// Both sides; a source that has never had the second tells a force or a difference by the first.
+    /// Head and rod pressure. Where the rod pressure was never measured, the head column may be a difference or a force.
     fn pressures(&mut self, block: &Block) -> Option<[f64; 2]> {
         let [head, rod] = block.pressure.map(|mean| mean.value());
         self.rod |= rod.is_some();
@@ -375,7 +374,7 @@ mod tests {
             assert!((head - 11e6 - 1e6 * k as f64).abs() < 1.0, "{k}: {head}");
             assert_eq!(rod, 1e6);
         }
-        // Five ticks together know the angle as well as the one row.
+        // The five ticks together determine the angle as well as the one row does.
         let sum: f64 = filled.iter().map(|tick| tick.posture_variance).sum();
         assert!((sum / 25.0 / 4e-6 - 1.0).abs() < 1e-12, "{sum}");
         let is_known = |tick: &Tick| tick.boom_pressure.is_some();

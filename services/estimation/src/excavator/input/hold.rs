@@ -1,25 +1,25 @@
-//! A signal that comes seldom and is repeated until it comes again.
+//! Detects a signal that is updated slowly and repeated between its updates.
 //!
-//! A bus sends a torque 20 times a second, and the logger writes it into every row of 100 Hz. Run lengths show it: no value stays
-//! for less than so many rows. A signal with steps repeats itself where it is slow, but not where it is fast.
+//! A bus sends a torque 20 times a second, and the logger writes it into every row of 100 Hz. Run lengths of equal values show it:
+//! no value lasts for fewer rows than an update. A quantised signal repeats values where it is slow, but not where it is fast.
 
-/// Longest run that counts [rows].
+/// Longest run that is counted [rows].
 const LONGEST: usize = 64;
-/// Runs until something is said.
+/// Least number of runs for a result.
 const ENOUGH: f64 = 20.0;
-/// Share of one run in the memory of runs: 200 of them.
+/// Weight of one run in the memory of runs: 200 of them.
 const MEMORY: f64 = 0.005;
-/// Up to this share of the runs may be shorter: stamps jitter.
+/// Share of the runs that may be shorter than the hold, since stamps jitter.
 const SHORTER: f64 = 0.1;
 
-/// Run lengths of one signal.
+/// Statistics of run lengths of one signal.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Hold {
     last: Option<f64>,
     run: usize,
     seen: f64,
-    /// Share of runs of each length; none is longer than the longest.
+    /// Shares of the run lengths so far, up to `longest`.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     shares: [f64; LONGEST + 1],
     longest: usize,
@@ -40,7 +40,7 @@ impl Default for Hold {
 }
 
 impl Hold {
-    /// Takes the value of a row; true where it is new, or could have come again and was the same.
+    /// Takes the value of a row. Returns whether it is an update: a new value, or an equal one when the next update is due.
     pub(in crate::excavator) fn push(&mut self, value: Option<f64>) -> bool {
         self.run += 1;
         let new = value.filter(|value| self.last != Some(*value));
@@ -56,19 +56,19 @@ impl Hold {
             self.longest = self.longest.max(run);
             self.shares[..=self.longest]
                 .iter_mut()
-                .for_each(|kept| *kept -= share * *kept);
+                .for_each(|old| *old -= share * *old);
             self.shares[run] = this;
             self.rows = self.shortest();
         }
         true
     }
 
-    /// The last value, unless it has not come for twice the period of the signal (`shortest`).
+    /// The last value, unless it is older than two holds.
     fn value(&self) -> Option<f64> {
         self.last.filter(|_| self.run < 2 * self.rows)
     }
 
-    /// For so many rows a value stays; 1 where each row brings its own.
+    /// Length of the hold [rows]; 1 where each row has its own value.
     pub(in crate::excavator) fn rows(&self) -> usize {
         self.rows
     }
@@ -86,8 +86,8 @@ impl Hold {
     }
 }
 
-/// A signal as it would be had it not been held: the mean over the rows of a hold joins the values by lines, and is late by
-/// one row less than the hold.
+/// Interpolates a held signal: the mean over the rows of a hold joins the values by straight lines. Its delay is one row less than the
+/// hold.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Joined {
@@ -108,7 +108,7 @@ impl Default for Joined {
 }
 
 impl Joined {
-    /// The value of a row, missing only where it is missing and not held.
+    /// The interpolated value of a row; missing where the signal is missing and not held.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>) -> Option<f64> {
         self.hold.push(value);
         let rows = self.hold.rows();
@@ -128,7 +128,7 @@ impl Joined {
         held.map(|_| last.sum::<f64>() / rows as f64)
     }
 
-    /// For so many rows a value stays.
+    /// Length of the hold [rows].
     pub(in crate::excavator) fn rows(&self) -> usize {
         self.hold.rows()
     }
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(rows(|k| Some(smooth(k))), 1);
         assert_eq!(rows(|k| Some(smooth(k / 5 * 5))), 5);
         assert_eq!(rows(|k| (k % 5 == 0).then(|| smooth(k))), 5);
-        // Steps of a hundredth, sent twenty times a second.
+        // Quantised to a hundredth, sent twenty times a second.
         let coarse = |k: u32| (100.0 * smooth(k)).round() / 100.0;
         assert_eq!(rows(|k| Some(coarse(k / 5 * 5))), 5);
         assert_eq!(rows(|k| Some(coarse(k))), 1);

@@ -1,61 +1,61 @@
-//! A joint angle that jumps further than a joint can move.
+//! Detects a joint angle that jumps further than a joint can move.
 //!
-//! A joint moves on by its rate; what steps further between two values, and does not step back, is not the joint:
-//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then. One that only
-//! repeats a single value until it steps back to where the joint may have moved was a bus that dropped out.
+//! The rate of a joint is limited. A larger step between two values that does not step back is a fault of the sensor: a slipped or
+//! exchanged encoder, another zero, unit, sign or range. The true angle is then unknown. If the sensor only repeats one value, and then
+//! steps back to where the joint may have moved, it was a bus that dropped out.
 //!
-//! One whose values came late for a while steps twice, by what the joint moved in that time, and is right afterwards. So one that has
-//! stayed for long may be admitted again, by who can tell otherwise whether it is right ([`Jump::admit`]).
+//! A sensor whose values were late for a while steps twice, by the motion in that time, and is right afterwards. So an angle that stays
+//! displaced for long may be admitted again, if another measurement can test it ([`Jump::admit`]).
 
 use crate::excavator::joints::turned;
 use crate::math::sqrt;
 
-/// No joint is faster [rad/s].
+/// Largest rate of a joint [rad/s].
 const RATE: f64 = 4.0;
-/// Coarse sensors step by this much [rad].
+/// Step of a coarse sensor [rad].
 const COARSE: f64 = 0.03;
-/// Steps of so many standard deviations of the sensor's noise are noise.
+/// Largest step that counts as noise, in standard deviations of the sensor's noise.
 const NOISE: f64 = 9.0;
-/// Share of one value in the mean square of the noise.
+/// Weight of one value in the mean square of the noise.
 const MEMORY: f64 = 0.02;
-/// A value that repeats may be held while the joint moves on as before, for so long [s], or sets off, for so long [s]
-/// and so fast [rad/s^2].
+/// While a value is repeated, the joint may move on at its last rate, for at most `HELD` [s]. Or it may set off, for at most `SET_OFF`
+/// [s] with `ACCELERATION` [rad/s^2].
 const HELD: f64 = 2.0;
 const SET_OFF: f64 = 0.25;
 const ACCELERATION: f64 = 3.0;
-/// A sensor that has not repeated a value for as long as [`SET_OFF`] in this time flickers, also while its joint stands: where it does,
-/// it was not heard, and the joint moved on [s].
+/// Time without a repetition longer than [`SET_OFF`] after which the sensor is known to flicker, also while its joint stands [s]. If
+/// such a sensor repeats a value, it is not measured, and the joint may have moved.
 const FLICKERS: f64 = 10.0;
 
-/// One that has not stepped for so long stays as it is [s].
+/// Time without a step after which a displaced angle stays as it is [s].
 const STAYS: f64 = 60.0;
 
-/// One angle.
+/// Detector of one angle.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Jump {
     last: Option<f64>,
-    /// The last change, and its rate; none at first.
+    /// Last change [rad], and its rate [rad/s]; no rate at first.
     step: f64,
     rate: Option<f64>,
-    /// Time since a value came, and since then for which it has repeated [s].
+    /// Time since the last value, and duration of its repetition until then [s].
     gap: f64,
     held: f64,
-    /// Time since it repeated one for long [s].
+    /// Time since the last long repetition [s].
     flickers: f64,
     /// Mean square of the second differences, six times the variance of the noise [rad^2].
     rough: f64,
-    /// Sum of the steps that no joint makes [rad]; the values do not count for that.
+    /// Sum of the impossible steps [rad]; while it is not 0, values do not count.
     displaced: f64,
     jumped: bool,
-    /// The last angle before it was displaced, the time since its last such step [s], and whether it has said a single value since.
+    /// Last angle before the displacement [rad], time since the last impossible step [s], and whether it has had a single value since.
     before: f64,
     away: f64,
     single: bool,
 }
 
 impl Jump {
-    /// The value as it counts: missing while the sensor is displaced.
+    /// The value; missing while the sensor is displaced.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, period: f64) -> Option<f64> {
         self.gap += period;
         self.flickers += period;
@@ -78,12 +78,12 @@ impl Jump {
 
     fn change(&mut self, value: f64, step: f64) {
         let held = self.held;
-        let (unheard, moves_on, off) = if held > SET_OFF {
-            (self.gap + self.unheard(), held.min(HELD), SET_OFF)
+        let (unmeasured, moves_on, off) = if held > SET_OFF {
+            (self.gap + self.unmeasured(), held.min(HELD), SET_OFF)
         } else {
             (self.gap, held, held)
         };
-        let at_once = RATE * unheard + COARSE + NOISE * sqrt(self.rough / 6.0);
+        let at_once = RATE * unmeasured + COARSE + NOISE * sqrt(self.rough / 6.0);
         let possible = at_once
             + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * moves_on
             + 0.5 * ACCELERATION * off * off;
@@ -111,38 +111,38 @@ impl Jump {
         self.jumped = self.displaced != 0.0;
     }
 
-    /// For how long it was not heard, having repeated one value for long [s].
-    fn unheard(&mut self) -> f64 {
+    /// Duration of a long repetition in which a flickering sensor was not measured [s]; 0 for another sensor.
+    fn unmeasured(&mut self) -> f64 {
         let before = core::mem::take(&mut self.flickers) - self.held;
         if before > FLICKERS { self.held } else { 0.0 }
     }
 
-    /// Whether it says something else than the joint.
+    /// Whether the sensor is displaced and its values do not count.
     pub(in crate::excavator) fn has_jumped(&self) -> bool {
         self.jumped
     }
 
-    /// Whether it has, and stays there.
+    /// Whether it is, and has not stepped for long.
     pub(in crate::excavator) fn stays(&self) -> bool {
         self.has_jumped() && self.away > STAYS
     }
 
-    /// How far \[rad\].
+    /// Displacement \[rad\].
     pub(in crate::excavator) fn by(&self) -> f64 {
         self.displaced
     }
 
-    /// It counts as it is, until it steps again.
+    /// Lets the displaced angle count, until the next impossible step.
     pub(in crate::excavator) fn admit(&mut self) {
         self.jumped = false;
     }
 
-    /// It does not any more.
+    /// Revokes [`Self::admit`].
     pub(in crate::excavator) fn refuse(&mut self) {
         self.jumped = self.displaced != 0.0;
     }
 
-    /// One that counts is the joint: there is nothing to step back from.
+    /// Confirms an admitted angle: the displacement returns to 0.
     pub(in crate::excavator) fn believe(&mut self) {
         if !self.jumped {
             self.displaced = 0.0;
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::math::sin_cos;
 
-    /// Values at 100 Hz of a joint that moves by `rate`, changed by `wrong`; how many pass, and whether it has jumped.
+    /// Number of valid values, and whether the angle has jumped: a joint at 100 Hz that moves by `rate`, its values changed by `wrong`.
     fn passed(rate: f64, wrong: impl Fn(u32, f64) -> Option<f64>) -> (usize, bool) {
         let mut jump = Jump::default();
         let values = (0..400).map(|k| wrong(k, rate * 0.01 * f64::from(k)));
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn one_that_came_late_for_a_while_may_be_admitted_once_it_stays() {
         let mut jump = Jump::default();
-        // Late by .2 s from 20 to 40 s.
+        // Delayed by .2 s from 20 to 40 s.
         for k in 0..9_000_u32 {
             let late = if (2_000..4_000).contains(&k) { 20 } else { 0 };
             let value = sin_cos(0.01 * f64::from(k - k.min(late))).0;
@@ -222,8 +222,8 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_that_flickers_was_not_heard_while_it_repeats_a_value() {
-        // A joint that stands for 15 s, and has moved by .4 rad within half a second in which the bus repeats its last word.
+    fn a_sensor_that_flickers_was_not_measured_while_it_repeats_a_value() {
+        // A joint that stands for 15 s, and moves by .4 rad within half a second in which the bus repeats its last value.
         let jumped = |noise: f64| {
             let mut jump = Jump::default();
             for k in 0..2000_i32 {
@@ -235,7 +235,7 @@ mod tests {
             jump.has_jumped()
         };
         assert!(!jumped(0.001));
-        // One that is clean was not held: it slipped.
+        // A sensor without noise was measured: it slipped.
         assert!(jumped(0.0));
     }
 

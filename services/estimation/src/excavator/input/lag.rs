@@ -1,44 +1,44 @@
-//! By how much the torque comes later than the velocity, found from both.
+//! Estimates the lag of the torque behind the velocity from both signals.
 //!
-//! Whatever the machine weighs, the torque is a sum of what accelerates it, of what damps it, of friction and of the slope. At the lag l at
-//! which both belong together, the least squares of
+//! At any mass of the machine, the torque is a sum of inertial torque, damping, friction and slope. At the true lag l the least squares of
 //! ```text
 //! T(t + l) = c1 L'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t) + c6 |L'(t)| sgn w(t),  L = J_e(q) w
 //! ```
-//! leave least; the last summand is what a gear loses. The lag is mostly as stated, within its standard deviation, and seldom any other:
-//! both belong to the odds. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
+//! leave the smallest residual; the last summand is the loss of the gear. The prior of the lag is the stated value with its standard
+//! deviation, and with a small probability any other; it is part of the odds. The estimators tolerate a few hundredths of a second, and
+//! estimate them more accurately themselves. This estimates larger lags.
 
 use crate::excavator::grid::{PERIOD, Tick};
 use crate::math::{exp, ln, round, sin_cos, sqrt};
 use core::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector};
 
-/// Ticks on either side over which the velocity is differenced, and the torque is averaged.
+/// Ticks on either side over which the velocity is differenced and the torque is averaged.
 const HALF: usize = 3;
-/// Ticks by which the torque may come earlier and later.
+/// Range of the lag: the torque comes at most this number of ticks earlier or later.
 const EARLIEST: usize = 16;
 const LATEST: usize = 20;
 const LAGS: usize = EARLIEST + LATEST + 1;
 const RING: usize = EARLIEST + LATEST + 2 * HALF + 2;
-/// Below this the machine may as well stand [rad/s].
+/// Velocity below which the machine may stand [rad/s].
 const MOVING: f64 = 0.06;
-/// Share of one tick in the sums: those of 20 s of motion.
+/// Weight of one tick in the sums: a memory of 20 s of motion.
 const MEMORY: f64 = 0.0005;
-/// Ticks of motion that tell something: 2.5 s.
+/// Ticks of motion needed for a result: 2.5 s.
 const ENOUGH: f64 = 250.0;
-/// So many neighbouring ticks have one error in common. With 10, a quarter of 32 simulated machines whose stamps jitter found a lag that
-/// was none.
+/// Number of neighbouring ticks whose errors are equal. With 10, a wrong lag was found on a quarter of 32 simulated machines with
+/// jittering stamps.
 const CORRELATED: f64 = 30.0;
-/// Logarithm of the odds at which a lag is taken for the present one.
+/// Logarithm of the odds at which a lag replaces the present one.
 const BETTER: f64 = 5.0;
-/// A lag is not as stated with this probability: then each is as probable.
+/// Probability that the lag is not as stated; all lags are then equally probable.
 const UNSTATED: f64 = 0.01;
-/// A lag is stated no better than to this [ticks].
+/// Least standard deviation of a stated lag [ticks].
 const CLOSELY: f64 = 0.5;
-/// The estimators bear less [ticks].
+/// Least difference from the present lag [ticks]: the estimators tolerate smaller ones.
 const BORNE: i32 = 3;
 
-/// What the torque is a sum of.
+/// Number of regressors.
 const SUMMANDS: usize = 6;
 type Regressors = SVector<f64, SUMMANDS>;
 
@@ -46,7 +46,7 @@ type Regressors = SVector<f64, SUMMANDS>;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Lag {
-    /// Velocity, torque averaged up to here, inertia, swing angle.
+    /// Velocity, torque averaged up to this tick, inertia, swing angle.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     ring: [(f64, f64, f64, f64); RING],
     recent: [f64; 2 * HALF + 1],
@@ -58,18 +58,18 @@ pub(in crate::excavator) struct Lag {
     products: [Regressors; LAGS],
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     squares: [f64; LAGS],
-    /// What is left at each lag, and the one that is looked at next.
+    /// Residual at each lag, and the lag that is computed next.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     left: [f64; LAGS],
     next: usize,
-    /// So many of them are not of the present sums.
+    /// Number of residuals that are older than the present sums.
     old: usize,
-    /// The lag as stated, and its standard deviation [ticks].
+    /// Stated lag, and its standard deviation [ticks].
     stated: [f64; 2],
 }
 
 impl Lag {
-    /// Of a lag that is stated with its standard deviation [s].
+    /// From a stated lag and its standard deviation [s].
     pub(in crate::excavator) fn new([value, std]: [f64; 2]) -> Self {
         Self {
             stated: [value / PERIOD, (std / PERIOD).max(CLOSELY)],
@@ -87,8 +87,8 @@ impl Lag {
         }
     }
 
-    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one [s], where that is clearly
-    /// worse: how many ticks later than the velocity the torque comes.
+    /// Takes a tick with the inertia of the empty machine. Returns a lag [ticks], positive where the torque is later than the velocity, if
+    /// it is clearly better than the `present` one [s].
     pub(in crate::excavator) fn push(
         &mut self,
         tick: &Tick,
@@ -97,7 +97,7 @@ impl Lag {
     ) -> Option<i32> {
         let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
         let there = tick.has_torque() && tick.has_posture();
-        // The upper body turns on, whatever else is missing.
+        // The swing angle is integrated also where other signals are missing.
         self.turn += tick.velocity.unwrap_or(0.0) * tick.period;
         let Some(velocity) = tick.velocity.filter(|_| steady && there) else {
             self.count = 0;
@@ -135,19 +135,19 @@ impl Lag {
         let lost = inertial.abs() * direction;
         let x = Regressors::new(inertial, velocity, direction, sin, cos, lost);
         let mut k = (middle + HALF - EARLIEST) % RING;
-        let kept = 1.0 - MEMORY;
-        self.seen = self.seen * kept + 1.0;
+        let forgetting = 1.0 - MEMORY;
+        self.seen = self.seen * forgetting + 1.0;
         self.old = LAGS;
-        self.normal = self.normal * kept + x * x.transpose();
+        self.normal = self.normal * forgetting + x * x.transpose();
         for (product, square) in self.products.iter_mut().zip(&mut self.squares) {
             let torque = self.ring[k].1;
             k = if k + 1 < RING { k + 1 } else { 0 };
-            *product = *product * kept + x * torque;
-            *square = *square * kept + torque * torque;
+            *product = *product * forgetting + x * torque;
+            *square = *square * forgetting + torque * torque;
         }
     }
 
-    /// What is left at one lag, a different one with each tick.
+    /// Updates the residual at one lag, another one in each tick.
     fn look(&mut self) {
         let i = self.next;
         self.next = (i + 1) % LAGS;
@@ -155,7 +155,7 @@ impl Lag {
             return;
         }
         self.old -= 1;
-        // What L^-1 c explains: c' (L L')^-1 c is its square.
+        // With N = L L', c' N^-1 c is the square of L^-1 c.
         let explained = self.normal.cholesky().and_then(|factor| {
             let lower = factor.l_dirty();
             lower.solve_lower_triangular(&self.products[i])
@@ -174,12 +174,12 @@ impl Lag {
         let now = at(present).and_then(|i| self.left.get(i)).copied()?;
         let lag = best as i32 - EARLIEST as i32;
         let known = self.left.iter().all(|left| left.is_finite());
-        let said = self.seen / CORRELATED * ln(now / least.max(f64::MIN_POSITIVE));
-        let odds = said + self.beforehand(lag) - self.beforehand(present);
+        let evidence = self.seen / CORRELATED * ln(now / least.max(f64::MIN_POSITIVE));
+        let odds = evidence + self.beforehand(lag) - self.beforehand(present);
         (known && inside && (lag - present).abs() >= BORNE && odds > BETTER).then_some(lag)
     }
 
-    /// Logarithm of the probability of a lag before anything is measured.
+    /// Logarithm of the prior probability of a lag.
     fn beforehand(&self, lag: i32) -> f64 {
         let [value, std] = self.stated;
         let away = (f64::from(lag) - value) / std;
@@ -193,10 +193,10 @@ mod tests {
     use super::*;
     use crate::math::tanh;
 
-    /// What is found of a swing whose torque is so many ticks late.
+    /// Lag found in a swing whose torque is `late` ticks late; `share` scales the true inertia.
     fn found(late: i32, share: f64) -> Option<i32> {
         let mut lag = Lag::new([0.0, 0.02]);
-        // Swings with plateaus: of a sine, a lag is as good as another inertia and damping.
+        // Swings with plateaus: in a sine, a lag is equivalent to another inertia and damping.
         let velocity =
             |k: f64| 0.8 * tanh(3.0 * sin_cos(0.015 * k).0) * (1.0 + 0.3 * sin_cos(0.0031 * k).0);
         let torque = |k: f64| {

@@ -1,4 +1,4 @@
-//! What comes in: rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen, jumps or leaps, rest.
+//! Conditioning of the sensor rows: grid of 100 Hz; missing, late, held, noisy, coarse, frozen and jumping signals; encoder; standstill.
 
 pub(in crate::excavator) mod angle;
 pub(in crate::excavator) mod calibration;

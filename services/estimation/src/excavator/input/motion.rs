@@ -1,10 +1,9 @@
 //! Filter stage: sensors in, swing motion out (process `kalman`).
 //!
-//! The Kalman filter of Eqs. 1-10 gives velocity and acceleration; a bank of equal filters gives
-//! velocity, acceleration, torque and friction direction with the same delay, which is what a
-//! regression with measured torque needs (filtering one side only costs tens of percent). With an
-//! encoder the angle takes the place of the velocity: the Kalman filter then has three states, and
-//! the bank one more stage.
+//! The Kalman filter of Eqs. 1-10 gives velocity and acceleration. A bank of equal filters gives velocity,
+//! acceleration, torque and friction direction with equal delay, as a regression with measured torque requires
+//! (filtering only one side causes errors of tens of percent). With an encoder the angle replaces the velocity: the
+//! Kalman filter then has three states, and the bank one more stage.
 
 use crate::excavator::change::{ChangeDetector, Gate};
 use crate::excavator::encoder::{Aligned, Aligner};
@@ -19,7 +18,7 @@ use crate::excavator::svf::{Lowpass, Shape};
 use crate::kalman::{AngleFilter, Gain, Innovation, VelocityFilter};
 use crate::math::{exp, ln, sqrt, tanh};
 
-/// Swing motion at one sample: all that [`crate::excavator::Regression`] needs.
+/// Swing motion at one sample: all inputs of [`crate::excavator::Regression`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion {
@@ -29,16 +28,15 @@ pub struct Motion {
     pub period: f64,
     /// Velocity of the Kalman filter [rad/s].
     pub velocity: f64,
-    /// Its standard deviation [rad/s].
+    /// Standard deviation of the velocity [rad/s].
     pub velocity_std: f64,
     /// Acceleration of the Kalman filter [rad/s^2].
     pub acceleration: f64,
-    /// Its standard deviation [rad/s^2].
+    /// Standard deviation of the acceleration [rad/s^2].
     pub acceleration_std: f64,
-    /// Innovation of the Kalman filter, 0 where nothing was accepted [rad/s], of the angle filter
-    /// \[rad\].
+    /// Innovation of the Kalman filter [rad/s], of the angle filter \[rad\]; 0 where nothing was accepted.
     pub innovation: f64,
-    /// Its predicted standard deviation.
+    /// Predicted standard deviation of the innovation.
     pub innovation_std: f64,
     /// Velocity behind the equal filters [rad/s].
     pub filtered_velocity: f64,
@@ -48,7 +46,7 @@ pub struct Motion {
     pub filtered_torque: f64,
     /// Friction direction tanh(w / width) behind them.
     pub filtered_direction: f64,
-    /// A constant 1 behind them: what an offset looks like.
+    /// A constant 1 behind them, the regressor of an offset.
     pub filtered_one: f64,
     /// Convergence delay of the Kalman filter's acceleration \[s\].
     pub convergence_delay: f64,
@@ -62,7 +60,7 @@ pub struct Motion {
     pub manoeuvre: bool,
     /// The machine stands still.
     pub standstill: bool,
-    /// The row was refused; everything else repeats the last answer.
+    /// The row was refused; all other fields repeat the last result.
     pub refused: bool,
 }
 
@@ -104,7 +102,7 @@ struct Bank {
     one: Lowpass,
 }
 
-/// Kalman filter and equal filters.
+/// Kalman filter and bank of equal filters.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionFilter {
@@ -116,7 +114,7 @@ pub struct MotionFilter {
     shape: Shape,
     bank: Option<Bank>,
     input: [f64; 2],
-    /// Of an encoder.
+    /// For an encoder.
     aligner: Option<Aligner>,
     grid: Grid,
     detector: ChangeDetector,
@@ -128,7 +126,7 @@ pub struct MotionFilter {
 }
 
 impl MotionFilter {
-    /// Checks the settings; `columns` says whether there is a velocity, or only an angle.
+    /// Checks the settings; `columns` states whether there is a velocity, or only an angle.
     pub fn new(settings: &Settings, columns: Columns) -> Result<Self, SettingsError> {
         settings.check()?;
         if !(columns.velocity || columns.angle) {
@@ -168,14 +166,14 @@ impl MotionFilter {
         })
     }
 
-    /// The settings as given.
+    /// The settings as stated.
     pub fn described(&self) -> Settings {
         self.settings
     }
 
-    /// Takes in one row and always answers. A row whose time does not increase is refused and
-    /// changes nothing, unless one stamp was wrong or the clock was set back for good. After a gap
-    /// of more than a second the filter begins anew.
+    /// Takes one row and always returns a motion. A row whose time does not increase is refused and changes nothing,
+    /// unless one stamp was wrong or the clock was permanently set back. After a gap of more than a second the
+    /// filter restarts.
     pub fn step(&mut self, sample: &Sample) -> Motion {
         let mut sample = of_swing(sample);
         let Some(row) = self.screen.accept(&mut sample) else {
@@ -186,7 +184,7 @@ impl MotionFilter {
         };
         let period = row.period;
         if row.set_back || period > LONG_GAP {
-            self.begin_anew(row.set_back && self.angle);
+            self.restart(row.set_back && self.angle);
         }
         let innovation = self.kalman(&sample, period);
         let measured = innovation.variance > 0.0;
@@ -194,8 +192,8 @@ impl MotionFilter {
         self.watch(&sample, measured, period);
         let motion = self.motion(&sample, innovation, period);
         if !motion.is_finite() {
-            // A state that left the numbers does not come back by itself.
-            self.begin_anew(true);
+            // A state that is not finite does not recover.
+            self.restart(true);
             return Motion {
                 time: sample.time,
                 period,
@@ -210,9 +208,9 @@ impl MotionFilter {
         self.last
     }
 
-    /// Forgets where the machine was; `all`: the filters of the regression too, since times or angles before this count
-    /// no more.
-    fn begin_anew(&mut self, all: bool) {
+    /// Restarts the Kalman filter. `all`: the filters of the regression too, since earlier times or angles are no longer
+    /// valid.
+    fn restart(&mut self, all: bool) {
         self.filter = Filter::Waiting;
         self.window_end = f64::NEG_INFINITY;
         if all {
@@ -303,7 +301,7 @@ impl MotionFilter {
         let direction = tanh(aligned.velocity / self.settings.estimator.svf_friction_width);
         let start = if self.angle { aligned.angle } else { 0.0 };
         let bank = self.bank.get_or_insert_with(|| Bank {
-            // The angle counts from wherever the encoder starts.
+            // The encoder's angle has an arbitrary start.
             motion: Lowpass::settled(start),
             ..Bank::default()
         });
@@ -314,7 +312,7 @@ impl MotionFilter {
         bank.one.step(shape, 1.0, period);
     }
 
-    /// Standstill and change windows, on the grid of about 100 Hz for which they were tuned.
+    /// Updates standstill and change windows, on the grid of about 100 Hz for which they were tuned.
     fn watch(&mut self, sample: &Sample, measured: bool, period: f64) {
         self.delay.update(&self.settings, self.angle, period);
         let mut accepted = *sample;
@@ -385,7 +383,7 @@ impl MotionFilter {
     }
 }
 
-/// What this stage takes of a row: nothing of joints, slope and pressures.
+/// Signals of a row that this stage uses: those of the swing.
 fn of_swing(sample: &Sample) -> Sample {
     Sample {
         time: sample.time,
@@ -396,7 +394,7 @@ fn of_swing(sample: &Sample) -> Sample {
     }
 }
 
-/// Convergence delay of the acceleration; recomputed when the sampling period has changed for good.
+/// Convergence delay of the acceleration; recomputed when the sampling period has changed permanently.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Delay {

@@ -1,11 +1,11 @@
-//! A velocity in steps. Noise larger than the quantum dithers it: nothing is added there.
+//! Variance of a quantised velocity. Noise larger than the quantum dithers the velocity; then no variance is added.
 
 use crate::quantum::Quantum;
 
-/// Changes until the least is believed to be the quantum.
+/// Number of changes after which the least one counts as the quantum.
 const ENOUGH: u32 = 20;
 
-/// What has been seen of the velocity.
+/// Quantum of the velocity, and the number of changes from which it was estimated.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Quantisation {
@@ -21,7 +21,7 @@ impl Quantisation {
         }
     }
 
-    /// Variance that the steps add to the sensor's noise of this standard deviation [rad/s] [(rad/s)^2].
+    /// Variance that the quantisation adds to sensor noise of standard deviation `std` [rad/s] [(rad/s)^2].
     pub(in crate::excavator) fn variance(&self, std: f64) -> f64 {
         let least = self.quantum.least().filter(|_| self.changes >= ENOUGH);
         least.filter(|q| *q > std).map_or(0.0, |q| q * q / 12.0)

@@ -1,27 +1,27 @@
-//! A torque at the end of its sensor's range: "at least this much" is no measurement.
+//! Detects a torque at the end of its sensor's range, where it is only a bound and no measurement.
 //!
-//! A signal with noise never says exactly its largest value twice in turn; one that is cut off there does. A coarse signal, or one
-//! that is held, repeats its values everywhere: nothing is told of it. Nor of exactly zero, which a machine says that stands.
+//! A noisy signal never has exactly its largest value twice in a row, but a saturated one has. A coarse or held signal repeats its values
+//! everywhere, so no range is detected. Zero does not count either, since a standing machine may show it exactly.
 
-/// Repeats at one end until it is believed [rows].
+/// Number of repeats at one end after which it is the end of the range [rows].
 const ENOUGH: u32 = 5;
-/// The range is this many standard deviations of the noise wide: what stands still has no end.
+/// Least width of the range, in standard deviations of the noise: the signal of a standing machine shows no range.
 const WIDE: f64 = 20.0;
 
-/// What has been seen of one signal.
+/// Range of one signal so far.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Range {
     last: f64,
-    /// The least and the largest value, and how often it was repeated.
+    /// Least and largest value, and how often each was repeated.
     ends: [f64; 2],
     repeats: [u32; 2],
-    /// Repeats elsewhere.
+    /// Repeats of other values.
     elsewhere: u32,
 }
 
 impl Range {
-    /// The value as it counts, of a sensor of this noise: missing at an end of its range.
+    /// The value; missing at an end of the range. `std`: noise of the sensor.
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, std: f64) -> Option<f64> {
         let value = value?;
         let [least, largest] = self.ends;
@@ -34,7 +34,7 @@ impl Range {
         let at = usize::from(value >= largest);
         let (end, repeats) = (&mut self.ends[at], &mut self.repeats[at]);
         if value != *end {
-            // It was no end.
+            // The former extreme was no end of the range.
             *end = value;
             self.elsewhere = self.elsewhere.saturating_add(core::mem::take(repeats));
         }
@@ -47,7 +47,7 @@ impl Range {
 mod tests {
     use super::*;
 
-    /// How many of 3000 torques of this shape are missing, and how many lie at its ends.
+    /// Of 3000 torques of this shape, the number that is missing and the number at the ends.
     fn missing(shape: impl Fn(f64) -> f64, ends: [f64; 2]) -> [usize; 2] {
         let mut range = Range::default();
         let (mut missing, mut at_end) = (0, 0);
@@ -65,9 +65,9 @@ mod tests {
     fn a_torque_that_is_cut_off_is_missing_where_it_is() {
         for ends in [[-5e5, 3e4], [-3e4, 5e5], [-3e4, 3e4]] {
             let [missing, at_end] = missing(|x| x.clamp(ends[0], ends[1]), ends);
-            let believed = usize::try_from(2 * ENOUGH + 2).expect("few");
+            let accepted = usize::try_from(2 * ENOUGH + 2).expect("few");
             assert!(
-                missing + believed >= at_end && missing <= at_end && at_end > 500,
+                missing + accepted >= at_end && missing <= at_end && at_end > 500,
                 "{ends:?}"
             );
         }

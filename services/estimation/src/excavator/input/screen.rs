@@ -1,5 +1,5 @@
-//! First look at a row: is its time usable, when was it measured, and which of its values count? The torque's calibrated gain and
-//! offset are taken out here, so that all behind it see the true torque.
+//! Screens a row: checks its time, and marks invalid values as missing. It also removes the calibrated gain and offset of the torque, so
+//! that all later stages use the true torque.
 
 use crate::excavator::angle::Angle;
 use crate::excavator::estimate::Sample;
@@ -16,14 +16,14 @@ use crate::excavator::steady::Steady;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
 use crate::time_base::{Tick, TimeBase};
 
-/// No machine works on a steeper slope [rad].
+/// Pitch or roll beyond which no machine works [rad].
 const INCLINATION_LIMIT: f64 = 0.8;
-/// Beyond this a torque is no measurement [N m]: four times that of the largest machines (800 t).
+/// Torque that is no measurement [N m]: four times that of the largest machines (800 t).
 const TORQUE_LIMIT: f64 = 2e7;
-/// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
+/// Pressure that is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
 const PRESSURE_LIMIT: f64 = 2e8;
 
-/// The largest value of a signal that counts: a larger one is missing. None where any counts.
+/// Limit of a signal: values of this size or more count as missing. `None` for a signal without limit.
 #[must_use]
 pub fn largest(signal: &str, described: &Description) -> Option<f64> {
     match signal {
@@ -36,16 +36,16 @@ pub fn largest(signal: &str, described: &Description) -> Option<f64> {
     }
 }
 
-/// What is known of a row that counts.
+/// Result for an accepted row.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::excavator) struct Accepted {
     /// Time since the row before [s].
     pub(in crate::excavator) period: f64,
-    /// The clock went back, or the encoder has another zero: what is remembered belongs to another time.
+    /// The clock went back, or the encoder has another zero: stored values belong to another time.
     pub(in crate::excavator) set_back: bool,
 }
 
-/// Refuses rows whose time does not increase and takes impossible values for missing.
+/// Refuses rows whose time does not increase, and marks impossible values as missing.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Screen {
@@ -97,7 +97,7 @@ impl Screen {
         }
     }
 
-    /// Takes impossible values out of a row; `None` if it is refused.
+    /// Removes impossible values from a row; `None` if it is refused.
     pub(in crate::excavator) fn accept(&mut self, sample: &mut Sample) -> Option<Accepted> {
         let tick = self.clock.tick(sample.time, LONG_GAP);
         let period = match tick {
@@ -111,7 +111,7 @@ impl Screen {
         let set_back = tick == Tick::SetBack;
         if set_back {
             self.swing_angle = SwingAngle::default();
-            // The joints had all the time to be elsewhere.
+            // The joints may have moved anywhere meanwhile.
             self.jumps = [Jump::default(); 3];
         }
         let followed = self
@@ -134,45 +134,45 @@ impl Screen {
         self.refused
     }
 
-    /// Whether a sensor repeats one value against its own noise.
+    /// Whether a sensor repeats one value in spite of its noise.
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
         let mut all = self.repetitions.iter().chain(&self.pressures);
         all.any(Repetition::is_frozen)
     }
 
-    /// Whether a joint angle has jumped further than a joint moves.
+    /// Whether a joint angle has jumped further than a joint moves, and does not count.
     pub(in crate::excavator) fn has_jumped(&self) -> bool {
         self.jumps.iter().any(Jump::has_jumped)
     }
 
-    /// Whether one has, and has not jumped back.
+    /// Whether a joint angle has jumped and not jumped back, counted or not.
     pub(in crate::excavator) fn is_displaced(&self) -> bool {
         self.jumps.iter().any(|jump| jump.by() != 0.0)
     }
 
-    /// How far joint angles have jumped [rad], where there are such that do not count, and those stay where they are.
+    /// Displacements of the joint angles [rad], if some do not count and all of these stay as they are.
     pub(in crate::excavator) fn jumps_that_stay(&self) -> Option<[f64; 3]> {
         let mut jumped = self.jumps.iter().filter(|jump| jump.has_jumped());
         let stay = self.has_jumped() && jumped.all(Jump::stays);
         stay.then(|| self.jumps.map(|jump| jump.by()))
     }
 
-    /// They count as they are.
+    /// Lets displaced joint angles count.
     pub(in crate::excavator) fn admit_jumps(&mut self) {
         self.jumps.iter_mut().for_each(Jump::admit);
     }
 
-    /// They do not any more.
+    /// Revokes [`Self::admit_jumps`].
     pub(in crate::excavator) fn refuse_jumps(&mut self) {
         self.jumps.iter_mut().for_each(Jump::refuse);
     }
 
-    /// Those that count are right.
+    /// Confirms the admitted joint angles.
     pub(in crate::excavator) fn believe_jumps(&mut self) {
         self.jumps.iter_mut().for_each(Jump::believe);
     }
 
-    /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
+    /// Variance that the quantisation of the velocity adds to its noise [(rad/s)^2].
     pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
         self.quantisation.variance(self.velocity_std)
     }
@@ -182,13 +182,13 @@ impl Screen {
         self.angles.iter().map(Angle::variance).fold(0.0, f64::max)
     }
 
-    /// For so many rows a torque stays.
+    /// Length of the hold of a torque [rows].
     pub(in crate::excavator) fn torque_held(&self) -> usize {
         self.torque.rows()
     }
 
     fn clean(&mut self, sample: &mut Sample, period: f64) {
-        // A sensor at the end of its range says only "at least this much": missing.
+        // At the end of its range a sensor shows only a bound: missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
         sample.posture = sample.posture.map(|angle| angle.map(joints::joint));
@@ -198,7 +198,7 @@ impl Screen {
         for ((value, possible), ((repetition, jump), angle)) in values.zip(checks) {
             let measured = within(*value, self.angle_limit).filter(|_| possible);
             let moving = repetition.pass(measured);
-            // A single value that is repeated elsewhere is a jump that may come back, and no frozen sensor.
+            // A displaced angle that repeats one value may come from a bus that dropped out, and is not reported as frozen.
             let joint = if jump.has_jumped() { measured } else { moving };
             *value = angle.pass(jump.pass(joint, period), period);
         }
@@ -206,7 +206,7 @@ impl Screen {
         let velocity = self.steady.velocity(velocity, self.velocity_std, period);
         let new = self.velocity.push(velocity);
         self.quantisation.push(velocity);
-        // A velocity that is held says nothing new.
+        // A held velocity carries no new information.
         sample.velocity = velocity.filter(|_| new || self.velocity.rows() == 1);
         let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
         let torque = self.range.pass(torque, self.torque_std);

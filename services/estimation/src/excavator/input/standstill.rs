@@ -1,49 +1,49 @@
-//! Does the upper body stand still?
+//! Detects standstill of the upper body.
 //!
-//! At standstill Coulomb friction takes any torque up to its limit, so the equation of motion says
-//! nothing about the inertia; noise would be mistaken for information. Standstill ends by a
-//! measured velocity (whose mean then is the state) or by a torque above friction.
+//! At standstill Coulomb friction balances any torque up to its limit, so the equation of motion carries no
+//! information about the inertia; a filter would take noise for information. Standstill ends with a measured
+//! velocity (whose mean becomes the state) or with a torque above friction.
 
 use crate::excavator::grid::{PERIOD, alike};
 use crate::excavator::settings::Settings;
 use crate::math::{exp, ln, sqrt};
 
-/// Samples of the entry test (0.12 s at 100 Hz).
+/// Number of samples of the entry test (0.12 s at 100 Hz).
 const ENTRY: usize = 12;
-/// Samples of the release test (0.04 s).
+/// Number of samples of the release test (0.04 s).
 const RELEASE: usize = 4;
-/// A single velocity of this size out of standstill is an outlier [rad/s].
+/// Single velocity that is an outlier at standstill [rad/s].
 const OUTLIER: f64 = 0.12;
-/// Velocity noise for which the thresholds were set [rad/s].
+/// Velocity noise to which the thresholds refer [rad/s].
 const REFERENCE_STD: f64 = 0.005;
-/// So many standard deviations of a mean are chance.
+/// Least mean of differenced velocities that is not noise, in its standard deviations.
 const CHANCE: f64 = 4.0;
-/// Of the torque's smoothed value this share is left after `TORQUE_TIME` [s].
-const TORQUE_KEPT: f64 = 0.65;
+/// Share of the smoothed torque that remains after `TORQUE_TIME` [s].
+const TORQUE_DECAY: f64 = 0.65;
 const TORQUE_TIME: f64 = 0.01;
-/// A smoothed torque of fewer standard deviations is its noise.
+/// Least smoothed torque that is not noise, in its standard deviations.
 const TORQUE_CHANCE: f64 = 3.0;
-/// A mean velocity above this ends a standstill, while the torque is quiet and while it is not [rad/s].
+/// Mean velocity that ends a standstill, while the torque is quiet and while it is not [rad/s].
 const RELEASED_QUIET: f64 = 0.012;
 const RELEASED: f64 = 0.03;
-/// A machine whose mean velocity is below this stands, if the velocity scatters by fewer standard deviations than `SCATTER` [rad/s].
+/// Mean velocity below which a machine stands [rad/s], if the scatter of the velocity is less than `SCATTER` standard deviations.
 const STANDING: f64 = 0.006;
 const SCATTER: f64 = 2.0;
 
-/// Share of a new value in the smoothed torque after a tick of this length [s].
+/// Weight of a new value in the smoothed torque, after a tick of this length [s].
 #[inline(always)]
 pub(super) fn torque_share(period: f64) -> f64 {
-    1.0 - exp(ln(TORQUE_KEPT) * period / TORQUE_TIME)
+    1.0 - exp(ln(TORQUE_DECAY) * period / TORQUE_TIME)
 }
 
-/// What a tick of some length makes of the smoothed torque; ticks are mostly alike.
+/// Smoothing of the torque for one length of tick; most ticks have the same length.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Smoothing {
     period: f64,
-    /// Share of a new value.
+    /// Weight of a new value.
     share: f64,
-    /// Standard deviation of its noise, over that of one value.
+    /// Standard deviation of the smoothed noise over that of one value.
     noise: f64,
 }
 
@@ -58,15 +58,15 @@ impl Smoothing {
     }
 }
 
-/// What a velocity is off that is late by its age and by what the machine gains meanwhile: it sets off [rad/s].
+/// Standard deviation of the released velocity, by its age and the acceleration since [rad/s].
 const SETTING_OFF: f64 = 0.02;
 
-/// Variance of the velocity of [`Phase::Released`], of single velocities' [(rad/s)^2].
+/// Variance of the velocity of [`Phase::Released`]; `velocity`: variance of a single velocity [(rad/s)^2].
 pub(in crate::excavator) fn released_variance(velocity: f64) -> f64 {
     velocity / RELEASE as f64 + SETTING_OFF * SETTING_OFF
 }
 
-/// What the machine does at one sample.
+/// Phase of the motion at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) enum Phase {
@@ -75,32 +75,32 @@ pub(in crate::excavator) enum Phase {
     Moving,
     /// Standing: hold.
     Held,
-    /// Set off with this velocity: restart the velocity state.
+    /// Setting off with this velocity: restart the velocity state.
     Released(f64),
 }
 
-/// Standstill detector; true at start.
+/// Standstill detector; it starts at standstill.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Standstill {
     still: bool,
     ring: [f64; ENTRY],
     valid: usize,
-    /// Sign of the last velocity if it was too large for a machine just setting off, else 0.
+    /// Sign of the last velocity if it was an outlier at standstill, else 0.
     large: f64,
     torque: Option<f64>,
     smoothing: Smoothing,
     friction: f64,
     torque_std: f64,
     velocity_std: f64,
-    /// Velocities are differences of an encoder's angle: their mean is that of both ends.
+    /// Velocities are differences of an encoder's angle: a mean depends only on the first and the last angle.
     differences: bool,
     held_for: f64,
     seen: bool,
 }
 
 impl Standstill {
-    /// Of a machine with this noise of velocity (unless that is an angle's `differences`) and torque, and this friction.
+    /// Uses noise of velocity and torque, and friction. `differences`: velocities are differences of an angle.
     pub(in crate::excavator) fn new(settings: &Settings, differences: bool) -> Self {
         Self {
             still: true,
@@ -118,7 +118,7 @@ impl Standstill {
         }
     }
 
-    /// Takes in one velocity of the grid with its variance; `torque` is the last valid torque, `None` if there is none.
+    /// Takes one velocity of the grid with its variance; `torque` is the last valid torque, `None` if there is none.
     pub(in crate::excavator) fn step(
         &mut self,
         (velocity, variance): (Option<f64>, f64),
@@ -145,12 +145,12 @@ impl Standstill {
         phase
     }
 
-    /// How long it stood before this sample [s]; counts the samples passed to [`Self::count`].
+    /// Duration of standstill before this sample [s]; counts the samples passed to [`Self::count`].
     pub(in crate::excavator) fn held_for(&self) -> f64 {
         self.held_for
     }
 
-    /// Counts the time of the current stand; call once per sample, after `held_for` was used.
+    /// Adds to the duration of standstill; call once per sample, after `held_for` was used.
     pub(in crate::excavator) fn count(&mut self, phase: Phase, period: f64) {
         self.held_for = match phase {
             Phase::Held => self.held_for + period,
@@ -158,17 +158,17 @@ impl Standstill {
         };
     }
 
-    /// Whether measurements have ever shown a standstill (at start it is only assumed).
+    /// Whether measurements have ever shown a standstill (at the start it is only assumed).
     pub(in crate::excavator) fn seen(&self) -> bool {
         self.seen
     }
 
-    /// Says that a standstill was seen by other means.
+    /// Records a standstill that was detected by other means.
     pub(in crate::excavator) fn confirm(&mut self) {
         self.seen = true;
     }
 
-    /// What a mean of `n` velocities must reach, given for the reference noise [rad/s].
+    /// Threshold for a mean of `n` velocities, from the threshold at the reference noise [rad/s].
     fn threshold(&self, reference: f64, n: usize) -> f64 {
         if self.differences {
             reference.max(CHANCE * self.velocity_std / n as f64)
@@ -177,8 +177,7 @@ impl Standstill {
         }
     }
 
-    /// Smoothed torque below friction, or below its own noise; without torque nothing speaks against
-    /// it.
+    /// Whether the smoothed torque is below friction or its own noise; true without a torque.
     fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
         let Some(torque) = torque else { return true };
         if !alike(period, self.smoothing.period) {
@@ -191,16 +190,16 @@ impl Standstill {
         smoothed.abs() < self.friction.max(TORQUE_CHANCE * self.torque_std * noise)
     }
 
-    /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
+    /// Whether a velocity is too large for a machine that sets off; two in a row with equal sign are accepted.
     fn is_outlier(&mut self, y: f64) -> bool {
         let large = if y.abs() > self.threshold(OUTLIER, 1) {
             y.signum()
         } else {
             0.0
         };
-        let believed = large == 0.0 || large == self.large;
+        let accepted = large == 0.0 || large == self.large;
         self.large = large;
-        self.still && !believed
+        self.still && !accepted
     }
 
     fn leave(&mut self, quiet: bool) -> Phase {

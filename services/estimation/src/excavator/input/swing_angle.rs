@@ -1,27 +1,27 @@
-//! A swing angle that follows from the one before it.
+//! Checks that a swing angle can follow from the one before.
 //!
-//! The angle of an encoder has no range of its own: it counts turns. So what counts is whether the machine can have turned
-//! there since the last value. A value that stays elsewhere is another zero: everything that remembers angles begins anew.
+//! The angle of an encoder has no range of its own: it counts turns. So an angle is valid if the machine can have turned there since the
+//! last one. A value that stays elsewhere has another zero: everything that stores angles restarts.
 
 use core::f64::consts::TAU;
 
-/// No encoder counts beyond [rad]: the machine would turn for days, and differences would lose their last digits.
+/// Range of an encoder [rad]: beyond, the machine would have turned for days, and differences would lose their last digits.
 const RANGE: f64 = 1e6;
-/// No machine turns faster, whatever is described [rad/s].
+/// Largest velocity of any machine, whatever is described [rad/s].
 const FASTEST: f64 = 100.0;
-/// Time after which a value that does not follow is another zero [s].
+/// Time after which an angle that does not follow has another zero [s].
 const ELSEWHERE: f64 = 1.0;
 
-/// What a value says.
+/// Result of the check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::excavator) enum Followed {
-    /// It counts, if there is one.
+    /// The angle is valid, or missing.
     Yes(Option<f64>),
-    /// It counts from another zero.
+    /// The angle counts from another zero.
     Elsewhere(f64),
 }
 
-/// The last angle that counted.
+/// The last valid angle.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct SwingAngle {
@@ -31,7 +31,7 @@ pub(in crate::excavator) struct SwingAngle {
 }
 
 impl SwingAngle {
-    /// Takes the value of a row of this period [s], of a machine of this greatest velocity [rad/s].
+    /// Checks the angle of a row. `period`: of the row [s]; `fastest`: greatest velocity of the machine [rad/s].
     pub(in crate::excavator) fn pass(
         &mut self,
         value: Option<f64>,
@@ -46,7 +46,7 @@ impl SwingAngle {
             (self.last, self.gap) = (Some(value), 0.0);
             return Followed::Yes(Some(value));
         };
-        // A turn more or less is how an encoder that does not count turns begins the next.
+        // An encoder that does not count turns jumps by one turn.
         let possible = TAU + fastest.min(FASTEST) * self.gap;
         let follows = (value - last).abs() <= possible;
         if !follows && self.gap < ELSEWHERE {
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_angle_of_any_size_is_left_out_and_another_zero_begins_anew() {
+    fn an_angle_of_any_size_is_left_out_and_another_zero_restarts() {
         for wrong in [1e1, 1e3, 1e6, 1e20, 1e160, 1e308, f64::NAN, f64::INFINITY] {
             let mut angle = SwingAngle::default();
             for k in 0..100 {
