@@ -1,13 +1,12 @@
-//! When the bucket's content may change: while the bucket turns against the ground, which fills or empties it, or the ground takes hold.
+//! Detects when the bucket's content may change: while its angle to the horizontal changes, and while the ground may carry a part of it.
 //!
-//! Carrying and lifting level leave the bucket's angle as it is. A bucket that turns low is in the heap: the ground carries
-//! a part of it, and pushes. Whatever carries a bucket that does not turn comes as a jump of the moment (`scale`). A bucket that
-//! the ground has had is free when the arm has lifted it or the machine has driven away: until then it may be pushed on, and what
-//! it holds grows without any sign. While the wheels push against something (`drive`) nobody drives away: who grades or strips does
-//! that for minutes, and the ground carries what it likes.
+//! Carrying and level lifting leave the bucket's angle unchanged. A bucket that turns low is in the heap: the ground carries a part of it,
+//! and pushes. Contact of a bucket that does not turn shows as a jump of the moment (`scale`). After contact the bucket is free once
+//! the arm has lifted it or the machine has driven away. Until then it may be pushed on, and its content grows without any sign. While
+//! the wheels push (`drive`) the machine does not drive away: grading and stripping take minutes, and the ground carries any part.
 //!
-//! A cylinder that carries less than a quarter of the empty arm and bucket weighs nothing: the arm floats, lies on its bucket, or the
-//! sensor reads nothing.
+//! Cylinders that carry less than a quarter of the empty arm and bucket weigh nothing: the arm floats, lies on its bucket, or the sensor
+//! reads zero.
 
 /// Rate of the bucket beyond which it turns [rad/s].
 const TURNS: f64 = 0.12;
@@ -15,29 +14,29 @@ const TURNS: f64 = 0.12;
 const TURNS_SLOWLY: f64 = 0.02;
 /// Rate of the arm beyond which it lifts or lowers [rad/s].
 const LIFTS: f64 = 0.04;
-/// How long the content settles after the bucket turned [s].
+/// Time for which the content settles after the bucket has turned [s].
 const SETTLES: f64 = 0.5;
-/// How long the ground holds on after the bucket turned low [s], at least; so long where nobody tells the speed.
+/// Least time for which the ground may carry the bucket after contact [s]; the whole time where the speed is not measured.
 const HOLDS: f64 = 0.8;
-/// How far the machine drives until a low bucket is free of the ground [m]. Chosen on 58 loaders: 1 m is .05 less trusted, and as
-/// seldom wrong.
+/// Distance after which a low bucket is free of the ground [m]. Chosen on 58 loaders: with 1 m the trusted share is .05 less, and errors
+/// are as rare.
 const FREE_AFTER: f64 = 0.3;
-/// Who stands for three seconds without torque pushes no more: as if it drove away at this speed [m/s].
+/// Least speed in that distance [m/s]: a machine that stands for three seconds without pushing is free too.
 const CREEPS: f64 = 0.1;
 
-/// Memory of arm and bucket.
+/// State of the contact with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Content {
-    /// Time that is left [s].
+    /// Time until the content has settled, and least time until the ground is free [s].
     settling: f64,
     held: f64,
-    /// Way that is left in the ground [m].
+    /// Distance that is left until the bucket is free of the ground [m].
     way: f64,
 }
 
 impl Default for Content {
-    /// At the start anything may hold the bucket.
+    /// At the start the ground may carry the bucket.
     fn default() -> Self {
         Self {
             settling: SETTLES,
@@ -47,25 +46,26 @@ impl Default for Content {
     }
 }
 
-/// What arm and bucket do in a row.
+/// Motion of arm and bucket in a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Motion {
-    /// The bucket turns, the arm lifts or lowers.
+    /// The bucket turns.
     pub turning: bool,
-    /// How fast the content may change, as a share of what it does while the bucket turns.
+    /// Rate of change of the content, as a share of that of a turning bucket.
     pub changing: f64,
+    /// The arm lifts or lowers.
     pub lifting: bool,
-    /// The content still moves.
+    /// The content still moves after a turn.
     pub settling: bool,
-    /// The ground may carry the bucket: its pressure says nothing.
+    /// The ground may carry the bucket: pressures carry no information about the content.
     pub held: bool,
     /// The content is not known.
     pub open: bool,
 }
 
 impl Content {
-    /// Takes the rates of arm and bucket [rad/s], and how fast the machine drives [m/s]; `low` where the ground is within reach, `pushes`
-    /// where the wheels do.
+    /// Updates with the rates of arm and bucket [rad/s] and the speed of the machine [m/s]. `low`: the ground is within reach; `pushes`:
+    /// the wheels push.
     pub fn motion(
         &mut self,
         [lift, bucket]: [f64; 2],
@@ -74,7 +74,7 @@ impl Content {
         dt: f64,
     ) -> Motion {
         let turning = bucket.abs() > TURNS;
-        // What a bucket that turns slowly loses it loses by the angle; only the ground fills one that turns up.
+        // A bucket that turns down slowly loses content in proportion to its angle; one that turns up is filled only by the ground.
         let slowly = bucket < -TURNS_SLOWLY || (low && bucket > TURNS_SLOWLY);
         let changing = if turning {
             1.0
@@ -108,7 +108,7 @@ impl Content {
         }
     }
 
-    /// The cylinders do not carry the arm: what does, nobody tells.
+    /// The cylinders do not carry the arm: the ground or something else does.
     pub fn put_down(&mut self, motion: &Motion) -> Motion {
         self.touch();
         Motion {
@@ -118,7 +118,7 @@ impl Content {
         }
     }
 
-    /// The moment jumped, the bucket turns or the wheels push: where it is low, the ground takes hold of it, or lets go.
+    /// Restarts the contact: the moment has jumped, the bucket turns or the wheels push. It acts where the bucket is low.
     pub fn touch(&mut self) {
         (self.held, self.way) = (HOLDS, FREE_AFTER);
     }
@@ -131,7 +131,7 @@ mod tests {
     const STILL: [f64; 2] = [0.0; 2];
     const LOW: [bool; 2] = [true, false];
 
-    /// How long a bucket that the ground has taken hold of stays open [s]; low, pushed, and driven at this speed [m/s].
+    /// Time for which a bucket stays open after contact [s]; `acts`: it is low, the wheels push; driven at this speed [m/s].
     fn open_for(acts: [bool; 2], speed: Option<f64>) -> f64 {
         let mut content = Content::default();
         let free = [acts[0], false];

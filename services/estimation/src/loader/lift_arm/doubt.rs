@@ -1,24 +1,26 @@
-//! What the doubts of the drawing do to payload and centre of gravity: each number moved by its standard deviation, one a row.
+//! Propagation of the drawing's standard deviations (its *doubts*) to payload and centre of gravity, by finite differences: each number is
+//! moved by its standard deviation, one number a row.
 //!
-//! A number that is off is off in every row, so nothing averages it out: its effect is added to the answer. Some twenty rows go round, in
-//! which an arm hardly moves.
+//! An error of the drawing is the same in every row and does not average out, so its effect is added to the answer. A round takes some
+//! twenty rows, in which an arm hardly moves.
 //!
-//! A bucket holds no less than nothing ([`crate::positive`]), and what is known of the payload is known of all that goes with it:
+//! The payload is at least 0 ([`crate::positive`]). This bound also updates the ratio lam (and the height) through its covariance c with
+//! the payload:
 //! ```text
 //! m_p becomes m_p' with sigma':   lam' = lam + k d,   sigma_lam'^2 = k^2 sigma'^2 + max(1, d^2/sigma^2) (sigma_lam^2 - k^2 sigma^2)
 //! k = c/sigma^2,  d = m_p' - m_p
 //! ```
-//! with c the covariance of payload and lam, as of every jointly normal pair. The maximum is what is added: a d beyond sigma says that
-//! a number is off by more than it claims, nobody says which, and what goes with it is uncertain in proportion.
+//! This is the rule of jointly normal variables, but for the maximum. A d beyond sigma shows that some number is off by more than its stated
+//! deviation, so the remaining deviation grows in proportion.
 //!
-//! An emptied bucket is a weight that is known ([`super::tare`]): with the effects t_i of the numbers on what it shows, and e_i on payload,
-//! ratio or height now,
+//! An emptied bucket is a known weight ([`super::tare`]). With the effects t_i of the numbers on the weight that it shows, and e_i on
+//! payload, ratio or height x now:
 //! ```text
 //! x -= K (shown - left),   variance -= K sum e_i t_i,   K = sum e_i t_i/(sum t_i^2 + sigma_shown^2 + sigma_left^2)
 //! ```
-//! While the bucket stays empty, t_i is what the numbers do to the payload now. Of a load it tells by what they did where it was dumped.
-//! A bucket that was exchanged moves the centre of gravity as a load does, a zero or a misdescribed bucket does not:
-//! the covariances say how much of the error is whose.
+//! While the bucket stays empty, t_i is the effect on the payload now. For later loads it is the effect at the posture of the dump.
+//! An exchanged bucket moves the centre of gravity as a load does, a zero or a misdescribed bucket does not: the covariances divide the
+//! error between them.
 
 use super::drawing::Drawing;
 use super::geometry::{Empty, Posture, Stance};
@@ -29,37 +31,39 @@ use crate::loader::layout::Each;
 use crate::math::sqrt;
 use crate::positive::positive;
 
-/// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
-/// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already, and a linkage
-/// as all that there are.
+/// Standard deviation of a stated number over its stated one. The errors are a mixture: one number in five is off by three times its
+/// deviation (scales not level, another tyre, a full tank). Zeros of angles and the linkage are excepted: their deviations are those of
+/// sensors that nobody set, and of all linkages.
 const MISSTATED: f64 = 1.6;
 
-/// Effects of each number on payload, ratio and height.
+/// Effects of each number on payload, ratio and height, and their covariances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Doubts {
+    /// Effect of each number, moved by its standard deviation, on payload, ratio and height [kg, -, m].
     effects: [[f64; 3]; NUMBERS],
     sums: Sums,
-    /// The sums of this round.
+    /// The sums of this round so far.
     round: Sums,
+    /// The next number to move.
     next: usize,
-    /// The bucket is empty: what it tells.
+    /// Measurement by the bucket while it is empty.
     now: Option<Tare>,
-    /// The last one that tells of loads.
+    /// The last emptied bucket that is a measurement for later loads.
     last: Option<Tared>,
 }
 
-/// An emptied bucket, and what the numbers did to it.
+/// An emptied bucket, and the effects of the numbers on its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Tared {
     tare: Tare,
     effects: [f64; NUMBERS],
-    /// Variance of what it shows beyond what is left in it.
+    /// Variance of `tare.apart`: by the numbers, the rows and the material left in it [kg^2].
     total: f64,
 }
 
-/// Variances of payload, ratio and height, covariances of the payload with the latter two, and of all with the emptied bucket.
+/// Variances of payload, ratio and height, covariances of the payload with ratio and height, and of all three with the emptied bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Sums {
@@ -69,7 +73,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Of the effects of a number, `tared` that on the emptied bucket, with a weight.
+    /// Contribution of a number with these effects, and the effect `tared` on the emptied bucket, times `weight`.
     fn of(effects: &[f64; 3], tared: f64, weight: f64) -> Self {
         let weighted = effects.map(|effect| weight * effect);
         Self {
@@ -79,7 +83,7 @@ impl Sums {
         }
     }
 
-    /// Adds these.
+    /// Adds another contribution.
     fn add(&mut self, other: &Self) {
         let add = |sums: &mut [f64], others: &[f64]| {
             for (sum, other) in sums.iter_mut().zip(others) {
@@ -91,14 +95,14 @@ impl Sums {
         add(&mut self.with_tare, &other.with_tare);
     }
 
-    /// The bucket is empty now: what the numbers do to the payload they do to the emptied bucket.
+    /// The bucket is empty now: the effects on the emptied bucket are those on the payload.
     fn tared(mut self) -> Self {
         let [ratio, height] = self.with_payload;
         self.with_tare = [self.variances[0], ratio, height];
         self
     }
 
-    /// What is left where the emptied bucket is known, by the variance of what it shows; and by how much each moves for a unit.
+    /// Conditional covariances given the emptied bucket, whose innovation has the variance `total`, with the Kalman gains.
     fn conditioned(mut self, total: f64) -> (Self, [f64; 3]) {
         let gains = self.with_tare.map(|covariance| covariance / total);
         for ((variance, gain), covariance) in
@@ -113,20 +117,20 @@ impl Sums {
     }
 }
 
-/// An answer as the pressures give it, or as a bucket allows it.
+/// An answer with the standard deviations of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Doubted {
-    /// Payload with its whole doubt [kg].
+    /// Payload with its whole standard deviation [kg].
     pub payload: Quantity,
-    /// Centre of gravity, by values and standard deviations [-, m].
+    /// Centre of gravity [-, m].
     pub centre: Each<Quantity>,
-    /// Standard deviations without those of the empty machine's centre: who measures that one otherwise has these left [-, m].
+    /// Standard deviations of the centre of gravity without those of the empty machine's, for a filter that estimates that one [-, m].
     pub moved: Each<f64>,
-    /// What goes with the payload.
+    /// Covariances with the payload.
     sums: Sums,
 }
 
-/// By how much the variance of a number is more than stated.
+/// Variance of a number over its stated one.
 fn weight(number: usize) -> f64 {
     match number {
         LIFT_ZERO | TILT_ZERO | TURN => 1.0,
@@ -135,8 +139,8 @@ fn weight(number: usize) -> f64 {
 }
 
 impl Doubts {
-    /// Moves the next number by its standard deviation. `payload`: what the pressures show of it and what the rows do; `empty`: the machine
-    /// as it is described, in this stance.
+    /// Computes the effects of the next number, moved by its standard deviation. `shown`: payload of this row; `payload`: that of the
+    /// filter; `empty`: the described machine in this stance.
     pub fn see(
         &mut self,
         drawing: &mut Drawing,
@@ -163,12 +167,12 @@ impl Doubts {
         self.next += 1;
         if self.next == drawing.doubted {
             self.next = 0;
-            // As new: what rounding left of taken away effects is gone.
+            // Fresh sums, free of the rounding of subtracted effects.
             self.sums = core::mem::take(&mut self.round);
         }
     }
 
-    /// A number that is off by its deviation does this to payload, ratio and height [kg, -, m].
+    /// Sets the effects of a number, moved by its standard deviation, on payload, ratio and height [kg, -, m].
     pub(super) fn put(&mut self, number: usize, effects: [f64; 3]) {
         let (old, weight) = (self.effects[number], weight(number));
         let tared = self.last.as_ref().map_or(0.0, |t| t.effects[number]);
@@ -179,7 +183,7 @@ impl Doubts {
         self.effects[number] = effects;
     }
 
-    /// A number was learnt: its deviation is `by` times the old one, its value `moved` old deviations away.
+    /// Rescales a number that was estimated: its new deviation is `by` times the old one, its value has changed by `moved` old deviations.
     pub fn learnt(&mut self, number: usize, by: f64, moved: f64) {
         let (old, weight) = (self.effects[number], weight(number));
         let new = old.map(|effect| by * effect);
@@ -188,7 +192,7 @@ impl Doubts {
         let after = Sums::of(&new, by * tared, weight);
         self.sums.add(&before);
         self.sums.add(&after);
-        // The sums of the next round hold it already, or will.
+        // The sums of this round hold a number before `next` already; later ones are added with the new effects.
         if number < self.next {
             self.round.add(&before);
             self.round.add(&after);
@@ -201,7 +205,7 @@ impl Doubts {
         }
     }
 
-    /// The bucket is empty and shows this now, or nobody knows what is in it.
+    /// Sets the measurement by a bucket that is empty now; none where its content is unknown.
     pub fn empty(&mut self, tare: Option<Tare>) {
         self.now = tare;
         if let Some(tare) = tare.filter(|tare| tare.at_dump) {
@@ -215,22 +219,22 @@ impl Doubts {
         }
     }
 
-    /// Nobody knows any more what was in the bucket.
+    /// Drops the measurements by emptied buckets.
     pub fn forget(&mut self) {
         (self.now, self.last) = (None, None);
     }
 
-    /// What a number that is off by its deviation does to the payload [kg].
+    /// Standard deviation of the payload by one number, as stated [kg].
     pub fn of_payload(&self, number: usize) -> f64 {
         self.effects[number][0].abs()
     }
 
-    /// What each number that is off by its deviation does to the payload [kg].
+    /// Effect of each number, moved by its standard deviation, on the payload [kg].
     pub fn of_payloads(&self) -> [f64; NUMBERS] {
         self.effects.map(|[payload, ..]| payload)
     }
 
-    /// Standard deviation of the payload here against there, where the numbers had these effects [kg].
+    /// Standard deviation of the difference between the payloads here and there, where the numbers had the effects `there` [kg].
     pub fn between(&self, there: &[f64; NUMBERS]) -> f64 {
         let apart = |(number, there): (usize, &f64)| {
             let by = self.effects[number][0] - there;
@@ -239,12 +243,12 @@ impl Doubts {
         sqrt(there.iter().enumerate().map(apart).sum())
     }
 
-    /// Standard deviation of what the pressures show of the payload, by all numbers [kg].
+    /// Standard deviation of the payload by all numbers, without an emptied bucket [kg].
     pub fn shown(&self) -> f64 {
         sqrt(self.sums.variances[0].max(0.0))
     }
 
-    /// The sums with what an emptied bucket tells, and by how much payload, ratio and height are off by that [kg, -, m].
+    /// The sums given an emptied bucket, and the errors of payload, ratio and height that it identifies [kg, -, m].
     fn conditioned(&self) -> (Sums, [f64; 3]) {
         let ((sums, gains), apart) = match (&self.now, &self.last) {
             (Some(tare), _) => {
@@ -260,7 +264,7 @@ impl Doubts {
         (sums, gains.map(|gain| gain * apart))
     }
 
-    /// How far the payload is off by what an emptied bucket tells, with what the numbers leave open [kg].
+    /// Error of the payload identified by an emptied bucket, with the remaining standard deviation by the numbers [kg].
     pub fn off(&self) -> Quantity {
         let (sums, error) = self.conditioned();
         Quantity {
@@ -269,7 +273,8 @@ impl Doubts {
         }
     }
 
-    /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
+    /// The answer with all standard deviations, times `wider`. `rows`: standard deviations of the rows, as effects on payload, ratio and
+    /// height.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
         let (mut sums, error) = self.conditioned();
         sums.add(&Sums::of(&rows, 0.0, 1.0));
@@ -280,7 +285,7 @@ impl Doubts {
             std(sums.variances[i] - weight(number) * own * own)
         };
         let quantity = |value: f64, std: f64| Quantity { value, std };
-        // What an emptied bucket has shown below nothing is in the payload already.
+        // An emptied bucket that showed less than 0 has corrected the payload already.
         let is_tared = self.now.is_some() || self.last.is_some();
         let payload_wider = if is_tared { 1.0 } else { wider };
         let payload_std = payload_wider * sqrt(sums.variances[0].max(0.0));
@@ -300,7 +305,7 @@ impl Doubts {
 }
 
 impl Doubted {
-    /// The same, the bucket holding no less than nothing.
+    /// The same given that the payload is at least 0.
     pub fn not_less_than_nothing(&self) -> Self {
         let payload = positive(self.payload);
         if payload == self.payload {
@@ -373,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_empty_bucket_tells_of_the_payload_it_tells_of_the_ratio() {
+    fn a_bound_on_the_payload_also_updates_the_ratio() {
         let [shown, widened] = shown(0.0);
         // Half a normal distribution: mean .798, standard deviation .603.
         let payload = widened.payload;
@@ -388,7 +393,7 @@ mod tests {
         assert!((ratio.std - left(0.005)).abs() < 1e-12);
         assert!((height.std - 1e-3 * payload.std).abs() < 1e-12);
         assert!(height.std < shown.centre.height.std);
-        // As if the load were known otherwise: only its part is left of the machine's centre.
+        // Without the empty machine's centre only the part by the payload remains.
         assert!((widened.moved.ratio - left(0.0)).abs() < 1e-9);
     }
 
@@ -402,7 +407,7 @@ mod tests {
         }));
         let variance = (MISSTATED * 100.0).powi(2);
         let gain = variance / (variance + 900.0);
-        // A load comes. Numbers go round and do the same to it: what the bucket told holds on.
+        // A load comes. The numbers have the same effects on it: the correction by the bucket stays.
         tared.empty(None);
         for _ in 0..3 {
             tared.put(0, [100.0, 0.02, 0.1]);
@@ -414,13 +419,13 @@ mod tests {
         let answer = tared.doubted(2000.0, centre, [0.0; 3], 1.0);
         assert!((answer.payload.value - 2000.0 + gain * 130.0).abs() < 1e-9);
         assert!((answer.payload.std - (variance * (1.0 - gain)).sqrt()).abs() < 1e-9);
-        let untold = doubts().doubted(2000.0, centre, [0.0; 3], 1.0);
-        // The ratio goes with it as far as the same numbers move it.
+        let prior = doubts().doubted(2000.0, centre, [0.0; 3], 1.0);
+        // The ratio is corrected as far as the same numbers move it.
         let with = 0.02 / 100.0;
         let Each { ratio, .. } = answer.centre;
         assert!((ratio.value - 0.6 + with * gain * 130.0).abs() < 1e-12);
         let learnt = with * with * variance * gain;
-        assert!((ratio.std - (untold.centre.ratio.std.powi(2) - learnt).sqrt()).abs() < 1e-12);
+        assert!((ratio.std - (prior.centre.ratio.std.powi(2) - learnt).sqrt()).abs() < 1e-12);
         tared.forget();
         assert_eq!(
             tared.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,

@@ -1,38 +1,37 @@
-//! What moves the machine: the specific force along its body, where no accelerometer tells it by the speed; and whether its wheels
-//! push against something.
+//! Specific force along the body, from the speed where there is no accelerometer, and detection of wheels that push against the ground.
 //!
 //! ```text
 //! a = dv/dt + g sin(slope),   R = F/m - a       F: force of the wheels
 //! ```
-//! R is what resists: rolling, and the ground where the bucket pushes. The mass is that of the empty machine or anything up to one
-//! with a full bucket: a push is what no load explains. Wheels push the way they move: against it they brake. Against brakes that
-//! nobody measures no wheel drives.
+//! R is the resistance: rolling, and the ground where the bucket pushes. The mass is between that of the empty machine and that with a full
+//! bucket: a push is a resistance that no load explains. Wheels push in their direction of motion, and brake against it. The model assumes
+//! that wheels do not drive against a brake that is not reported.
 
 use crate::GRAVITY;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::sin_cos;
 
-/// Smoothing of speed, force and specific force [s].
+/// Time constant of smoothed speed, force and specific force [s].
 const SMOOTH: f64 = 0.12;
-/// A machine that moves faster against its wheels brakes by them [m/s].
+/// Speed against the force of the wheels beyond which they brake [m/s].
 const STANDS: f64 = 0.05;
-/// A longer time without a speed is a gap [s].
+/// Longest time without a speed, or a torque [s].
 const GAP: f64 = 0.5;
-/// What resists beyond rolling, as a share of the weight, is the ground's: a curve or soft soil is half of it.
+/// Resistance beyond rolling, as a share of the weight, that is a push: a curve or soft soil has half of it.
 const PUSHES: f64 = 0.05;
 
-/// Memory of the motion.
+/// State of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Drive {
-    /// Force of the wheels over the mass of the empty machine, for a torque [m/s^2/(N m)].
+    /// Force of the wheels over the mass of the empty machine, per torque [m/s^2/(N m)].
     per_torque: f64,
-    /// What resists a wheel that pushes, per mass [m/s^2].
+    /// Least resistance of a push, per mass [m/s^2].
     least: f64,
-    /// What the wheels accelerate with a full bucket, their own inertia too, over the mass of the empty machine.
+    /// Mass with a full bucket and the equivalent mass of the wheels, over that of the empty machine.
     full: f64,
-    /// Mass of the empty machine and what its wheels turn [kg], and the share of the machine in it.
+    /// Mass of the empty machine with the equivalent mass of its wheels [kg], and the share of the machine in it.
     pub rolling: f64,
     rolls: f64,
     /// Time of the last row, and of the last speed [s].
@@ -43,16 +42,16 @@ pub(super) struct Drive {
     /// Smoothed speed [m/s], and its rate [m/s^2].
     speed: f64,
     rate: f64,
-    /// Force over mass, and specific force, smoothed [m/s^2].
+    /// Force over mass of the empty machine, and specific force, smoothed [m/s^2].
     force: f64,
     specific: f64,
-    /// Specific force of the last row [m/s^2], and whether an accelerometer told it.
+    /// Specific force of the last row [m/s^2], and whether an accelerometer measured it.
     pub felt: f64,
     pub measured: bool,
 }
 
 impl Drive {
-    /// Of a machine at rest, whose bucket holds at most `capacity` [kg].
+    /// State of a machine at rest; `capacity` of its bucket [kg].
     pub fn new(settings: &Settings, capacity: f64) -> Self {
         let machine = &settings.machine;
         let radius = machine.wheel_radius;
@@ -75,7 +74,7 @@ impl Drive {
         }
     }
 
-    /// Takes a row, and what an accelerometer shows.
+    /// Updates with a row and the accelerometer's value, if any [m/s^2].
     pub fn take(&mut self, sample: &Sample, acceleration: Option<f64>) {
         if let Some(speed) = sample.speed {
             self.follow(speed, sample.time);
@@ -88,13 +87,13 @@ impl Drive {
         }
         let torque = |axle: Option<f64>| axle.unwrap_or(0.0);
         let pull = self.per_torque * (torque(sample.front_torque) + torque(sample.rear_torque));
-        // Against a brake that is told wheels may drive as they like.
+        // Against a reported brake wheels may drive with any force: no push is detected.
         let [pull, felt] = if sample.brake {
             [0.0; 2]
         } else {
             [pull, self.felt]
         };
-        // After a gap, and after a clock that was set, the new values alone count.
+        // After a gap, or a clock that was set, the new values replace the smoothed ones.
         let dt = sample.time - core::mem::replace(&mut self.time, sample.time);
         let weight = if dt > 0.0 {
             (dt / SMOOTH).min(1.0)
@@ -105,7 +104,7 @@ impl Drive {
         self.specific += weight * (felt - self.specific);
     }
 
-    /// The speed, and its rate smoothed once more.
+    /// Updates the smoothed speed, and its rate, which is smoothed twice.
     fn follow(&mut self, speed: f64, time: f64) {
         let since = time - core::mem::replace(&mut self.told, time);
         if !(0.0..GAP).contains(&since) {
@@ -118,17 +117,17 @@ impl Drive {
         self.rate += weight * (away / SMOOTH.max(since) - self.rate);
     }
 
-    /// Somebody tells what the wheels do.
+    /// A torque is measured.
     pub fn tells_torque(&self) -> bool {
         (0.0..GAP).contains(&(self.time - self.torque_told))
     }
 
-    /// Specific force, force of the wheels over the mass that rolls while the bucket is empty, and speed.
+    /// Specific force, force of the wheels over `rolling` [m/s^2], and speed [m/s].
     pub fn pull(&self) -> [f64; 3] {
         [self.specific, self.force * self.rolls, self.speed]
     }
 
-    /// The wheels push with more than it takes to roll and to accelerate any load.
+    /// The wheels push with more force than rolling and accelerating any load need.
     pub fn pushes(&self) -> bool {
         let sign = self.force.signum();
         let along = self.specific * sign;
@@ -141,7 +140,7 @@ impl Drive {
 mod tests {
     use super::*;
 
-    /// After two seconds in which the wheels pull so [m/s^2 of the empty machine] on this slope, at speeds of this acceleration.
+    /// State after two seconds with this force of the wheels [m/s^2 of the empty machine], acceleration and slope.
     fn driven(pull: f64, acceleration: f64, slope: f64, measured: bool) -> Drive {
         braked(false, pull, acceleration, slope, measured)
     }
@@ -168,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_speed_tells_the_specific_force_where_no_accelerometer_does() {
+    fn the_speed_determines_the_specific_force_where_there_is_no_accelerometer() {
         for (acceleration, slope) in [(1.2, 0.0), (-1.5, 0.0), (0.0, 0.1), (-0.8, -0.08)] {
             let shown = driven(0.0, acceleration, slope, false).felt;
             let true_one = acceleration + GRAVITY * f64::sin(slope);
@@ -181,7 +180,7 @@ mod tests {
         for measured in [true, false] {
             let pushes = |pull, a, slope| driven(pull, a, slope, measured).pushes();
             assert!(pushes(1.5, 0.0, 0.0) && pushes(-1.5, 0.0, 0.0));
-            // Accelerated, empty and full; up a slope; backwards against the wheels; braked by brakes alone.
+            // Accelerated, empty and full; up a slope; moving against the wheels; braked by brakes alone.
             assert!(!pushes(1.2, 1.0, 0.0) && !pushes(1.5, 1.0, 0.0));
             assert!(!pushes(1.3, 0.0, 0.1));
             assert!(!pushes(1.0, -1.2, 0.0) && !pushes(0.0, -3.0, 0.0));

@@ -1,7 +1,7 @@
 //! Kalman filter of payload m_p and residual friction e, from the moment of the lift cylinders.
 //!
 //! ```text
-//! tau_row = empty + m_p k + r F (s f + e) + noise         k: moment of a kilogram; r: lever; F: full force; f, s: friction and its direction
+//! tau_row = empty + m_p k + r F (s f + e) + noise      k: moment of a kilogram; r: lever; F: full force; f, s: friction and its direction
 //! ```
 //! While the bucket turns, m_p is a random walk of the size of the capacity; where it turns slowly, in proportion to its rate; otherwise m_p
 //! is almost constant. e decays to 0, with the deviation that the seals leave unknown. An e larger than friction can be is content that
