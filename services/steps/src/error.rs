@@ -1,19 +1,19 @@
-//! Why a step cannot be made.
+//! Errors of the construction of a step.
 
 use core::fmt;
 
 use messages::Machine;
 
-/// Why a step cannot be made.
+/// Why a step cannot be constructed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
     /// The machine has no method of that name.
     UnknownMethod {
         /// The machine.
         machine: &'static str,
-        /// The name that was asked for.
+        /// The name that was given.
         name: String,
-        /// The names that there are.
+        /// The names of the existing methods.
         known: Vec<&'static str>,
     },
     /// The description is for this machine, the step for another.
@@ -22,7 +22,7 @@ pub enum Error {
     MissingColumn {
         /// The method.
         method: String,
-        /// The column, or what serves in its place.
+        /// The missing column, or the columns of which one suffices.
         column: &'static str,
     },
     /// The description has a value that the method cannot use, or the method runs in another

@@ -1,4 +1,4 @@
-//! Keys that were set and do nothing under the methods of a run.
+//! Stated keys without effect under the methods of a run.
 
 use config::{Description, Tables};
 
@@ -19,8 +19,8 @@ impl std::fmt::Display for Idle {
 
 macro_rules! idle_keys {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The keys of a description that differ from the defaults of a machine of its size and do nothing under any of `methods`.
-        /// Only what is certain: a key that is not stated may still do nothing.
+        /// The keys of a description that differ from the defaults of a machine of its size and have no effect under any of `methods`.
+        /// Only certain cases: a key that is not listed may still have no effect.
         pub fn idle_keys(description: &Description, methods: &[&str]) -> Vec<Idle> {
             let mut keys = match description {
                 $( Description::$machine(d) => {

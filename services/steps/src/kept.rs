@@ -1,4 +1,4 @@
-//! States that outlive their process: as bytes, and what an answer says after a restart.
+//! Step states that outlive their process: as bytes, and the verdict after a restart.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ pub(crate) fn save<T: Serialize>(state: &T, into: &mut [u8]) -> Option<usize> {
         .map(|bytes| bytes.len())
 }
 
-/// Replaces a state by one that was written; see [`runtime::Step::restore`].
+/// Replaces a state by a written one; see [`runtime::Step::restore`].
 pub(crate) fn restore<T: DeserializeOwned>(state: &mut T, bytes: &[u8]) -> bool {
     match postcard::take_from_bytes(bytes) {
         Ok((written, [])) => {
@@ -21,7 +21,7 @@ pub(crate) fn restore<T: DeserializeOwned>(state: &mut T, bytes: &[u8]) -> bool 
     }
 }
 
-/// The three functions of [`runtime::Step`] that keep a state; the last one only where answers have a verdict.
+/// The three functions of [`runtime::Step`] that preserve a state; the last one only where answers have a verdict.
 macro_rules! keeps_its_state {
     () => {
         fn save(&self, into: &mut [u8]) -> Option<usize> {
@@ -42,29 +42,29 @@ macro_rules! keeps_its_state {
 }
 pub(crate) use keeps_its_state;
 
-/// For so long after a restart an estimate is not fresh: its inputs lack what was missed [s].
+/// Duration after a restart in which an estimate is not fresh, because samples are missing [s].
 const STALE: f64 = 0.5;
 
-/// From a restart until the estimate is trusted again.
+/// Flags of a restart, until the estimate is trusted again.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Restart {
     restarted: bool,
-    /// Time of the first sample since [s].
+    /// Time of the first sample after the restart [s].
     since: Option<f64>,
 }
 
-/// Where a verdict says what.
+/// Bits of a verdict that a restart changes.
 pub(crate) struct Bits {
     pub restarted: u32,
     pub fresh: u32,
-    /// Of every quantity.
+    /// Trusted bits of every quantity.
     pub trusted: u32,
     /// Code of the reason.
     pub reason: u32,
 }
 
 impl Restart {
-    /// The process was started again.
+    /// Notes that the process was restarted.
     pub fn begin(&mut self) {
         *self = Self {
             restarted: true,
@@ -72,13 +72,13 @@ impl Restart {
         };
     }
 
-    /// Says so in a verdict, until that is trusted.
-    pub fn tell(&mut self, bits: &Bits, time: f64, flags: &mut u32, reason: &mut u32) {
+    /// Marks a verdict as restarted, until it is trusted.
+    pub fn mark(&mut self, bits: &Bits, time: f64, flags: &mut u32, reason: &mut u32) {
         if !self.restarted {
             return;
         }
         self.since = self.since.or(Some(time).filter(|t| t.is_finite()));
-        // A clock that went back says nothing of the time since.
+        // After a set-back clock the time since the restart is unknown.
         let is_new = |since| (since..since + STALE).contains(&time);
         if self.since.is_none_or(is_new) {
             *flags &= !(bits.fresh | bits.trusted);
@@ -109,7 +109,7 @@ mod tests {
         let mut restart = Restart::default();
         let after = |restart: &mut Restart, time, mut flags| {
             let mut reason = 0;
-            restart.tell(&BITS, time, &mut flags, &mut reason);
+            restart.mark(&BITS, time, &mut flags, &mut reason);
             (flags, reason)
         };
         assert_eq!(after(&mut restart, 1.0, 6), (6, 0), "never restarted");

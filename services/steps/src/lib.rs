@@ -1,6 +1,6 @@
-//! From messages to algorithms and back, and the steps of the processes made of both.
+//! Conversion between messages and algorithms, and the steps of the processes.
 //!
-//! The only crate that knows the messages and the algorithms. Per machine:
+//! The only crate that depends on both the messages and the algorithms. Per machine:
 //!
 //! | file | what |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | `motion` | swing motion to message and back (excavator) |
 //! | `estimate` | estimate to message |
 //! | `filter`, `regression`, `estimator` | the steps of the processes |
-//! | [`loads`] | estimates to loads, of every machine |
+//! | [`loads`] | estimates to loads, for every machine |
 //! | `pipeline` | the machine's processes: its rows of the table in [`stages`] |
 
 mod bits;

@@ -1,6 +1,6 @@
-//! Messages in, loads out: the ledger of any machine, live and on recordings.
+//! Counts loads from messages: the ledger of any machine, live and on recordings.
 //!
-//! Reads the estimates of one process and, beside them, what the sensors say of the truck and of the machine's mass.
+//! Its input is the estimates of one process and the sensor signals of the truck and of the machine's mass.
 
 use std::collections::VecDeque;
 
@@ -24,18 +24,18 @@ use scale::Scale;
 use why::why;
 pub use why::{reason_and_flags, why_words};
 
-/// Loads that a counter remembers while the machine works; sums know all.
+/// Number of loads stored while the machine works; the sums include all.
 const REMEMBERED: usize = 1000;
 
-/// A boom is weighed by pressures that are not older \[s\].
+/// Largest age of the pressures that weigh a boom \[s\].
 const PRESSED: f64 = 0.25;
 
-/// What the counter is given beside the description.
+/// Settings of the counter that are not in the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// What a truck shall hold \[kg\].
+    /// Target weight of a truck \[kg\].
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck; 0 never \[s\].
+    /// Pause between two loads after which another truck begins; 0: never \[s\].
     pub pause: f64,
 }
 
@@ -56,19 +56,19 @@ pub struct LoadCounter {
     ledger: Ledger,
     scale: Scale,
     truck: Option<f64>,
-    /// A mass that the scale has not seen yet [kg].
+    /// A measured mass that the scale has not processed yet [kg].
     mass: Option<f64>,
-    /// The cylinders are described: their pressures weigh.
+    /// Whether the cylinders are described, so that their pressures weigh.
     is_described: bool,
     guessed: Option<String>,
-    /// The latest sample has pressures; unknown where only estimates are seen.
+    /// Whether the latest sample has pressures; `None` where only estimates are received.
     pressure: Option<bool>,
     /// Time of the last boom pressure \[s\].
     pressed: f64,
-    /// Samples have had pressures, and a mass.
+    /// Whether samples have had pressures, and a mass.
     measured: [bool; 2],
     loads: VecDeque<Load>,
-    /// So many of them.
+    /// Largest number of stored loads.
     remembered: usize,
 }
 
@@ -104,7 +104,7 @@ impl LoadCounter {
         }
     }
 
-    /// The same for a recording, whose loads are all asked for at its end.
+    /// The same for a recording, all of whose loads are needed at its end.
     #[must_use]
     pub fn remembering_all(self) -> Self {
         Self {
@@ -113,7 +113,7 @@ impl LoadCounter {
         }
     }
 
-    /// A counter for the machine of a written description; `None` where it cannot be read.
+    /// A counter for the machine of a TOML description; `None` where it cannot be read.
     pub fn of_text(description: &str, options: Options) -> Option<Self> {
         let description = Description::parse(description, "the recording", None).ok()?;
         Some(Self::new(&description, options))
@@ -124,22 +124,22 @@ impl LoadCounter {
         self.machine
     }
 
-    /// The ledger: what the bucket, the truck and the day hold.
+    /// The ledger: contents of the bucket, the truck and the day.
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
     }
 
-    /// The latest loads, the first one first.
+    /// The stored loads, the oldest first.
     pub fn loads(&self) -> impl DoubleEndedIterator<Item = &Load> {
         self.loads.iter()
     }
 
-    /// Pressures weigh: their cylinders are described, and no sample says that they are missing.
+    /// Whether pressures weigh: their cylinders are described, and samples have them.
     fn has_pressure(&self) -> bool {
         self.is_described && self.pressure.unwrap_or(true)
     }
 
-    /// What would weigh a load and is not there, and what to do, in words.
+    /// Text that names the missing signals for weighing, and the remedy.
     pub fn lacks(&self) -> Option<&'static str> {
         match self.machine {
             Machine::Loader => match self.measured {
@@ -158,7 +158,7 @@ impl LoadCounter {
         }
     }
 
-    /// That pressures were measured and weigh nothing, and what to do, in words.
+    /// Text for pressures that are measured but do not weigh, and the remedy.
     pub fn unused(&self) -> Option<&'static str> {
         let is_unused = !self.is_described && self.measured[0];
         is_unused.then_some(match self.machine {
@@ -171,40 +171,40 @@ impl LoadCounter {
         })
     }
 
-    /// What the emptied buckets of a loader show, where it is more than soil, in words.
+    /// Text for emptied buckets of a loader that weigh more than soil does.
     pub fn shown_empty(&self) -> Option<String> {
         let is_loader = self.machine == Machine::Loader;
         is_loader.then(|| shown_empty(self.loads.iter(), self.ledger.rated()))?
     }
 
-    /// What counts as a load holds more than this \[kg\].
+    /// Smallest content that counts as a load \[kg\].
     pub fn smallest(&self) -> f64 {
         self.ledger.smallest()
     }
 
-    /// What the machine file leaves to a guess, see [`guessed`].
+    /// Text for the numbers that the machine file leaves open, see [`guessed`].
     pub fn guessed(&self) -> Option<&str> {
         self.guessed.as_deref()
     }
 
-    /// Begins another truck.
+    /// Starts another truck.
     pub fn next_truck(&mut self) -> Events {
         let events = self.ledger.next_truck();
         self.note(events)
     }
 
-    /// Says what each truck shall hold from now on \[kg\].
+    /// Sets the target weight of each truck from now on \[kg\].
     pub fn set_target(&mut self, target: Option<f64>) {
         self.ledger.set_target(target);
     }
 
-    /// The recording is over.
+    /// Ends the recording.
     pub fn finish(&mut self) -> Events {
         let events = self.ledger.finish();
         self.note(events)
     }
 
-    /// Takes a message: samples of the sensors, and estimates of the one process that tells the payload.
+    /// Takes a message: samples of the sensors, and estimates of the one process that estimates the payload.
     pub fn see(&mut self, message: &Envelope) -> Events {
         match message {
             Envelope::ExcavatorSensors(m) => self.excavator_sensors(m),
@@ -234,7 +234,7 @@ impl LoadCounter {
         let has = |bit: u32| sample.valid & bit != 0;
         self.mass = has(loader_bits::MASS).then_some(sample.mass).or(self.mass);
         self.measured[0] |= has(loader_bits::LIFT_HEAD_PRESSURE);
-        // The arm weighs on through a gap of its pressures.
+        // The arm continues to weigh through a gap in its pressures.
         self.pressure = Some(self.measured[0]);
         self.measured[1] |= self.mass.is_some();
         self.truck = has(loader_bits::TRUCK)
@@ -274,14 +274,14 @@ impl LoadCounter {
         if m.flags & loader_bits::REFUSED != 0 {
             return Events::default();
         }
-        // A described arm whose pressure never comes tells a payload that may be anything.
+        // A described arm without any pressure gives a payload that is not estimated.
         let estimated = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure();
         let weighed = estimated.then_some(Quantity {
             value: m.payload,
             std: m.payload_std,
         });
         let scale = self.scale.step(self.mass.take(), m.stamp.time);
-        // The lift pressures know their tolerances; of a scale nobody states any.
+        // Lift pressures have stated tolerances, a scale has none.
         let trusted = match weighed {
             Some(_) => m.flags & loader_bits::TRUSTED_PAYLOAD != 0,
             None => scale.is_some(),
@@ -294,7 +294,7 @@ impl LoadCounter {
                 .map(|shown| shown.common),
             speed: m.speed,
             changing: match weighed {
-                // Also where a sensor that broke is the reason: what it showed before the change is the load of before.
+                // Also where a broken sensor is the reason: its value before the change belongs to the load before.
                 Some(_) => m.flags & loader_bits::CHANGING != 0,
                 None => scale.is_some_and(|shown| shown.changing),
             },
@@ -315,10 +315,10 @@ impl LoadCounter {
         self.note(events)
     }
 
-    /// Remembers what is reported of a load.
+    /// Stores the reported load.
     fn note(&mut self, events: Events) -> Events {
         if let Some(load) = events.load {
-            // What is said again is the latest, or the one before.
+            // A repeated report concerns the latest load, or the one before.
             let known = self.loads.iter().rposition(|l| l.number == load.number);
             known.and_then(|i| self.loads.remove(i));
             self.loads.push_back(load);
@@ -344,7 +344,7 @@ mod tests {
         let machine = description("[machine]\nkind = \"loader\"\n");
         let counter = LoadCounter::new(&machine, Options::default());
         let numbers = |mut counter: LoadCounter| -> Vec<u32> {
-            // Each is said once as carried and once as dumped.
+            // Each is reported once as carried and once as dumped.
             for number in (1..=1001).flat_map(|n| [n, n]) {
                 let load = Load {
                     number,
@@ -367,7 +367,7 @@ mod tests {
 
     #[test]
     fn pressures_that_weigh_nothing_are_named() {
-        let said = |file: &str, valid: u32| {
+        let reported = |file: &str, valid: u32| {
             let mut counter = LoadCounter::new(&description(file), Options::default());
             counter.see(&Envelope::ExcavatorSensors(ExcavatorSensors {
                 valid,
@@ -377,10 +377,10 @@ mod tests {
         };
         let bare = "[machine]\nkind = \"excavator\"\n";
         let pressures = excavator_bits::BOOM_HEAD_PRESSURE;
-        assert!(said(bare, pressures).contains("head_area"));
-        assert_eq!(said(bare, excavator_bits::BOOM_ANGLE), "");
+        assert!(reported(bare, pressures).contains("head_area"));
+        assert_eq!(reported(bare, excavator_bits::BOOM_ANGLE), "");
         let described = format!("{bare}[machine.boom_cylinder]\nhead_area = 0.01\n");
-        assert_eq!(said(&described, pressures), "");
+        assert_eq!(reported(&described, pressures), "");
     }
 
     #[test]
@@ -388,7 +388,7 @@ mod tests {
         for described in ["12500.0", "11500.0"] {
             let text = format!("[machine]\nkind = \"loader\"\nmass = {described}\n");
             let mut counter = LoadCounter::new(&description(&text), Options::default());
-            let mut said = Vec::new();
+            let mut reported = Vec::new();
             for i in 0..9000 {
                 let phase = i % 3000;
                 let load = if (1000..2500).contains(&phase) {
@@ -412,9 +412,9 @@ mod tests {
                     stamp,
                     ..LoaderEstimate::default()
                 };
-                said.extend(counter.see(&estimate.envelope()).load);
+                reported.extend(counter.see(&estimate.envelope()).load);
             }
-            said.extend(counter.finish().load);
+            reported.extend(counter.finish().load);
             let all: Vec<_> = counter.loads().collect();
             assert_eq!(all.len(), 3, "{described}: {all:?}");
             for load in all {
@@ -423,7 +423,8 @@ mod tests {
                 assert_eq!(load.witness, Witness::Scale);
             }
             assert!(
-                said.iter()
+                reported
+                    .iter()
                     .any(|l| l.stage == estimation::loads::Stage::Carried)
             );
         }

@@ -22,7 +22,7 @@ macro_rules! sample_of_message {
     };
 }
 
-/// `flags()` of an estimate as bits; those of the process are set by who runs it. Needs `Estimate` in scope.
+/// `flags()` of an estimate as bits; the caller sets those of the process. Needs `Estimate` in scope.
 macro_rules! flags_of_estimate {
     (
         estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt $facts:tt; )* }
@@ -34,7 +34,7 @@ macro_rules! flags_of_estimate {
     };
 }
 
-/// `numbers()` of an estimate, put into its message, and `estimated()`, the bits of those that it has. Needs `Estimate`
+/// `numbers()` of an estimate as its message, and `estimated()`, the bits of the numbers that it has. Needs `Estimate`
 /// and `EstimateMessage` in scope.
 macro_rules! numbers_of_estimate {
     (
@@ -42,7 +42,7 @@ macro_rules! numbers_of_estimate {
         first { $( $name:ident ($($place:tt)*) [$( $std:ident ($($std_place:tt)*) )?] $unit:tt $doc:tt $facts:tt; )* }
         later { $( $name2:ident ($($place2:tt)*) [$( $std2:ident ($($std_place2:tt)*) )?] $unit2:tt $doc2:tt $facts2:tt; )* }
     ) => {
-        /// What the method does not estimate stays 0.
+        /// Numbers that the method does not estimate stay 0.
         fn numbers(e: &Estimate) -> EstimateMessage {
             EstimateMessage {
                 $( $name: e.$($place)*, $( $std: e.$($std_place)*, )? )*
@@ -58,7 +58,7 @@ macro_rules! numbers_of_estimate {
     };
 }
 
-/// Whether an estimate has something; always, where no place says so.
+/// Whether an estimate has a number; always, where the sheet states no condition.
 macro_rules! has {
     ($e:ident,) => {
         true

@@ -1,17 +1,17 @@
-//! When an estimator must begin anew.
+//! Detects when an estimator must restart.
 
 use messages::Stamp;
 use serde::{Deserialize, Serialize};
 
-/// Notices the first sample of a source, and of one that was restarted with its clock set back:
-/// a state from before would refuse its rows for ever.
+/// Detects the first sample of a source, and of a source that was restarted with its clock set back:
+/// an older state would refuse its rows for ever.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SourceWatch {
     last: Option<(u32, f64)>,
 }
 
 impl SourceWatch {
-    /// Whether the estimator must begin anew with this sample.
+    /// Whether the estimator must restart with this sample.
     pub(crate) fn is_new(&mut self, stamp: &Stamp) -> bool {
         let new = self
             .last

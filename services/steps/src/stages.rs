@@ -1,5 +1,5 @@
-//! The one table of processes: who reads what, who writes what, who wakes whom, with which
-//! methods, made by which constructor. Each machine has its rows in a file of its own.
+//! The table of processes: inputs, outputs, wake-ups, methods and constructors.
+//! Each machine has its rows in a file of its own.
 //!
 //! ```
 //! use messages::Machine;
@@ -23,12 +23,12 @@ use crate::Error;
 pub struct Pipeline {
     /// The machine.
     pub machine: Machine,
-    /// What is estimated, for helps.
+    /// Estimated quantities, for help texts.
     pub about: &'static str,
-    /// Its processes, upstream first; a `health` message names one by its place.
+    /// Its processes, upstream first; a `health` message names one by its index.
     pub stages: &'static [Stage],
-    /// The process of the headline estimate, and which `--method` means where it names none of
-    /// another's.
+    /// The process of the headline estimate; it is the one meant by a `--method` that
+    /// no other process offers.
     pub main: &'static str,
 }
 
@@ -41,14 +41,14 @@ pub struct Stage {
     pub wakes: &'static [&'static str],
     /// SCHED_FIFO priority under `--rt`, rising downstream; 0: normal, off the path.
     pub priority: u8,
-    /// What it does.
+    /// Its work.
     pub role: Role,
 }
 
-/// What a process does.
+/// Work of a process.
 #[derive(Debug)]
 pub enum Role {
-    /// Makes the samples and, where it is known, the truth.
+    /// Produces the samples and, where it is known, the truth.
     Source {
         /// Channel of the samples.
         sensors: &'static Channel,
@@ -59,29 +59,29 @@ pub enum Role {
     Step(&'static dyn Row),
     /// Takes every message of the machine.
     Sink,
-    /// Notes when the messages of this channel arrive.
+    /// Records the arrival times of the messages of this channel.
     Probe(&'static Channel),
-    /// Sends estimates to others; only in a run that has an output.
+    /// Sends estimates to other programs; only in a run that has an output.
     Sender,
 }
 
-/// A stage that answers messages, its types put aside.
+/// A stage that answers messages, with its types erased.
 pub trait Row: Sync + std::fmt::Debug {
     /// Channel that it reads.
     fn input(&self) -> &'static Channel;
     /// Channel that it writes.
     fn output(&self) -> &'static Channel;
-    /// Where it leaves its mark.
+    /// The hop that it marks.
     fn hop(&self) -> Hop;
-    /// Methods that it offers, the first by default; none where there is no choice.
+    /// Methods that it offers, the default first; none where there is no choice.
     fn methods(&self) -> &'static [&'static str];
-    /// The step for a description; `method` is ignored where there is no choice.
+    /// Constructs the step for a description; `method` is ignored where there is no choice.
     ///
     /// # Errors
-    /// The method is unknown or the description has a value that it cannot use.
+    /// The method is unknown, or the description has a value that the method cannot use.
     fn start(&self, description: &Description, method: &str) -> Result<Box<dyn AnyStep>, Error>;
-    /// The same as a process that only waits for its worker. `fits`: what a state of this step must
-    /// fit, as one number.
+    /// The same as a process that only waits for its worker. `fits`: a number that a state must
+    /// match to be restored into this step.
     ///
     /// # Errors
     /// As [`Self::start`].
@@ -92,15 +92,15 @@ pub trait Row: Sync + std::fmt::Debug {
 /// Runs a stage in the worker that it is given, until the supervisor ends it.
 pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
 
-/// A step whose types are put aside, for those who run one on recorded data.
+/// A step with its types erased, to run it on recorded data.
 pub trait AnyStep: Send + Sync {
-    /// The answer with the identity of the input; `None` to a message of another type.
+    /// The answer with the identity of the input; `None` for a message of another type.
     fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
-    /// Writes its complete state and returns how many bytes that took, see [`Step::save`].
+    /// Writes its complete state and returns its length in bytes, see [`Step::save`].
     fn save(&self, into: &mut [u8]) -> Option<usize>;
-    /// Becomes what it was when it wrote this state; false, and unchanged, if this is no state of its own.
+    /// Restores a written state; false, and unchanged, if the state is not one of this step.
     fn restore(&mut self, state: &[u8]) -> bool;
-    /// A copy with its own state.
+    /// An independent copy.
     fn fork(&self) -> Box<dyn AnyStep>;
 }
 
@@ -122,7 +122,7 @@ impl<S: Step + Clone + Send + Sync + 'static> AnyStep for S {
     }
 }
 
-/// A row of the table: channels of the types of its step, or it does not compile.
+/// A row of the table. Its channels must have the types of its step, or it does not compile.
 ///
 /// ```compile_fail
 /// use messages::{Hop, channels::{EXCAVATOR_MOTION, EXCAVATOR_SENSORS}};
@@ -143,11 +143,11 @@ pub struct RowOf<S: Step> {
     pub input: &'static ChannelOf<S::Input>,
     /// Channel that it writes.
     pub output: &'static ChannelOf<S::Output>,
-    /// Where it leaves its mark.
+    /// The hop that it marks.
     pub hop: Hop,
-    /// Methods that it offers, the first by default; none where there is no choice.
+    /// Methods that it offers, the default first; none where there is no choice.
     pub methods: &'static [&'static str],
-    /// Makes the step.
+    /// Constructs the step.
     pub new: fn(&Description, &str) -> Result<S, Error>,
 }
 
@@ -187,7 +187,7 @@ impl<S: Step + Clone + Send + Sync + std::fmt::Debug + 'static> Row for RowOf<S>
 }
 
 impl Stage {
-    /// What answers messages here, if this stage does.
+    /// The row that answers messages here, if there is one.
     pub fn row(&self) -> Option<&'static dyn Row> {
         match self.role {
             Role::Step(row) => Some(row),
@@ -213,7 +213,7 @@ impl Stage {
         }
     }
 
-    /// Methods that it offers, the first by default; none where there is no choice.
+    /// Methods that it offers, the default first; none where there is no choice.
     pub fn methods(&self) -> &'static [&'static str] {
         self.row().map_or(&[], Row::methods)
     }
@@ -276,24 +276,24 @@ impl Pipeline {
         self.stage(self.main)?.output()
     }
 
-    /// What a sample passes on its way to the output of a stage, that stage last.
+    /// Rows that a sample passes up to the output of a stage, that stage last.
     pub fn way_to(&self, stage: &'static Stage) -> Vec<&'static dyn Row> {
         let Some(row) = stage.row() else {
             return Vec::new();
         };
         let writer = self.writer(row.input());
-        let mut way = writer.map_or_else(Vec::new, |writer| self.way_to(writer));
-        way.push(row);
-        way
+        let mut path = writer.map_or_else(Vec::new, |writer| self.way_to(writer));
+        path.push(row);
+        path
     }
 
-    /// Hops from the source to this stage.
+    /// Number of hops from the source to this stage.
     pub fn hops_before(&self, stage: &Stage) -> usize {
         let writer = stage.input().and_then(|input| self.writer(input));
         writer.map_or(0, |writer| 1 + self.hops_before(writer))
     }
 
-    /// Name of process `index`, as `health` messages tell it.
+    /// Name of the process with this `index` in `health` messages.
     pub fn process_name(&self, index: u32) -> &'static str {
         let index = usize::try_from(index).ok();
         index
@@ -301,7 +301,7 @@ impl Pipeline {
             .map_or("?", |s| s.name)
     }
 
-    /// The method of each process that has a choice: the default ones, and `asked` in the process
+    /// The method of each process that has a choice: the default, or `asked` in the process
     /// that offers it.
     ///
     /// # Errors
@@ -325,7 +325,7 @@ impl Pipeline {
         Ok(self.stages.iter().filter_map(of).collect())
     }
 
-    /// The error that names a method that no process offers.
+    /// Error for a method that no process offers.
     pub fn unknown(&self, name: &str) -> Error {
         let known = self.stages.iter().flat_map(|s| s.methods()).copied();
         Error::UnknownMethod {
@@ -336,7 +336,7 @@ impl Pipeline {
     }
 }
 
-/// Sends estimates to others. It wakes by itself: no estimator waits for it.
+/// Sends estimates to other programs. It wakes by itself: no estimator waits for it.
 pub(crate) const SENDER: Stage = Stage {
     name: "sender",
     wakes: &[],
@@ -344,7 +344,7 @@ pub(crate) const SENDER: Stage = Stage {
     role: Role::Sender,
 };
 
-/// Takes every message and, where the source waits for it, tells how far it has got.
+/// Takes every message and, where the source waits for it, reports its progress.
 pub(crate) const LOGGER: Stage = Stage {
     name: "logger",
     wakes: &["sensor"],

@@ -1,4 +1,4 @@
-//! What every excavator estimator says, as a message.
+//! Message of an excavator estimate.
 
 use estimation::excavator::{Estimate, Reason};
 use messages::{ExcavatorEstimate, ExcavatorEstimate as EstimateMessage, excavator_bits as bits};
@@ -19,15 +19,15 @@ pub fn message(e: &Estimate, started: bool) -> ExcavatorEstimate {
     }
 }
 
-/// Says in an estimate that its process was started again, until it is trusted.
-pub(super) fn tell_restart(restart: &mut Restart, time: f64, m: &mut ExcavatorEstimate) {
+/// Marks an estimate as restarted, until it is trusted.
+pub(super) fn tag_restart(restart: &mut Restart, time: f64, m: &mut ExcavatorEstimate) {
     let bits = Bits {
         restarted: bits::RESTARTED,
         fresh: bits::FRESH,
         trusted: bits::TRUSTED,
         reason: Reason::Restarted.code(),
     };
-    restart.tell(&bits, time, &mut m.flags, &mut m.reason);
+    restart.mark(&bits, time, &mut m.flags, &mut m.reason);
 }
 
 sheet::excavator_flags!(flags_of_estimate);

@@ -7,12 +7,12 @@ use messages::{ExcavatorEstimate, ExcavatorSensors};
 use runtime::Step;
 use serde::{Deserialize, Serialize};
 
-use super::{columns, estimate_message, method, sample, tell_restart};
+use super::{columns, estimate_message, method, sample, tag_restart};
 use crate::Error;
 use crate::kept::{Restart, keeps_its_state};
 use crate::source::SourceWatch;
 
-/// One state-space method, or the choice among them.
+/// One state-space method, or the automatic choice among them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EstimatorStep {
     method: Method,
@@ -23,7 +23,7 @@ pub struct EstimatorStep {
 }
 
 impl EstimatorStep {
-    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// Constructs the estimator of a method. It waits for its first sample, which shows the
     /// columns of the source.
     ///
     /// # Errors
@@ -48,8 +48,8 @@ const ALL: Columns = Columns {
     posture: true,
 };
 
-/// The estimator for these columns. A method that lacks one of its columns gets it as one without
-/// values: it then holds its prior, and says that it is neither fresh nor trusted.
+/// The estimator for these columns. A method that lacks one of its columns gets it without
+/// values: it then holds its prior, and is neither fresh nor trusted.
 fn estimator(
     settings: &Settings,
     method: Method,
@@ -80,7 +80,7 @@ impl Step for EstimatorStep {
         let estimate = self.estimator.step(&sample(input));
         self.started |= !estimate.flags.refused;
         let mut message = estimate_message(&estimate, self.started);
-        tell_restart(&mut self.restart, input.stamp.time, &mut message);
+        tag_restart(&mut self.restart, input.stamp.time, &mut message);
         message
     }
 

@@ -19,7 +19,7 @@ pub struct FilterStep {
 }
 
 impl FilterStep {
-    /// A filter that waits for its first sample, which tells whether there is a velocity or an
+    /// A filter that waits for its first sample, which shows whether there is a velocity or an
     /// encoder's angle.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl FilterStep {
     }
 }
 
-/// What a source without a word about its columns is taken to have.
+/// Columns assumed for a source before its first sample.
 const VELOCITY: Columns = Columns {
     velocity: true,
     angle: false,
@@ -46,8 +46,8 @@ impl Step for FilterStep {
     type Output = SwingMotion;
 
     fn step(&mut self, input: &ExcavatorSensors) -> SwingMotion {
-        // The settings have been checked; without velocity and angle the old filter goes on and
-        // says that nothing is measured.
+        // The settings have been checked; without velocity and angle the previous filter continues and
+        // reports that nothing is measured.
         if self.source.is_new(&input.stamp)
             && let Ok(filter) = MotionFilter::new(&self.filter.described(), columns(input))
         {

@@ -1,22 +1,22 @@
-//! Which keys do nothing under which method.
+//! Keys without effect under a method.
 
 use config::Excavator;
 use estimation::excavator::Method;
 
 use crate::idle::Change;
 
-/// Whether a changed key does nothing under any of `methods`.
+/// Whether a changed key has no effect under any of `methods`.
 pub(crate) fn is_idle(_: &Excavator, change: &Change, methods: &[&str]) -> bool {
     !methods.iter().any(|m| acts(change.path, m))
 }
 
-/// Tables and keys that can be described and that no estimator reads.
+/// Tables and keys that can be stated and that no estimator uses.
 const READ_BY_NOTHING: &[&str] = &[
     // The boom's cylinder alone weighs the load.
     "machine.arm_cylinder.",
-    // The rod side pushes back a tenth of the head's force at most: a share of its area is nothing.
+    // The rod side's force is at most a tenth of the head side's: an error of its area is negligible.
     "machine.boom_cylinder.rod_area_std",
-    // White noise of a pressure is nothing beside the friction of the seals.
+    // White noise of a pressure is negligible beside the friction of the seals.
     "sensors.pressure_std",
 ];
 

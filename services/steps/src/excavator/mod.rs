@@ -11,7 +11,7 @@ mod sample;
 mod smooth;
 
 pub use estimate::message as estimate_message;
-use estimate::tell_restart;
+use estimate::tag_restart;
 pub use estimator::EstimatorStep;
 pub use filter::FilterStep;
 pub(crate) use idle::is_idle;

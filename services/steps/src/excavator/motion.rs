@@ -1,13 +1,13 @@
-//! Swing motion: between the filter stage and the regression it is a message.
+//! Message of the swing motion, between the filter stage and the regression.
 
 use estimation::excavator::Motion;
 use messages::{Stamp, SwingMotion, excavator_bits as bits};
 
 use crate::bits::set_bits;
 
-/// The message of a motion. `valid`: signal bits of the sample that it was made from.
+/// The message of a motion. `valid`: signal bits of its sample.
 pub fn message(m: &Motion, valid: u32) -> SwingMotion {
-    // A signal that the gate dropped is not valid any more.
+    // A signal that the gate rejected is no longer valid.
     let signals = bits::SWING_VELOCITY | bits::SWING_ANGLE;
     let accepted = if m.measured { valid } else { valid & !signals };
     let flags = [

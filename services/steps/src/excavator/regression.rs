@@ -1,4 +1,4 @@
-//! The excavator's regressions as a step: they see the swing motion only (process `rls`).
+//! The excavator's regressions as a step: their only input is the swing motion (process `rls`).
 
 use config::Excavator as Description;
 use estimation::excavator::{Method, Regression, Settings};
@@ -6,7 +6,7 @@ use messages::{ExcavatorEstimate, SwingMotion};
 use runtime::Step;
 use serde::{Deserialize, Serialize};
 
-use super::{estimate_message, method, motion, tell_restart};
+use super::{estimate_message, method, motion, tag_restart};
 use crate::Error;
 use crate::kept::{Restart, keeps_its_state};
 use crate::source::SourceWatch;
@@ -22,7 +22,7 @@ pub struct RegressionStep {
 }
 
 impl RegressionStep {
-    /// A regression by the name of its method.
+    /// Constructs the regression of a method.
     ///
     /// # Errors
     /// The name is unknown, belongs to another process, or the description has a value that the
@@ -53,7 +53,7 @@ impl Step for RegressionStep {
         let motion = motion(input);
         self.started |= !motion.refused;
         let mut message = estimate_message(&self.regression.step(&motion), self.started);
-        tell_restart(&mut self.restart, input.stamp.time, &mut message);
+        tag_restart(&mut self.restart, input.stamp.time, &mut message);
         message
     }
 

@@ -1,4 +1,4 @@
-//! What the excavator's sensors measured, as a sample.
+//! Sample of an excavator's sensor message.
 
 use config::Excavator as Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
@@ -21,10 +21,10 @@ pub fn columns(m: &ExcavatorSensors) -> Columns {
     }
 }
 
-/// Whether a method can work with a source that has the columns of this message.
+/// Checks that a method can use a source with the columns of this message.
 ///
 /// # Errors
-/// The method is unknown, or names the column that is missing.
+/// The method is unknown, or a column is missing; the error names it.
 pub fn check_columns(d: &Description, name: &str, first: &ExcavatorSensors) -> Result<(), Error> {
     let missing = |column| {
         Err(Error::MissingColumn {

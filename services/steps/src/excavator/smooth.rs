@@ -1,4 +1,4 @@
-//! Every moment of a recording as all its rows see it (`heft estimate --smooth`).
+//! Smoothed estimates of a recording, from all its rows (`heft estimate --smooth`).
 
 use config::Excavator as Description;
 use estimation::Quantity;
@@ -8,7 +8,7 @@ use messages::{ExcavatorEstimate, ExcavatorSensors, excavator_bits as bits};
 use super::{columns, method, sample};
 use crate::Error;
 
-/// A moment as all rows see it.
+/// Smoothed estimate of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Past {
     /// Payload \[kg\].
@@ -19,7 +19,7 @@ pub struct Past {
 }
 
 impl Past {
-    /// Puts the moment into an estimate that knew nothing of later rows. Excitation, consistency and doubts stay as they were.
+    /// Writes the smoothed estimate into a filtered one. Excitation, consistency and doubts stay unchanged.
     pub fn put(&self, estimate: &mut ExcavatorEstimate) {
         if estimate.flags & bits::REFUSED != 0 {
             return;
@@ -35,9 +35,9 @@ impl Past {
     }
 }
 
-/// The moments of some rows, none where a row came before the first tick. A row that was refused has the moment before it.
+/// The smoothed estimates of the rows, none for rows before the first tick. A refused row has the estimate of the previous one.
 ///
-/// It keeps some two kilobytes for every hundredth of a second.
+/// It stores some two kilobytes for every hundredth of a second.
 ///
 /// # Errors
 /// The method is unknown or has no smoother, or the description has a value that it cannot use.

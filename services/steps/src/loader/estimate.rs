@@ -1,4 +1,4 @@
-//! What every loader estimator says, as a message.
+//! Message of a loader estimate.
 
 use estimation::loader::Estimate;
 use messages::{LoaderEstimate, LoaderEstimate as EstimateMessage};

@@ -1,6 +1,6 @@
 //! The loader's estimators as a step.
 //!
-//! All methods are the same step with different settings. The process `kalman` runs those on the model's tangent, `ukf` those on
+//! All methods are the same step with different settings. The process `kalman` runs those that linearise the model, `ukf` those with
 //! sigma points.
 
 use config::Loader as Description;
@@ -17,13 +17,13 @@ use crate::kept::{Bits, Restart, keeps_its_state};
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct EstimatorStep {
     estimator: CgEstimator,
-    /// For sources without an accelerometer, until the first sample says which it is.
+    /// Estimator for a source without an accelerometer, until the first sample shows whether it has one.
     without_accelerometer: Option<CgEstimator>,
     restart: Restart,
 }
 
 impl EstimatorStep {
-    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// Constructs the estimator of a method. It waits for its first sample, which shows the
     /// columns of the source.
     ///
     /// # Errors
@@ -61,8 +61,8 @@ impl Step for EstimatorStep {
             reason: Reason::Restarted as u32,
         };
         let time = input.stamp.time;
-        let said = (&mut message.flags, &mut message.reason);
-        self.restart.tell(&bits, time, said.0, said.1);
+        let verdict = (&mut message.flags, &mut message.reason);
+        self.restart.mark(&bits, time, verdict.0, verdict.1);
         message
     }
 

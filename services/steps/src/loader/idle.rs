@@ -1,11 +1,11 @@
-//! Which keys do nothing under which method.
+//! Keys without effect under a method.
 
 use config::Loader;
 use estimation::loader::Settings;
 
 use crate::idle::Change;
 
-/// Whether a changed key leaves the settings of all of `methods` as they are.
+/// Whether a changed key leaves the settings of all `methods` unchanged.
 pub(crate) fn is_idle(loader: &Loader, change: &Change, methods: &[&str]) -> bool {
     let mut without = loader.clone();
     change.undo(&mut without);

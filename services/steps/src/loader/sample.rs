@@ -1,4 +1,4 @@
-//! What the loader's sensors measured, as a sample.
+//! Sample of a loader's sensor message.
 
 use estimation::loader::Sample;
 use messages::LoaderSensors as SensorsMessage;

@@ -1,17 +1,17 @@
-//! What a machine file leaves open that makes all loads wrong alike, in words.
+//! Texts about numbers that a machine file leaves open and that cause a common error of all loads.
 
 use config::{Description, Excavator, Loader};
 use estimation::HALF_WIDTH_95;
 use estimation::loads::{Load, Witness};
 
-/// Below this share of a load it is all the same where a loader's tilt cylinder sits.
+/// Share of a load below which the place of a loader's tilt cylinder does not matter.
 const NO_MATTER: f64 = 0.02;
-/// Emptied buckets of a loader that show more than this share of a full load, on average of so many, may be heavier ones: soil that stays is
-/// half of it.
+/// Mean weight of emptied buckets, as a share of a full load, above which the bucket may be heavier than described; soil that stays is
+/// half of it. Least number of emptied buckets for this mean: [`EMPTIED`].
 const SHOWN_EMPTY: f64 = 0.03;
 const EMPTIED: usize = 2;
 
-/// What is open, how wide that makes the loads, and what to state; `None` where all is stated.
+/// Names the open numbers, the width that they give the loads, and what to state; `None` where all are stated.
 pub fn guessed(description: &Description) -> Option<String> {
     match description {
         Description::Excavator(d) => guessed_lengths(d),
@@ -22,7 +22,7 @@ pub fn guessed(description: &Description) -> Option<String> {
     }
 }
 
-/// Which masses and distances of a loader's lift arm are a guess by the size of the machine.
+/// Names the masses and distances of a loader's lift arm that are guessed from the size of the machine.
 fn guessed_masses(d: &Loader) -> Option<String> {
     let (arm, cylinder) = (&d.lift_arm, &d.lift_cylinder);
     let is_used = arm.length > 0.0 && cylinder.head_area > 0.0;
@@ -44,7 +44,7 @@ fn guessed_masses(d: &Loader) -> Option<String> {
     })
 }
 
-/// Where nobody says where a loader's tilt cylinder sits, and it matters.
+/// Asks for the place of a loader's tilt cylinder, where it is not stated and matters.
 fn tilt_cylinder(d: &Loader) -> Option<String> {
     let share = d.tilt_cylinder_share();
     let by = match d.lift_arm.payload_distance {
@@ -60,7 +60,7 @@ fn tilt_cylinder(d: &Loader) -> Option<String> {
     })
 }
 
-/// What emptied buckets of a loader show that holds at most `rated` kg, where it is more than soil.
+/// Reports emptied buckets of a loader with rated payload `rated` [kg] that weigh more than soil does.
 pub fn shown_empty<'a>(loads: impl Iterator<Item = &'a Load>, rated: f64) -> Option<String> {
     let (mut count, mut sum) = (0, 0.0);
     for load in loads.filter(|load| load.carry_back_weighed && load.witness == Witness::Pressure) {
@@ -76,10 +76,10 @@ pub fn shown_empty<'a>(loads: impl Iterator<Item = &'a Load>, rated: f64) -> Opt
     })
 }
 
-/// What is guessed of an excavator's lengths.
+/// Names the guessed lengths of an excavator.
 fn guessed_lengths(d: &Excavator) -> Option<String> {
     let of_class = of_class(d).geometry;
-    // Who states how well the lengths are known answers for them.
+    // A stated tolerance covers the lengths.
     let tolerance = d.of_its_size().machine.geometry_tolerance;
     let is_doubted = tolerance > Excavator::default().machine.geometry_tolerance
         && d.machine.geometry_tolerance == tolerance;
@@ -121,7 +121,7 @@ fn guessed_lengths(d: &Excavator) -> Option<String> {
     })
 }
 
-/// The machine of which nothing but the operating mass is stated.
+/// The machine with only the operating mass stated.
 fn of_class(d: &Excavator) -> Excavator {
     let mut class = Excavator::default();
     class.machine.operating_mass = d.machine.operating_mass;
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn emptied_buckets_that_show_more_than_soil_may_be_heavier_ones() {
-        let said = |kg: &[f64]| {
+        let reported = |kg: &[f64]| {
             let loads: Vec<Load> = kg
                 .iter()
                 .map(|kg| {
@@ -204,10 +204,10 @@ mod tests {
                 .collect();
             shown_empty(loads.iter(), 4000.0)
         };
-        let heavier = said(&[170.0, 160.0, 110.0]);
+        let heavier = reported(&[170.0, 160.0, 110.0]);
         assert!(heavier.is_some_and(|words| words.contains("3 emptied buckets show 147 kg")));
-        assert_eq!(said(&[50.0, 20.0]), None, "soil");
-        assert_eq!(said(&[300.0]), None, "once is no machine");
+        assert_eq!(reported(&[50.0, 20.0]), None, "soil");
+        assert_eq!(reported(&[300.0]), None, "once is no machine");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Loads as a message: what other programs hear of the ledger.
+//! Report of the ledger as a message for other programs.
 
 use estimation::loads::LoadReport;
 use messages::channels::{Channel, EXCAVATOR_LOADS, LOADER_LOADS};
@@ -31,7 +31,7 @@ macro_rules! fill {
 
 sheet::loads_fields!(fill);
 
-/// What is known of the bucket, the latest load and its truck, as a message beside the estimate of this stamp.
+/// State of the bucket, the latest load and its truck, as a message beside the estimate of this stamp.
 pub fn message(counter: &LoadCounter, stamp: &Stamp) -> Envelope {
     let mut report = LoadReport::of(counter.ledger(), counter.loads().next_back());
     report.reason &= REASON;

@@ -1,52 +1,52 @@
-//! A machine whose mass is measured: its payload is what it has more than empty.
+//! Payload from a measured machine mass: its difference to the empty machine.
 //!
-//! Empty is the least mass that has held, where it is about the described one or a load has left the machine with it: what a scale shows too
-//! much it shows empty as well. A mass that does not hold is a bucket that fills or empties, and no load.
+//! The empty mass is the least mass that has held constant. It counts where it is near the described one or a load has left the machine
+//! with it; an offset of the scale then cancels. A mass that does not hold is a bucket that fills or empties, and no load.
 
 use estimation::Quantity;
 use estimation::math::norm;
 
-/// Nobody states what such a scale is worth: half a percent of the machine, two percent of the load.
+/// Assumed standard deviation of such a scale: half a percent of the machine, two percent of the load.
 const SCALE_STD: [f64; 2] = [0.005, 0.02];
-/// Smoothing of the mass [s].
+/// Time constant of the smoothing of the mass [s].
 const SMOOTH: f64 = 0.2;
-/// A mass that stays within this share is the same one.
+/// Share of the mass within which it counts as constant.
 const SAME: f64 = 0.01;
-/// It weighs a load after so long, and an empty machine after so long [s].
+/// Duration of a constant mass after which it weighs a load, and an empty machine [s].
 const HOLDS: f64 = 0.3;
 const EMPTY_HOLDS: f64 = 1.0;
-/// What it showed counts for so long where rows come more often than its masses: a display renews each second [s].
+/// Duration for which a mass counts where rows come more often than masses: a display renews each second [s].
 const RENEWS: f64 = 2.0;
-/// A mass further below the described one is not that of this machine, in masses.
+/// Share of the described mass by which a plausible mass may be below it.
 const BELOW: f64 = 0.2;
-/// The empty machine weighs at most so much more than described, in masses; a load is more.
+/// Share of the described mass by which the empty machine may be above it; a load is more.
 const EMPTY: f64 = 0.05;
 
-/// The machine's mass is measured.
+/// State of a scale under the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// Described mass of the empty machine [kg].
     described: f64,
     /// Least mass that has held [kg].
     least: Option<f64>,
-    /// A load was on it, and has left.
+    /// Whether a load was on it; whether that has left.
     was_loaded: bool,
     was_emptied: bool,
-    /// Smoothed mass [kg], and when [s].
+    /// Smoothed mass [kg], and its time [s].
     smooth: Option<(f64, f64)>,
-    /// Mass that holds, and since when [kg], [s].
+    /// Constant mass [kg], and since when [s].
     anchor: (f64, f64),
-    /// What it showed last.
+    /// Its last result.
     shown: Option<Shown>,
 }
 
-/// What it shows.
+/// Result of the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shown {
     pub payload: Quantity,
-    /// Standard deviation of what all loads share [kg].
+    /// Standard deviation of the error that is common to all loads [kg].
     pub common: f64,
-    /// The mass does not hold: the bucket fills, or empties.
+    /// Whether the mass does not hold: the bucket fills or empties.
     pub changing: bool,
 }
 
@@ -63,7 +63,7 @@ impl Scale {
         }
     }
 
-    /// What it shows at that time, where a mass comes with the row or came shortly before.
+    /// Result at this time, where a mass comes with the row or came shortly before.
     pub(super) fn step(&mut self, mass: Option<f64>, time: f64) -> Option<Shown> {
         if let Some(mass) = mass {
             self.shown = self.weigh(mass, time);
@@ -73,12 +73,12 @@ impl Scale {
             .filter(|_| (0.0..RENEWS).contains(&(time - last)))
     }
 
-    /// What this mass shows.
+    /// Result of this mass.
     fn weigh(&mut self, mass: f64, time: f64) -> Option<Shown> {
         if !(mass.is_finite() && mass > (1.0 - BELOW) * self.described) {
             return None;
         }
-        // A clock that was set back begins anew.
+        // Restart after a clock that was set back.
         let before = self.smooth.filter(|(_, last)| *last <= time);
         if before.is_none() {
             self.anchor = (mass, time);
@@ -93,7 +93,7 @@ impl Scale {
         if time - since >= EMPTY_HOLDS {
             self.see_held(held);
         }
-        // Until then the machine that began may have been loaded already.
+        // Until then the machine may have started loaded.
         let is_known = |least: &f64| self.was_emptied || *least < (1.0 + EMPTY) * self.described;
         let learnt = self.least.filter(is_known);
         let empty = learnt.unwrap_or(self.described);
@@ -102,7 +102,7 @@ impl Scale {
         } else {
             EMPTY * self.described
         };
-        // By the mass that holds: no row of it is worth more than another.
+        // From the constant mass, so that all of its rows have equal variances.
         let common = norm(&[SCALE_STD[1] * (held - empty), zero]);
         Some(Shown {
             payload: Quantity {
@@ -114,7 +114,7 @@ impl Scale {
         })
     }
 
-    /// A mass has held.
+    /// Takes a mass that has held.
     fn see_held(&mut self, mass: f64) {
         let least = self.least.map_or(mass, |least| least.min(mass));
         self.least = Some(least);
@@ -127,35 +127,35 @@ impl Scale {
 mod tests {
     use super::*;
 
-    /// Masses at 100 Hz through a scale; what it says last of each, [from, to) in seconds.
+    /// Passes masses at 100 Hz through a scale; the last result of each row, [from, to) in seconds.
     fn shown(described: f64, parts: &[(f64, f64)]) -> Vec<Shown> {
         let mut scale = Scale::new(described);
         let (mut time, mut mass) = (0.0, parts[0].1);
-        let mut said = Vec::new();
+        let mut results = Vec::new();
         for (seconds, to) in parts {
             let rows = (100.0 * seconds) as u32;
             let by = (to - mass) / f64::from(rows.max(1));
             for _ in 0..rows {
                 mass += by;
                 time += 0.01;
-                said.push(
+                results.push(
                     scale
                         .step(Some(mass), time)
                         .expect("a mass of this machine"),
                 );
             }
         }
-        said
+        results
     }
 
     #[test]
     fn a_bucket_that_fills_is_changing_and_a_full_one_is_not() {
-        let said = shown(
+        let results = shown(
             12_000.0,
             &[(5.0, 12_100.0), (2.5, 15_700.0), (3.0, 15_700.0)],
         );
-        assert!(said[550..740].iter().all(|s| s.changing));
-        let full = said.last().expect("rows");
+        assert!(results[550..740].iter().all(|s| s.changing));
+        let full = results.last().expect("rows");
         assert!(!full.changing && full.payload.holds(3600.0));
         assert!((full.payload.value - 3600.0).abs() < 1e-6, "{full:?}");
     }
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_scale_that_is_off_shows_it_empty_once_a_load_has_left() {
-        // 7 % more than described, whatever it is of.
+        // 7 % more than the true mass.
         let off = |kg: f64| 1.07 * kg;
         let parts = [
             (5.0, off(12_000.0)),
@@ -190,8 +190,8 @@ mod tests {
             (1.0, off(15_500.0)),
             (5.0, off(15_500.0)),
         ];
-        let said = shown(12_000.0, &parts);
-        let (first, second) = (said[1090].payload, said.last().expect("rows").payload);
+        let results = shown(12_000.0, &parts);
+        let (first, second) = (results[1090].payload, results.last().expect("rows").payload);
         assert!(first.std > 600.0 && first.holds(3500.0), "{first:?}");
         assert!(
             (second.value - off(3500.0)).abs() < 1.0 && second.std < 150.0,

@@ -1,4 +1,4 @@
-//! Why a load is not trusted: reason and flags of its estimate in one number, and in words.
+//! Why a load is not trusted: reason and flags of its estimate as one number, and as text.
 
 use estimation::loads::{Load, Witness};
 use messages::{EXCAVATOR_REASONS, LOADER_REASONS, Machine, excavator_bits, loader_bits};
@@ -21,12 +21,12 @@ pub(super) fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
     }
 }
 
-/// Reason and flags of the estimate that a load was weighed by.
+/// Reason and flags of the estimate that weighed a load.
 pub fn reason_and_flags(load: &Load) -> (u32, u32) {
     (load.why & REASON, load.why >> 8)
 }
 
-/// Why a load is not trusted, in words; empty where it is.
+/// Text of why a load is not trusted; empty where it is.
 pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";
