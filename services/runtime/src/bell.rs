@@ -1,9 +1,9 @@
 //! The bell that wakes a reader: one eventfd per reader process.
 //!
-//! Data go through iceoryx2; the bell only says "look". A reader with several inputs has one bell
+//! Data pass through iceoryx2; the bell only signals that there are some. A reader with several inputs has one bell
 //! and drains them all. Measured against the iceoryx2 event listener it halves the latency of a
-//! chain of four processes; the listener stays the way in for programs that the supervisor did not
-//! start (see `Output::notify`).
+//! chain of four processes. Programs that the supervisor did not start use
+//! the listener (see `Output::notify`).
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::time::Duration;
@@ -17,7 +17,7 @@ use crate::Error;
 pub struct Bell(OwnedFd);
 
 impl Bell {
-    /// Makes a bell; the supervisor keeps it, so that it outlives any worker.
+    /// Creates a bell; the supervisor holds it, so that it outlives any worker.
     ///
     /// # Errors
     /// The limit of open files is reached.
@@ -42,7 +42,7 @@ impl Bell {
         let _ = rustix::io::read(&self.0, &mut [0u8; 8]);
     }
 
-    /// Like [`wait`](Self::wait), but not for longer than `limit`.
+    /// Like [`wait`](Self::wait), for at most `limit`.
     pub fn wait_at_most(&self, limit: Duration) {
         if comes(&self.0, limit) {
             self.wait();
@@ -61,9 +61,9 @@ impl Bell {
     }
 }
 
-/// Whether something comes to be read within this time.
+/// Whether data become readable within this time.
 pub(crate) fn comes(fd: &impl AsFd, limit: Duration) -> bool {
-    // No time that is waited here is too long for it.
+    // No duration that is waited here exceeds its range.
     let limit = Timespec::try_from(limit).ok();
     poll(&mut [PollFd::new(fd, PollFlags::IN)], limit.as_ref()).is_ok_and(|n| n > 0)
 }

@@ -1,7 +1,7 @@
-//! Frees what dead processes held in the channels of a domain.
+//! Frees resources of dead processes in the channels of a domain.
 //!
-//! The call into iceoryx2 waits for locks that others may hold, for as long as they like. So it is
-//! made on a thread of its own: the supervisor waits for a limited time and goes on without.
+//! The call into iceoryx2 waits without limit for locks that other processes may hold. It therefore
+//! runs on a thread of its own: the supervisor waits for a limited time and continues without it.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
@@ -11,24 +11,24 @@ use crate::{Error, Ports};
 /// The thread that cleans up.
 #[derive(Debug)]
 pub struct Cleaner {
-    // `None` only while dropping: the thread ends when this half is gone.
+    // `None` only while dropping: the thread ends when this half is dropped.
     ask: Option<Sender<()>>,
-    /// Whether it was done, once for each time that it was asked for.
+    /// Whether it was done, once per request.
     done: Receiver<bool>,
-    /// When it was asked for what is not done yet.
+    /// Time of a request that is not done yet.
     asked_at: Option<Instant>,
 }
 
 impl Cleaner {
-    /// Starts the thread; the domain has been entered before.
+    /// Starts the thread; the domain must have been entered before.
     ///
     /// # Errors
-    /// The system has no thread for it.
+    /// The system cannot start a thread.
     pub fn start() -> Result<Self, Error> {
         let (ask, asked) = channel();
         let (say, done) = channel();
         let body = move || {
-            // Made on demand: most runs see no death.
+            // Created on demand: in most runs no process dies.
             let mut ports = None;
             for () in asked {
                 if ports.is_none() {
@@ -51,8 +51,8 @@ impl Cleaner {
         })
     }
 
-    /// Cleans up; false if that cannot be done, or not within `limit` since it was asked for, now or by an earlier call:
-    /// of many who need it nobody waits again.
+    /// Cleans up; false if that is impossible, or not done within `limit` since it was requested, now or by an earlier call.
+    /// A thread that hangs therefore delays only the first caller.
     pub fn clean_up(&mut self, limit: Duration) -> bool {
         if self.asked_at.is_none() {
             let asked = self.ask.as_ref().and_then(|ask| ask.send(()).ok());

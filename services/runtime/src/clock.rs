@@ -11,7 +11,7 @@ pub fn now_ns() -> u64 {
     t.tv_sec as u64 * 1_000_000_000 + t.tv_nsec as u64
 }
 
-/// The time of day, since 1970; 0 where the clock stands before that.
+/// Time since 1970; 0 where the clock is before that.
 pub fn since_1970() -> Duration {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     now.unwrap_or_default()
@@ -23,7 +23,7 @@ pub fn sleep_until(deadline_ns: u64) {
         tv_sec: (deadline_ns / 1_000_000_000) as i64,
         tv_nsec: (deadline_ns % 1_000_000_000) as _,
     };
-    // An early return is harmless: every caller looks at the clock again.
+    // An early return is harmless: every caller reads the clock again.
     let _ = rustix::thread::clock_nanosleep_absolute(ClockId::Monotonic, &request);
 }
 
@@ -33,13 +33,13 @@ pub fn processor_time() -> Duration {
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
 }
 
-/// Processor time of another process whose only thread is the first, also when it has ended and nobody waited for it yet;
-/// zero where the system does not tell.
+/// Processor time of the first thread of another process, also after its end until it is waited for;
+/// zero where the system does not report it.
 pub fn processor_time_of(pid: u32) -> Duration {
     Duration::from_nanos(thread_ns(&format!("/proc/{pid}")))
 }
 
-/// Processor time of the thread that a folder in `/proc` tells of [ns].
+/// Processor time of the thread with this folder in `/proc` [ns].
 pub(crate) fn thread_ns(folder: &str) -> u64 {
     let text = std::fs::read_to_string(format!("{folder}/schedstat")).unwrap_or_default();
     let first = text.split(' ').next().unwrap_or("");

@@ -1,17 +1,17 @@
-//! What supervisor and worker say to each other, over the worker's standard input.
+//! Protocol between supervisor and worker, over the worker's standard input.
 //!
 //! | from | word | meaning |
 //! |---|---|---|
 //! | supervisor | `state` and numbers, a line, bytes | the last state of the process before it died, if there is one |
 //! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
-//! | supervisor | `bells+input`, with one more | the same, and what the run was given on its standard input |
+//! | supervisor | `bells+input`, with one more | the same, and the standard input of the run |
 //! | worker | `ready` | all ports are open |
 //! | supervisor | `go N T L` | begin; a source begins with sample N, sample 0 was due at T ns, and the latest has the time L ns |
 //! | worker | `ended` | the source has no more samples |
 //! | worker | `refused E` | the source cannot use its input; E is the error in its three lines |
-//! | supervisor | `seen N` | it has seen N samples in every channel; a source that loses nothing goes no further ahead |
-//! | supervisor | `drain` | answer what is waiting, then say so |
-//! | worker | `drained` | nothing was left to answer |
+//! | supervisor | `seen N` | N samples have passed every channel; a lossless source stays within a window of them |
+//! | supervisor | `drain` | answer all waiting messages, then confirm |
+//! | worker | `drained` | no message is waiting |
 //! | supervisor | `exit` | end |
 //!
 //! The socket closes when either side dies: a worker whose supervisor is gone ends by itself.
@@ -31,28 +31,28 @@ use rustix::net::{
 use crate::bell::comes;
 use crate::{Bell, Error};
 
-/// A worker's bell, those of at most seven readers, and an input.
+/// Most file descriptors of a word: a worker's bell, those of at most seven readers, and an input.
 const MAX_DESCRIPTORS: usize = 9;
-/// Longest word: an error with its place.
+/// Longest word [bytes]: an error with its place.
 const MAX_WORD: usize = 2048;
 
-/// What a supervisor hands to a worker.
+/// Resources that a supervisor hands to a worker.
 #[derive(Debug)]
 pub struct Handed {
     /// The worker's own bell.
     pub bell: Bell,
     /// The bells of its readers, next stage first.
     pub readers: Vec<Bell>,
-    /// The state of an earlier life, if there is one.
+    /// Last state of the process before it died, if there is one.
     pub before: Option<Snapshot>,
-    /// What the run was given on its standard input, if this worker is to read it.
+    /// Standard input of the run, if this worker reads it.
     pub input: Option<OwnedFd>,
 }
 
-/// The first word to a worker that is to read an input.
+/// First word to a worker that reads an input.
 const WITH_INPUT: &[u8] = b"bells+input";
 
-/// One end of the conversation.
+/// One end of the control socket.
 #[derive(Debug)]
 pub struct Control(OwnedFd);
 
@@ -82,13 +82,13 @@ impl Control {
         Ok(Self(fd))
     }
 
-    /// Says a word; false if nobody is there to hear it.
+    /// Sends a word; false if the other side is gone.
     pub fn say(&self, word: &str) -> bool {
         rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
     }
 
-    /// Hands over the state of an earlier life, if there is one, bells, and an input to the worker that is
-    /// to read it.
+    /// Hands over the last state of the process, if there is one, the bells, and the input to the worker that
+    /// reads it.
     ///
     /// # Errors
     /// The worker is gone.
@@ -99,7 +99,7 @@ impl Control {
         input: Option<BorrowedFd>,
     ) -> Result<(), Error> {
         if let Some(before) = before {
-            // Where it cannot be sent the worker begins anew.
+            // If it cannot be sent the worker starts without it.
             let _ = rustix::net::send(&self.0, &state_word(before), SendFlags::NOSIGNAL);
         }
         let bells = bells.iter().map(|b| b.as_fd());
@@ -122,7 +122,7 @@ impl Control {
         Ok(())
     }
 
-    /// Receives the bells, and the input if there is one; before them the state of an earlier life, if
+    /// Receives the bells, and the input if there is one; before them the last state of the process, if
     /// there is one.
     ///
     /// # Errors
@@ -243,7 +243,7 @@ impl AsFd for Control {
     }
 }
 
-/// What the supervisor received.
+/// Result of waiting for a word.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ControlWord {
     /// A word.

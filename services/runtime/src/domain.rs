@@ -1,9 +1,9 @@
-//! A run's private corner of shared memory.
+//! Domain: the private part of shared memory of a run.
 //!
-//! Each run has a domain: a folder in the home of its user (see `home`) with the lock of its supervisor,
+//! Each domain is a folder in the home of its user (see `home`). It contains the lock of its supervisor,
 //! the configuration of iceoryx2 (prefix and root path, both private) and the plan of the run. A
-//! domain whose lock nobody holds was left behind by a killed run and can be removed. Only what a
-//! domain is known to hold is ever deleted, only where this user owns it, and no link is followed.
+//! domain whose lock is free was left by a killed run and can be removed. Only known contents of a
+//! domain are ever deleted, only where this user owns them, and no link is followed.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Write};
@@ -18,19 +18,19 @@ use rustix::fs::OFlags;
 use crate::Error;
 use crate::home::{self, SHARED_MEMORY};
 
-/// Shared memory that one run may need, with margin; below it a run would end in SIGBUS.
+/// Shared memory that one run may need, with margin [bytes]; with less a run would end in SIGBUS.
 const ROOM_BYTES: u64 = 64 << 20;
-/// Names in shared memory that one run may need: that of an excavator has 250.
+/// Number of names in shared memory that one run may need: an excavator has 250.
 const ROOM_NAMES: u64 = 300;
-/// Longest time that a command holds the lock of a domain that it only looks at.
+/// Longest time for which a command that only inspects a domain holds its lock.
 const LOOK: Duration = Duration::from_millis(500);
 /// Files of a domain, next to its lock.
 const CONFIG: &str = "iceoryx2.toml";
-/// Writers that died, and whose last messages a reader has not taken yet: as many as a channel has writers. A reader has 4 kB
-/// ready for each.
+/// Largest number of dead writers whose last messages a reader has not taken yet: the number of writers of a channel. A reader reserves
+/// 4 kB for each.
 const DEAD_WRITERS: usize = 16;
 const PLAN: &str = "plan.json";
-/// How far the logger is, and the same before it has its name.
+/// Progress of the logger, and the same file before it is renamed.
 const MARK: &str = "recorded";
 const NEW_MARK: &str = "recorded.new";
 const LOCK: &str = "lock";
@@ -41,7 +41,7 @@ const ROOT: &str = "root";
 #[derive(Debug, Clone)]
 pub struct Domain {
     name: String,
-    /// The home that it is in; none where this user has no home yet.
+    /// The home that contains it; `None` where this user has no home yet.
     home: Option<PathBuf>,
 }
 
@@ -89,22 +89,22 @@ impl Domain {
         self.folder().join(CONFIG)
     }
 
-    /// The plan of the run, written by the supervisor for its workers.
+    /// File of the run's plan, written by the supervisor for its workers.
     pub fn plan_file(&self) -> PathBuf {
         self.folder().join(PLAN)
     }
 
-    /// Where the logger marks how far it is, for the one that is started in its place.
+    /// File in which the logger marks its progress, for its successor.
     pub fn mark_file(&self) -> PathBuf {
         self.folder().join(MARK)
     }
 
-    /// First letters of every shared-memory object of this domain, in all its runs.
+    /// Prefix of every shared-memory object of this domain, in all its runs.
     pub(crate) fn prefix(&self) -> String {
         format!("heft-{}.{}.", home::user(), self.name)
     }
 
-    /// Takes the domain, after removing what a killed run may have left in it.
+    /// Takes the domain, after removing the remains of a killed run.
     ///
     /// # Errors
     /// A living supervisor holds it, or shared memory is missing, full or not writable.
@@ -126,7 +126,7 @@ impl Domain {
             ));
         };
         domain.wipe();
-        // Nobody can make an object of this name before the run does.
+        // The number is random, so that nobody can create an object of this name before the run does.
         let number = random().map_err(|e| failed("choose a name in shared memory", e))?;
         let config = format!(
             "[global]\nroot-path = \"{}\"\nprefix = \"{}{number:016x}_\"\n\
@@ -136,7 +136,7 @@ impl Domain {
         );
         new_file(&domain.config_file())
             .and_then(|mut f| f.write_all(config.as_bytes()))
-            // Made here, closed; iceoryx2 would let the group in.
+            // Created here with mode 0700; iceoryx2 would let the group in.
             .and_then(|()| fs::DirBuilder::new().mode(0o700).create(folder.join(ROOT)))
             .map_err(|e| failed("write the configuration of the domain", e))?;
         Ok(Owner {
@@ -145,7 +145,7 @@ impl Domain {
         })
     }
 
-    /// Makes this domain the one that all iceoryx2 calls of this process use.
+    /// Selects this domain for all iceoryx2 calls of this process.
     ///
     /// # Errors
     /// There is no such domain.
@@ -167,12 +167,12 @@ impl Domain {
         Ok(())
     }
 
-    /// Makes the folder and locks it; `None` where a run holds it. Another command that looks at the
-    /// domain, or removes what it held before, holds it for a moment only.
+    /// Creates the folder and locks it; `None` where a run holds the lock. A command that inspects the
+    /// domain, or removes its remains, holds the lock only briefly.
     fn lock(&self) -> std::io::Result<Option<File>> {
         let begun = Instant::now();
         loop {
-            // It may be there already.
+            // The folder may exist already.
             let _ = fs::create_dir(self.folder());
             match self.open_lock() {
                 Ok(lock) if try_lock(&lock) && self.is_lock(&lock) => return Ok(Some(lock)),
@@ -187,7 +187,7 @@ impl Domain {
         options().open(self.folder().join(LOCK))
     }
 
-    /// Whether an open lock is the one in the folder.
+    /// Whether an open lock file is the one in the folder.
     fn is_lock(&self, lock: &File) -> bool {
         let there = fs::symlink_metadata(self.folder().join(LOCK));
         lock.metadata()
@@ -200,7 +200,7 @@ impl Domain {
     }
 
     /// Removes everything but the folder and its lock. Errors are not reported: what cannot be
-    /// removed now is found again by the next run and by `heft doctor`.
+    /// removed now is found by the next run and by `heft doctor`.
     fn wipe(&self) {
         let prefix = self.prefix();
         for object in objects(|name| name.starts_with(&prefix)) {
@@ -214,15 +214,15 @@ impl Domain {
         let _ = fs::remove_dir_all(folder.join(ROOT));
     }
 
-    /// Removes the lock and the folder, unless something unknown is in it.
+    /// Removes the lock and the folder, unless the folder has unknown contents.
     fn remove_folder(&self) {
         let _ = fs::remove_file(self.folder().join(LOCK));
         let _ = fs::remove_dir(self.folder());
     }
 
-    /// Removes a domain that no supervisor holds; false if one does, or something unknown is in it.
+    /// Removes a domain that no supervisor holds; false if one does, or the domain has unknown contents.
     pub fn remove(&self) -> bool {
-        // Held while it is removed: a run that starts meanwhile is refused with the reason.
+        // The lock is held during removal: a run that starts meanwhile is refused with the reason.
         let Ok(lock) = self.open_lock() else {
             return false;
         };
@@ -234,7 +234,7 @@ impl Domain {
         !self.folder().exists()
     }
 
-    /// All domains of this user, alive or left behind.
+    /// All domains of this user, alive or left by killed runs.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = home::all()
             .into_iter()
@@ -255,13 +255,13 @@ impl Domain {
         all
     }
 
-    /// Removes what killed runs left behind; returns the names of their domains.
+    /// Removes the remains of killed runs; returns the names of their domains.
     pub fn remove_leftovers() -> Vec<String> {
         let dead = Self::all().into_iter().filter(|d| !d.is_alive());
         dead.filter(Self::remove).map(|d| d.name).collect()
     }
 
-    /// Objects of this user in shared memory that belong to no domain there is.
+    /// Shared-memory objects of this user that belong to no existing domain.
     pub fn strays() -> Vec<PathBuf> {
         let of_domain = |d: &Self| [d.prefix(), format!("heft-{}_", d.name)];
         let known: Vec<String> = Self::all().iter().flat_map(of_domain).collect();
@@ -277,9 +277,9 @@ impl Owner {
         &self.domain
     }
 
-    /// Closes to other users what iceoryx2 opened to them: it makes the segment that numbers its
-    /// nodes with mode 0666. Nobody holds that segment open, so a copy of mode 0600 takes its place,
-    /// and who opened the first one in time has nothing in hand.
+    /// Closes to other users the objects that iceoryx2 creates open: the segment that numbers its
+    /// nodes has mode 0666. No process holds that segment open, so a copy of mode 0600 replaces it,
+    /// and a handle on the original is useless.
     ///
     /// # Errors
     /// An object of this domain belongs to another user, or shared memory is full.
@@ -317,7 +317,7 @@ pub(crate) fn is_name(name: &str) -> bool {
         && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-')
 }
 
-/// To write a file of this user alone, following no link.
+/// Options to write a file of this user alone, following no link.
 fn options() -> OpenOptions {
     let mut options = OpenOptions::new();
     options.create(true).truncate(false).write(true).mode(0o600);
@@ -325,12 +325,12 @@ fn options() -> OpenOptions {
     options
 }
 
-/// A file that was not there before.
+/// Creates a file that must not exist yet.
 pub(crate) fn new_file(path: &Path) -> std::io::Result<File> {
     options().create_new(true).open(path)
 }
 
-/// Puts a copy that only this user can open in the place of a file.
+/// Replaces a file by a copy that only this user can open.
 fn replace(path: &Path) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".closed");
@@ -350,7 +350,7 @@ fn try_lock(lock: &File) -> bool {
     rustix::fs::flock(lock, rustix::fs::FlockOperation::NonBlockingLockExclusive).is_ok()
 }
 
-/// What is in shared memory under such a name.
+/// Entries of shared memory with a matching name.
 fn entries(is_wanted: impl Fn(&str) -> bool) -> Vec<fs::DirEntry> {
     let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
     entries
@@ -358,7 +358,7 @@ fn entries(is_wanted: impl Fn(&str) -> bool) -> Vec<fs::DirEntry> {
         .collect()
 }
 
-/// Objects of this user among them. Nobody else can replace them: the folder is sticky.
+/// Those of them that belong to this user. Other users cannot replace them: the folder is sticky.
 fn objects(is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     let ours = |entry: &fs::DirEntry| {
         entry
@@ -405,7 +405,7 @@ fn check_room() -> Result<(), Error> {
     }
     let names = rustix::fs::statvfs(SHARED_MEMORY).map(|s| (s.f_files, s.f_favail));
     match names {
-        // Where names are not counted there are none.
+        // A file system that does not count names reports zero.
         Ok((1.., left)) if left < ROOM_NAMES => Err(Error::new(
             format!("shared memory takes {left} more names, a run needs {ROOM_NAMES}"),
             SHARED_MEMORY,

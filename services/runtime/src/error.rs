@@ -2,19 +2,19 @@ use std::fmt;
 
 use rustix::process::{Resource, getrlimit};
 
-/// What went wrong, where, and what to do about it: one line each.
+/// An error: what happened, where, and the remedy, one line each.
 #[derive(Debug, Clone)]
 pub struct Error {
     /// What happened.
     pub what: String,
-    /// Which channel, process, file or limit.
+    /// Channel, process, file or limit.
     pub place: String,
-    /// What the user can do.
+    /// Remedy for the user.
     pub remedy: String,
 }
 
 impl Error {
-    /// Puts the three lines together.
+    /// Combines the three lines.
     pub fn new(
         what: impl Into<String>,
         place: impl Into<String>,

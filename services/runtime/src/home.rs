@@ -1,8 +1,8 @@
-//! The folder in memory that holds one user's domains, and that nobody else can enter.
+//! Home: the folder in memory with one user's domains, closed to all other users.
 //!
-//! `/dev/shm` is open to everybody: whoever makes a name there first owns it, and may make it a link
-//! to somewhere else. So a home is used only after a look at what it is: a folder and no link, of
-//! this user, closed to all others. Every user has one of their own.
+//! `/dev/shm` is open to everybody: whoever creates a name there first owns it, and may make it a link
+//! to another place. A home is therefore checked before use: it must be a folder, not a link, of
+//! this user, and closed to all others. Every user has a home of their own.
 
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
@@ -12,20 +12,20 @@ use rustix::fs::{Mode, OFlags};
 
 use crate::Error;
 
-/// POSIX shared memory: the objects of iceoryx2 are here in any case.
+/// POSIX shared memory; the objects of iceoryx2 are always here.
 pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
-/// Folders that the system makes for one user each.
+/// Folder of the per-user runtime folders of the system.
 const RUNTIME: &str = "/run/user";
-/// Where the system makes a folder for each unit that asks for one.
+/// Folder of the per-unit runtime folders of the system.
 const UNITS: &str = "/run";
-/// Names that are drawn for a home before it is given up.
+/// Number of random names that are tried for a home.
 const ATTEMPTS: usize = 16;
-/// Where the domains of all users were in early versions; still looked at to clean up.
+/// Folder of the domains of all users in early versions; still read to clean up.
 const EARLY: &str = "/dev/shm/heft";
-/// `statfs` calls a file system in memory so.
+/// File system type of a file system in memory in `statfs`.
 const TMPFS: i64 = 0x0102_1994;
 
-/// User id that this process acts under.
+/// Effective user id of this process.
 pub(crate) fn user() -> u32 {
     rustix::process::geteuid().as_raw()
 }
@@ -42,13 +42,13 @@ fn is_ours(folder: &Path, allowed: u32) -> std::io::Result<bool> {
     Ok(about.uid() == user() && about.mode() & 0o077 & !allowed == 0)
 }
 
-/// Whether the system gave this user `folder`, in memory.
+/// Whether `folder` is a runtime folder of this user, in memory.
 fn is_runtime_folder(folder: &Path) -> bool {
     let in_memory = |f: File| rustix::fs::fstatfs(f).is_ok_and(|s| s.f_type == TMPFS);
     folder.is_absolute() && is_ours(folder, 0).unwrap_or(false) && open(folder).is_ok_and(in_memory)
 }
 
-/// Where a home may be, best first.
+/// Possible places of a home, best first.
 fn places() -> Vec<PathBuf> {
     let given = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
     let usual = Path::new(RUNTIME).join(user().to_string());
@@ -63,14 +63,14 @@ fn places() -> Vec<PathBuf> {
     places
 }
 
-/// The home for new domains, made if it is not there.
+/// The home for new domains, created if necessary.
 ///
 /// # Errors
-/// Its name is taken by a link, a file, or a folder that others own or can enter.
+/// Its name is taken by a link, a file, or a folder that other users own or can enter.
 pub fn make() -> Result<PathBuf, Error> {
     let mut refused = None;
     for place in places() {
-        // What is there already is looked at below.
+        // An existing folder is checked below.
         let made = rustix::fs::mkdir(&place, Mode::RWXU);
         match is_ours(&place, 0) {
             Err(absent) if absent.kind() == std::io::ErrorKind::NotFound => {
@@ -82,7 +82,7 @@ pub fn make() -> Result<PathBuf, Error> {
             Err(e) => refused = Some((place, format!("is no folder of this user: {e}"))),
         }
     }
-    // Whoever squats the usual name cannot know this one beforehand.
+    // A process that occupies the usual name cannot know a random one in advance.
     if let Some(spare) = spares().into_iter().next() {
         return Ok(spare);
     }
@@ -103,12 +103,12 @@ pub fn make() -> Result<PathBuf, Error> {
     ))
 }
 
-/// What names of homes by chance begin with.
+/// Prefix of the random names of homes.
 fn spare_prefix() -> String {
     format!("heft-{}-", user())
 }
 
-/// Homes of this user whose names were drawn because the usual one was taken.
+/// Homes of this user with random names, used because the usual name was taken.
 fn spares() -> Vec<PathBuf> {
     named(Path::new(SHARED_MEMORY), &spare_prefix())
         .into_iter()
@@ -116,7 +116,7 @@ fn spares() -> Vec<PathBuf> {
         .collect()
 }
 
-/// What is in a folder by names that begin so, in order.
+/// Entries of a folder whose names begin with `prefix`, sorted.
 fn named(folder: &Path, prefix: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<PathBuf> = entries
@@ -129,11 +129,11 @@ fn named(folder: &Path, prefix: &str) -> Vec<PathBuf> {
 
 fn chance() -> u64 {
     use std::hash::{BuildHasher, Hasher, RandomState};
-    // Each has keys of its own, from the system's source of chance.
+    // Each instance has its own keys, from the system's random source.
     RandomState::new().build_hasher().finish()
 }
 
-/// Every home of this user that exists and can be trusted.
+/// Every home of this user that exists and is safe.
 pub(crate) fn all() -> Vec<PathBuf> {
     let trusted = |place: &PathBuf| is_ours(place, 0).unwrap_or(false);
     let of_units = named(Path::new(UNITS), "heft-").into_iter();
@@ -150,7 +150,7 @@ pub(crate) fn all() -> Vec<PathBuf> {
             homes.push(place);
         }
     }
-    // Early versions let others look into it, but never write.
+    // Early versions let other users read it, but never write.
     if is_ours(Path::new(EARLY), 0o055).unwrap_or(false) {
         homes.push(EARLY.into());
     }

@@ -1,4 +1,4 @@
-//! Emits the complete state of a step twice a second, after its answer has gone out, see [`messages::keyframe`].
+//! Sends the complete state of a step twice a second, after its answer, see [`messages::keyframe`].
 
 use messages::channels::KEYFRAME;
 use messages::keyframe::{LONGEST, Owner, pieces};
@@ -8,7 +8,7 @@ use crate::step::Step;
 use crate::telemetry::Identity;
 use crate::{Error, Output, Ports};
 
-/// Time between two states [ns], and of the data between them [s].
+/// Least time between two states [ns], and the same in the time of the data [s].
 const PERIOD_NS: u64 = 450_000_000;
 const PERIOD: f64 = 0.45;
 
@@ -17,7 +17,7 @@ pub(crate) struct Keyframes {
     owner: Owner,
     output: Output<Keyframe>,
     state: Vec<u8>,
-    /// When the last one went out [ns], and the time of its sample [s].
+    /// Time at which the last one was sent [ns], and the time of its sample [s].
     last: Option<(u64, f64)>,
 }
 
@@ -36,7 +36,7 @@ impl Keyframes {
         })
     }
 
-    /// Lets the step go on from the state that its process had before it died; false if it does not fit.
+    /// Restores the state that the process had before it died; false if it does not fit.
     pub(crate) fn resume<S: Step>(&self, step: &mut S, before: &Snapshot) -> bool {
         let resumes = before.owner.identity == self.owner.identity && step.restore(&before.bytes);
         if resumes {
@@ -45,10 +45,10 @@ impl Keyframes {
         resumes
     }
 
-    /// Emits the state where one is due.
+    /// Sends the state when one is due.
     pub(crate) fn after<S: Step>(&mut self, step: &S, stamp: &Stamp, now_ns: u64) {
         let is_due = self.last.is_none_or(|(at, time)| {
-            let is_near = (stamp.time - time).abs() < PERIOD; // a time that is none is not
+            let is_near = (stamp.time - time).abs() < PERIOD; // false for a time that is NaN
             now_ns.saturating_sub(at) >= PERIOD_NS || !is_near
         });
         if is_due {
@@ -57,7 +57,7 @@ impl Keyframes {
         }
     }
 
-    /// Emits the state as it is after the sample of this stamp.
+    /// Sends the state after the sample of this stamp.
     pub(crate) fn emit<S: Step>(&mut self, step: &S, stamp: &Stamp) {
         let Some(length) = step.save(&mut self.state) else {
             return;

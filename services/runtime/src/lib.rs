@@ -1,20 +1,20 @@
-//! What every process of heft shares: ports, wake-ups, clock, real-time set-up, telemetry.
+//! Common parts of the processes of heft: ports, wake-ups, clock, real-time set-up, telemetry.
 //!
-//! This crate alone talks to iceoryx2. A service gives it a [`Step`] (or a [`Source`], a [`Sink`])
-//! and knows nothing of channels, bells and clocks. The supervisor creates and holds every channel
+//! Only this crate uses iceoryx2. A service passes it a [`Step`] (or a [`Source`], a [`Sink`])
+//! and is independent of channels, bells and clocks. The supervisor creates and holds every channel
 //! ([`Ports::create`]) and hands every worker its bells ([`Control`]); a worker opens its ports,
-//! says `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
+//! reports `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
 //!
 //! | file | what |
 //! |---|---|
 //! | `stage`, `source`, `live`, `sink`, `probe` | the loops of the processes |
-//! | `step` | what they drive |
+//! | `step` | the interface of a step and of a source |
 //! | `ports`, `taps` | channels: one, several |
 //! | `bell` | wake-ups |
-//! | `worker`, `control`, `requests` | the life of a process, how the supervisor speaks to it, what it asks |
-//! | `domain`, `home`, `cleaner` | where the files of a run are, who owns them, who removes them |
-//! | `window` | what a group of other users may see of a run |
-//! | `telemetry`, `pulse` | counting, and noticing that a step hangs |
+//! | `worker`, `control`, `requests` | the life cycle of a process, the protocol of the supervisor, its requests |
+//! | `domain`, `home`, `cleaner` | files of a run: their place, owner, removal |
+//! | `window` | view of a run for a group of other users |
+//! | `telemetry`, `pulse` | counters, and detection of a step that hangs |
 //! | `realtime`, `clock` | scheduling and time |
 
 mod bell;

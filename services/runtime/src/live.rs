@@ -1,4 +1,4 @@
-//! Drives a [`Live`] source: samples come when they come.
+//! Drives a [`Live`] source: its samples come at unknown times.
 
 use messages::Message;
 use messages::channels::ChannelOf;
@@ -9,7 +9,7 @@ use crate::source::{Pace, Sender, finish, is_ending};
 use crate::telemetry::Event;
 use crate::{Error, Worker};
 
-/// What a live source has to say.
+/// Result of polling a live source.
 #[derive(Debug)]
 pub enum Polled<S, T> {
     /// A sample, with what is known of the truth behind it.
@@ -18,30 +18,30 @@ pub enum Polled<S, T> {
     Nothing,
     /// There will be no more.
     End,
-    /// What comes cannot be used at all: the run is over, and says why.
+    /// The input is unusable: the run ends with this error.
     Refused(Error),
 }
 
-/// Where samples come from that nobody paces: a bus, a pipe.
+/// A source without a pace of its own: a bus, a pipe.
 pub trait Live {
-    /// What the sensors measured.
+    /// Sensor samples.
     type Sensors: Message;
-    /// The truth behind it; empty where none is known.
+    /// Truth of the samples; empty where none is known.
     type Truth: Message;
 
     /// The next sample; waits for at most some 20 ms. `stamp.time` is filled in, and
     /// `stamp.measured_ns` where the source knows it.
     fn poll(&mut self) -> Polled<Self::Sensors, Self::Truth>;
 
-    /// What came and was lost before this source could take it, since that was last asked.
+    /// Number of samples lost before this source could take them, since the last call.
     fn take_lost(&mut self) -> u64 {
         0
     }
 }
 
-/// Sends everything that the source gives on `sensors` and `truth`, for `duration` \[s\] if there is
-/// one. `make` opens the source when the run begins, given where it does and how often the source was
-/// restarted.
+/// Sends every sample of the source on `sensors` and `truth`, for `duration` \[s\] if there is
+/// one. `make` opens the source at the start of the run, from the begin request and the number of restarts of the
+/// source.
 ///
 /// # Errors
 /// A channel cannot be opened.

@@ -18,12 +18,12 @@ use messages::{Envelope, Message};
 
 use crate::Error;
 
-/// Readers of a channel: stages, logger, supervisor, dashboards, and programs of others. A writer
-/// looks at all places, taken or not, with every message.
+/// Largest number of readers of a channel: stages, logger, supervisor, dashboards, and other programs. A writer
+/// visits all places, used or not, with every message.
 const MAX_SUBSCRIBERS: usize = 10;
 
-/// Writers of a channel: the living ones, and dead ones that are not yet cleaned up. A reader looks
-/// at all places, as above; only `health` has more than one writer at a time.
+/// Largest number of writers of a channel: the living ones, and dead ones that are not yet cleaned up. A reader visits
+/// all places, as above; only `health` has more than one writer at a time.
 fn max_publishers(channel: &Channel) -> usize {
     match channel.rate {
         Rate::Sensors => 4,
@@ -31,8 +31,8 @@ fn max_publishers(channel: &Channel) -> usize {
     }
 }
 
-/// Messages of a channel that its writer still holds after every reader has taken them, for a logger that is
-/// started again. Only those that can be distinguished by their numbers are worth it.
+/// Number of messages of a channel that its writer still holds after every reader has taken them, for a logger that is
+/// restarted. Only channels of samples need it, whose messages have unique numbers.
 fn held(channel: &Channel) -> usize {
     match channel.rate {
         Rate::Sensors => channel.depth,
@@ -40,7 +40,7 @@ fn held(channel: &Channel) -> usize {
     }
 }
 
-/// Processes that may have a channel open.
+/// Largest number of processes that have a channel open.
 const MAX_NODES: usize = 40;
 
 /// This process as iceoryx2 knows it.
@@ -49,7 +49,7 @@ pub struct Ports {
     node: Node<ipc::Service>,
 }
 
-/// Keeps a channel in existence; what it is stays hidden because every channel has another type.
+/// Holds a channel open; its type is erased because every channel has another type.
 pub struct ChannelOwner {
     _service: Box<dyn Any>,
 }
@@ -106,7 +106,7 @@ impl Ports {
         })
     }
 
-    /// Opens a channel to write its messages in envelopes, and tell those who listen: for a writer that is on no path
+    /// Opens a channel to write its messages in envelopes and to notify its listeners, for a writer that is on no path
     /// of an estimate. A message of another channel is not sent.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Ports {
         })
     }
 
-    /// Opens a channel to read what is sent from now on, holding at most `depth` samples.
+    /// Opens a channel to read the messages sent from now on, holding at most `depth` samples.
     ///
     /// # Errors
     /// The supervisor has not created it, or it has too many readers.
@@ -126,8 +126,8 @@ impl Ports {
         self.subscribe(channel, depth.min(channel.depth), 0)
     }
 
-    /// Opens a channel to read from sample `first` on: also what was sent before, as far as its writer still
-    /// holds it. It comes with the writer's next message.
+    /// Opens a channel to read from sample `first` on, including earlier samples that its writer still
+    /// holds. They arrive with the writer's next message.
     ///
     /// # Errors
     /// As [`Ports::input`].
@@ -186,7 +186,7 @@ impl Ports {
             .map_err(|e| Error::ipc("open the event", channel.name, e))
     }
 
-    /// Frees what dead processes held in the channels of this domain. May wait for others without a
+    /// Frees the resources of dead processes in the channels of this domain. May wait for other processes without
     /// limit, see [`Cleaner`](crate::Cleaner).
     pub(crate) fn clean_up_after_the_dead(&self) {
         self.node.try_cleanup_dead_nodes();
@@ -270,7 +270,7 @@ pub struct Output<M: Message> {
 }
 
 impl<M: Message> Output<M> {
-    /// Sends a message to every reader; a reader that is too far behind loses its oldest.
+    /// Sends a message to every reader; a reader that is too far behind loses its oldest one.
     /// False if it could not be sent.
     pub fn send(&mut self, message: &M) -> bool {
         self.prepare();
@@ -279,8 +279,8 @@ impl<M: Message> Output<M> {
             .is_some_and(|sample| sample.write_payload(*message).send().is_ok())
     }
 
-    /// Gets the memory of the next message ahead of time: after one message has gone out, nobody
-    /// waits for the next.
+    /// Allocates the memory of the next message ahead of time: after a message has been sent, no process
+    /// waits.
     pub fn prepare(&mut self) {
         if self.loaned.is_none() {
             self.loaned = self.publisher.loan_uninit().ok();
@@ -298,8 +298,8 @@ impl<M: Message> Output<M> {
     }
 }
 
-/// Hears the event of a channel: the wake-up for programs that the supervisor did not start, and so
-/// gave no [`Bell`](crate::Bell).
+/// Listener to the event of a channel: the wake-up for programs that the supervisor did not start and
+/// that have no [`Bell`](crate::Bell).
 #[derive(Debug)]
 pub struct EventListener(Listener<ipc::Service>);
 
@@ -307,7 +307,7 @@ impl EventListener {
     /// Blocks until a message was announced since the last wait, or for `timeout`. Wakes may be
     /// spurious.
     pub fn wait(&self, timeout: Duration) {
-        // Whatever went wrong, the reader looks for messages and comes back.
+        // After any error the reader looks for messages and waits again.
         let _ = self.0.timed_wait(|_| {}, timeout);
     }
 }
@@ -323,15 +323,15 @@ pub struct Input<M: Message> {
 }
 
 impl<M: Message> Input<M> {
-    /// The next message and how many before it were lost; `None` where there is none. The message
-    /// stays where its writer put it, and is given back when dropped.
+    /// The next message and the number of messages lost before it; `None` where there is none. The message
+    /// stays in the writer's memory, and is released when dropped.
     pub fn receive(&mut self) -> Option<(Received<M>, u64)> {
         let message = self.subscriber.receive().ok().flatten()?;
         let lost = self.gaps.count(message.stamp().sequence);
         Some((message, lost))
     }
 
-    /// Counts from `sequence`: what is missing before the first message is lost too.
+    /// Starts counting at `sequence`: samples missing before the first message count as lost.
     pub(crate) fn count_from(&mut self, sequence: u64) {
         self.gaps.next = Some(sequence);
     }
@@ -349,8 +349,8 @@ struct Gaps {
 }
 
 impl Gaps {
-    /// How many numbers are missing before `sequence`. The first may be any; a number that was
-    /// seen before (the writer was restarted) is no gap.
+    /// Number of sequence numbers missing before `sequence`. The first number may have any value; one that was
+    /// received before (the writer was restarted) is no gap.
     fn count(&mut self, sequence: u64) -> u64 {
         let lost = self.next.map_or(0, |next| sequence.saturating_sub(next));
         self.next = Some(

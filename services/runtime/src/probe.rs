@@ -1,5 +1,5 @@
-//! A reader that does nothing but note when messages arrive: the controller at the end of the
-//! chain, as far as latency is concerned.
+//! A reader that only records the arrival times of messages. For latency it stands for the controller at the end of the
+//! chain.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::clock::now_ns;
 use crate::telemetry::Event;
 use crate::{Error, Worker};
 
-/// When a message passed each stage, relative to its measurement \[ns\].
+/// Times at which a message passed each stage, relative to its measurement \[ns\].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Arrival {
     /// Number of the sample.
@@ -25,19 +25,19 @@ pub struct Arrival {
     pub received_ns: u64,
 }
 
-/// What wakes a probe.
+/// Wake-up of a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wake {
     /// Its bell, as every process that the supervisor starts.
     Bell,
-    /// The iceoryx2 event of the channel, as a program from outside.
+    /// The iceoryx2 event of the channel, as for an external program.
     Event,
 }
 
-/// Longest wait for an event, so that a wish of the supervisor is seen in time.
+/// Longest wait for an event, so that a request of the supervisor is noticed in time.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Notes up to `capacity` arrivals on `channel` until the supervisor ends it.
+/// Records up to `capacity` arrivals on `channel` until the supervisor ends it.
 ///
 /// # Errors
 /// The channel cannot be opened.

@@ -1,4 +1,4 @@
-//! Whether a thread is still at work: found by looking at it now and then, at the price of one store
+//! Detects whether a thread hangs, by observing it periodically. The cost is one store
 //! before and after each piece of work.
 
 use std::fs;
@@ -6,31 +6,31 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::clock::thread_ns;
 
-/// A thread that had less processor time than this between two looks, and wanted more, is held up by
-/// others and does not hang [ns].
+/// Processor time between two observations below which a thread that wants to run is delayed by
+/// other threads and does not hang [ns].
 const SHARE: u64 = 100_000_000;
-/// So many looks at the same piece of work, and it hangs whatever holds it up.
+/// Number of observations of the same piece of work after which the thread hangs in any case.
 const PATIENCE: u32 = 12;
 
-/// The working thread's end: odd while it works.
+/// Counter of the working thread: odd while it works.
 #[derive(Debug, Default)]
 pub(crate) struct Turn(AtomicU64);
 
 impl Turn {
-    /// A piece of work begins.
+    /// Marks the start of a piece of work.
     pub(crate) fn begin(&self) {
         self.0
             .store(self.0.load(Ordering::Relaxed) | 1, Ordering::Relaxed);
     }
 
-    /// It has ended.
+    /// Marks its end.
     pub(crate) fn end(&self) {
         let turn = self.0.load(Ordering::Relaxed);
         self.0.store((turn | 1) + 1, Ordering::Relaxed);
     }
 }
 
-/// The looking thread's end.
+/// State of the observing thread.
 #[derive(Debug)]
 pub(crate) struct Pulse {
     thread: String,
@@ -40,7 +40,7 @@ pub(crate) struct Pulse {
 }
 
 impl Pulse {
-    /// Looks at `thread` of this process.
+    /// Observer of `thread` of this process.
     pub(crate) fn of(thread: rustix::process::Pid) -> Self {
         Self {
             thread: format!("/proc/self/task/{}", thread.as_raw_nonzero()),
@@ -50,7 +50,7 @@ impl Pulse {
         }
     }
 
-    /// One look: whether the thread has been at the same piece of work since an earlier look, though
+    /// Makes one observation: whether the thread has been at the same piece of work since an earlier one, though
     /// it had the time to end it.
     pub(crate) fn hangs(&mut self, turn: &Turn) -> bool {
         let now = turn.0.load(Ordering::Relaxed);
@@ -73,7 +73,7 @@ impl Pulse {
         thread_ns(&self.thread)
     }
 
-    /// Whether it waits for a processor or for the disk.
+    /// Whether the thread waits for a processor or for the disk.
     fn wants_to_run(&self) -> bool {
         matches!(state(&format!("{}/stat", self.thread)), Some('R' | 'D'))
     }
@@ -82,7 +82,7 @@ impl Pulse {
 /// State of a process or thread, as the kernel names it in the `stat` file at `path`.
 pub(crate) fn state(path: &str) -> Option<char> {
     let text = fs::read_to_string(path).ok()?;
-    // The name before it stands in brackets and may hold anything.
+    // The preceding name is in parentheses and may contain any character.
     text.rsplit_once(") ")?.1.chars().next()
 }
 

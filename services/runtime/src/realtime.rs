@@ -8,14 +8,14 @@ use thread_priority::unix::{
 };
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
-/// What the real-time set-up of a worker achieved.
+/// Result of the real-time set-up of a worker.
 #[derive(Debug, Clone, Default)]
 pub struct Realtime {
     /// SCHED_FIFO is in force.
     pub fifo: bool,
     /// Pages are locked.
     pub locked: bool,
-    /// What was refused, and the command that permits it.
+    /// Refused settings, each with the command that permits it.
     pub refused: Vec<String>,
 }
 
@@ -38,8 +38,8 @@ impl Realtime {
     }
 }
 
-/// Puts the calling thread on `core` and locks all memory, for a thread that shares its core with nobody and so needs no
-/// priority. What the system refuses is said.
+/// Pins the calling thread to `core` and locks all memory, for a thread that has its core to itself and so needs no
+/// priority. Refused settings are reported.
 pub fn enter_core(core: usize) -> Realtime {
     let mut result = Realtime::default();
     result.pin(core);
@@ -48,7 +48,7 @@ pub fn enter_core(core: usize) -> Realtime {
 }
 
 /// Puts the calling thread under SCHED_FIFO at `priority` (1-99), on `core` if one is given, and
-/// locks all memory. What the system refuses is said, and the thread runs on normally.
+/// locks all memory. Refused settings are reported, and the thread continues normally.
 pub fn enter(priority: u8, core: Option<usize>) -> Realtime {
     let mut result = Realtime::default();
     if let Some(core) = core {
@@ -70,13 +70,13 @@ pub fn enter(priority: u8, core: Option<usize>) -> Realtime {
     result
 }
 
-/// The cores that this process may run on, in ascending order; empty if the system does not tell.
+/// The cores that this process may run on, in ascending order; empty if the system does not report them.
 pub fn cores() -> Vec<usize> {
     let set = sched_getaffinity(None).unwrap_or_default();
     (0..CpuSet::MAX_CPU).filter(|&c| set.is_set(c)).collect()
 }
 
-/// The cores that the kernel keeps free of everything that is not put there (`isolcpus`), in ascending order.
+/// The cores that the kernel leaves free of all threads that are not pinned to them (`isolcpus`), in ascending order.
 pub fn isolated_cores() -> Vec<usize> {
     let list = std::fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
     core_list(&list)
@@ -91,7 +91,7 @@ fn core_list(text: &str) -> Vec<usize> {
     text.trim().split(',').filter_map(range).flatten().collect()
 }
 
-/// Keeps the calling thread, and what it starts from now on, to these cores.
+/// Restricts the calling thread, and those it starts from now on, to these cores.
 ///
 /// # Errors
 /// None of them may be used.
@@ -101,7 +101,7 @@ pub fn keep_to(cores: &[usize]) -> std::io::Result<()> {
     Ok(sched_setaffinity(None, &set)?)
 }
 
-/// Whether SCHED_FIFO would be permitted; the calling thread stays as it is.
+/// Whether SCHED_FIFO would be permitted; does not change the calling thread.
 pub fn permitted() -> bool {
     let body = || {
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);

@@ -1,4 +1,4 @@
-//! What a worker is asked for: heard on a thread of its own, looked at by its loop.
+//! Requests of the supervisor: received on a thread of its own, read by the worker's loop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -6,24 +6,24 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use crate::control::{Control, ControlWord};
 use crate::{Bell, Error};
 
-/// Where a source begins.
+/// Start of a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Begin {
     /// First sample to send: not 0 after a restart.
     pub first: u64,
     /// Instant at which sample 0 is (or was) due, on the monotonic clock \[ns\].
     pub start_ns: u64,
-    /// Time of the latest sample that was seen, as the data tell it \[ns\]; 0 where there is none.
+    /// Time of the latest sample received, in the time of the data \[ns\]; 0 where there is none.
     pub latest_ns: u64,
 }
 
-/// What the supervisor wants, for the loop of a worker to look at.
+/// Requests of the supervisor for the loop of a worker.
 #[derive(Debug)]
 pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
     latest_ns: AtomicU64,
-    /// The largest number: nothing was said of it.
+    /// Number of samples that have passed every channel; the maximum means not stated.
     seen: AtomicU64,
     go: AtomicBool,
     drain: AtomicBool,
@@ -45,7 +45,7 @@ impl Default for Requests {
 }
 
 impl Requests {
-    /// Where to begin, once asked to.
+    /// Start of the source, once requested.
     pub fn begin(&self) -> Option<Begin> {
         self.go.load(Ordering::Acquire).then(|| Begin {
             first: self.first.load(Ordering::Relaxed),
@@ -54,38 +54,38 @@ impl Requests {
         })
     }
 
-    /// How many samples the supervisor has seen in every channel; the largest number where it says nothing of it.
+    /// Number of samples that the supervisor has received in every channel; the maximum where it does not state it.
     pub fn seen(&self) -> u64 {
         self.seen.load(Ordering::Relaxed)
     }
 
-    /// Whether to answer what is waiting and say so; asked for once.
+    /// Whether to answer all waiting messages and confirm; true once per request.
     pub fn take_drain(&self) -> bool {
         self.drain.load(Ordering::Relaxed) && self.drain.swap(false, Ordering::AcqRel)
     }
 
-    /// Whether a drain is asked for.
+    /// Whether a drain is requested.
     pub fn wants_drain(&self) -> bool {
         self.drain.load(Ordering::Relaxed)
     }
 
-    /// Whether to end.
+    /// Whether an exit is requested.
     pub fn wants_exit(&self) -> bool {
         self.exit.load(Ordering::Relaxed)
     }
 }
 
 /// Listens to the supervisor on a thread of its own, so that the loop of the worker waits for its
-/// bell alone. Rings the bell on every wish.
+/// bell only. Rings the bell on every request.
 ///
 /// # Errors
-/// The system has no thread for it.
+/// The system cannot start a thread.
 pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Result<Arc<Requests>, Error> {
     let requests = Arc::new(Requests::default());
     let shared = Arc::clone(&requests);
     let body = move || {
         loop {
-            // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
+            // A supervisor that dies closes the socket, so no time limit is needed.
             match control.hear(u32::MAX) {
                 ControlWord::Word(word) => obey(&shared, &word),
                 ControlWord::Nothing => continue,

@@ -9,13 +9,13 @@ use crate::clock::now_ns;
 use crate::telemetry::Event;
 use crate::{Error, Output, Sink, Taps, Worker};
 
-/// Longest time between two visits in samples: a quarter of the depth of a channel.
+/// Longest time between two visits, in samples: a quarter of the depth of a channel.
 const VISIT_SAMPLES: u64 = 128;
-/// Time between two visits when a lossless source waits for it.
+/// Time between two visits when a lossless source waits for the sink.
 const QUICK_VISIT: Duration = Duration::from_micros(500);
 
-/// Hands every message on `channels` to `sink`; with `lossless` the source is notified how far it got. Gives the sink
-/// back when the run has ended and the sink has taken everything.
+/// Passes every message on `channels` to `sink`; with `lossless` it reports its progress to the source. Returns the sink
+/// after the run has ended and the sink has taken everything.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -45,7 +45,7 @@ pub fn run_sink<S: Sink + 'static>(
         visit(&mut worker, &mut taps, &mut sink);
         if lossless && taps.through() > reported {
             reported = taps.through();
-            tell(&worker, &mut credit, reported);
+            report(&worker, &mut credit, reported);
         }
         if draining {
             take_rest(&mut sink, |sink| visit(&mut worker, &mut taps, sink));
@@ -53,12 +53,12 @@ pub fn run_sink<S: Sink + 'static>(
         }
         worker.bell.wait_at_most(pause);
     }
-    // Whoever was too slow to be drained in time has sent more since.
+    // A process that was too slow to drain in time has sent more since.
     take_rest(&mut sink, |sink| visit(&mut worker, &mut taps, sink));
     Ok(sink)
 }
 
-/// Takes what waits on the channels, as far as the sink has room; how many messages.
+/// Takes the waiting messages, as far as the sink has room; returns their number.
 fn visit<S: Sink + 'static>(worker: &mut Worker, taps: &mut Taps<S>, sink: &mut S) -> u64 {
     let begun = now_ns();
     worker.reporter.begin();
@@ -82,7 +82,7 @@ fn visit<S: Sink + 'static>(worker: &mut Worker, taps: &mut Taps<S>, sink: &mut 
     visit.taken
 }
 
-/// Takes everything that waits. A sink that is slow has no room for it at once, so it is drained between the visits.
+/// Takes all waiting messages. A slow sink has no room for them at once, so it is drained between the visits.
 fn take_rest<S: Sink>(sink: &mut S, mut visit: impl FnMut(&mut S) -> u64) {
     loop {
         sink.drain();
@@ -92,8 +92,8 @@ fn take_rest<S: Sink>(sink: &mut S, mut visit: impl FnMut(&mut S) -> u64) {
     }
 }
 
-/// Tells the source how many samples have passed through every channel.
-fn tell(worker: &Worker, credit: &mut Output<Credit>, through: u64) {
+/// Reports to the source how many samples have passed through every channel.
+fn report(worker: &Worker, credit: &mut Output<Credit>, through: u64) {
     let mut message = Credit {
         through,
         ..Credit::default()
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_slow_sink_has_made_everything_permanent_when_it_says_that_it_is_drained() {
         let (mut sink, mut sent) = (Slow::default(), 10);
-        // Full when it is asked.
+        // Full when the drain is requested.
         sink.waiting = 3;
         take_rest(&mut sink, |sink| {
             let before = sent;

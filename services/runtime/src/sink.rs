@@ -1,32 +1,32 @@
-//! What takes every message of a machine.
+//! Interface of a sink, which takes every message of a machine.
 
 use std::time::Duration;
 
 use messages::channels::Channel;
 use messages::{Message, fault};
 
-/// Longest time between two visits. The logger is not on the path of any estimate, so no sample wakes
-/// it; a wish of the supervisor does.
+/// Longest time between two visits. The logger is not on the path of any estimate, so samples do not wake
+/// it; requests of the supervisor do.
 const VISIT: Duration = Duration::from_millis(200);
 
 /// Takes every message of a machine.
 pub trait Sink {
-    /// Asked when it is started again: the number of the first sample of a channel that it lacks. From there on it is
-    /// handed also what was sent before it came, as far as the writers still hold it, and what they do not hold counts as lost. `None`: it is handed what
-    /// is sent from now on.
+    /// After a restart: number of the first sample of a channel that the sink lacks. It then also receives earlier
+    /// samples from there on, as far as the writers still hold them; the others count as lost. `None`: it receives only new
+    /// samples.
     fn lacks_from(&self, _channel: &Channel) -> Option<u64> {
         None
     }
     /// Takes one message.
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M);
-    /// Is notified that `samples` of a channel were overwritten before they could be taken, because this
-    /// process came too late; counted in sequence numbers, so those that nobody sent are among them.
+    /// Notifies the sink that `samples` of a channel were overwritten before they could be taken, because this
+    /// process came too late. Counted in sequence numbers, so numbers that were never sent are included.
     fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
-    /// Is notified that a visit to the channels is over, in which it took something.
+    /// Notifies the sink of the end of a visit that has taken messages.
     fn visited(&mut self) {}
-    /// Is called at every visit, whether there was something to take or not.
+    /// Called at every visit, with or without messages.
     fn look(&mut self) {}
-    /// Whether it can take more without losing any.
+    /// Whether it can take more messages without losing any.
     fn has_room(&self) -> bool {
         true
     }
@@ -34,7 +34,7 @@ pub trait Sink {
     fn fault(&self) -> u32 {
         fault::NONE
     }
-    /// Makes everything that it has taken permanent.
+    /// Makes every message that it has taken permanent.
     fn drain(&mut self) {}
     /// Longest time between two visits to the channels.
     fn visit(&self) -> Duration {

@@ -1,4 +1,4 @@
-//! Drives a [`Source`]: at its own pace on the clock, or as fast as the readers take it.
+//! Drives a [`Source`]: at its own pace on the clock, or as fast as the readers take its samples.
 
 use std::time::Duration;
 
@@ -11,24 +11,24 @@ use crate::step::Source;
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};
 
-/// When a source sends its samples.
+/// Pace of a source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pace {
-    /// At the times that the samples tell.
+    /// At the times of the samples.
     RealTime,
-    /// As fast as the readers take it, losing nothing.
+    /// As fast as the readers take them, without loss.
     Lossless,
 }
 
-/// Samples that may be under way without having reached the logger: less than any depth.
+/// Number of samples that may be under way before they reach the logger: less than any depth.
 const WINDOW: u64 = 256;
-/// A reader that died took the samples in its buffer along: after this time without progress the
-/// source goes on, and the loss is counted by the readers.
+/// Time without progress after which the source continues [ns]. A reader that died took the samples in its buffer along;
+/// the readers count the loss.
 const GIVE_UP_NS: u64 = 2_000_000_000;
-/// Longest sleep at one go, so that a wish of the supervisor is seen in time.
+/// Longest single sleep [ns], so that a request of the supervisor is noticed in time.
 const NAP_NS: u64 = 20_000_000;
 
-/// Sends everything that `source` gives on `sensors` and `truth`.
+/// Sends every sample of `source` on `sensors` and `truth`.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -67,7 +67,7 @@ pub fn run_source<S: Source>(
             break;
         }
         let now = now_ns();
-        // After a restart: what should have been sent meanwhile is lost, not sent late.
+        // After a restart, samples that are overdue are lost instead of sent late.
         catches_up &= now > deadline + NAP_NS;
         if catches_up {
             continue;
@@ -94,7 +94,7 @@ pub(crate) struct Sender<S: Message, T: Message> {
     sensors: Output<S>,
     truth: Output<T>,
     credit: Input<Credit>,
-    /// Samples that have passed through every channel, for the logger; and without whose passing the source went on.
+    /// Number of samples that have passed through every channel, up to the logger; and up to which the source has stopped waiting.
     through: u64,
     given_up: u64,
 }
@@ -155,7 +155,7 @@ impl<S: Message, T: Message> Sender<S, T> {
                 self.given_up = sequence + 1;
                 return true;
             }
-            // Who would ring may be the one that died.
+            // The process that would ring may be the dead one.
             let rest = Duration::from_nanos(GIVE_UP_NS - waited);
             worker.bell.wait_at_most(rest + Duration::from_millis(1));
         }
@@ -173,19 +173,19 @@ impl<S: Message, T: Message> Sender<S, T> {
     }
 }
 
-/// A longer step between two rows is a clock that was set [s]: nobody waits for it.
+/// Longest step between two rows that is waited for [s]; a longer one is a clock that was set.
 const LONGEST_PAUSE: f64 = 3600.0;
 
-/// When rows are due, by their times, which may be those of a clock that was set, or none.
+/// Due times of rows from their time stamps, which may be missing or of a clock that was set.
 #[derive(Debug, Default)]
 struct Timeline {
     origin: Option<f64>,
-    /// Offset of the row before [s].
+    /// Offset of the previous row [s].
     last: f64,
 }
 
 impl Timeline {
-    /// Time since the first row [s]. A row without a time is due with the one before it, and so is one after the clock was set.
+    /// Time since the first row [s]. A row without a time is due with the previous one, and so is the first after the clock was set.
     fn offset(&mut self, time: f64) -> f64 {
         if !time.is_finite() {
             return self.last;
@@ -201,7 +201,7 @@ impl Timeline {
 }
 
 fn due(start_ns: u64, offset: f64) -> u64 {
-    // A row that goes back in time is due at once.
+    // A row whose time goes back is due at once.
     start_ns.saturating_add((offset.max(0.0) * 1e9) as u64)
 }
 
@@ -222,7 +222,7 @@ pub(crate) fn is_ending(worker: &Worker) -> bool {
     worker.requests.wants_exit() || worker.requests.wants_drain()
 }
 
-/// Says that there is no more, and stays until asked to go: readers may still be draining.
+/// Reports the end, and waits for the exit request: readers may still be draining.
 pub(crate) fn finish(worker: &Worker) {
     worker.control.say("ended");
     while !worker.requests.wants_exit() {

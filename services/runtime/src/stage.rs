@@ -1,4 +1,4 @@
-//! Drives a [`Step`]: wait for the bell (or spin), answer everything that is there.
+//! Drives a [`Step`]: waits for the bell (or spins), answers every waiting message.
 
 use messages::channels::ChannelOf;
 use messages::{Hop, Message, fault};
@@ -9,8 +9,8 @@ use crate::step::{Step, answer};
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};
 
-/// Runs `step` from `input` to `output` until the supervisor ends it. `fits`: what a state of it must
-/// fit, as one number.
+/// Runs `step` from `input` to `output` until the supervisor ends it. `fits`: a number that a state must
+/// match to be restored into this step.
 ///
 /// # Errors
 /// A channel cannot be opened.

@@ -1,35 +1,35 @@
 use messages::Message;
 
-/// A service's work: one message in, one message out, always an answer.
+/// Work of a service: one message in, one message out, always an answer.
 ///
-/// A step does not allocate, block, log, or read a clock; trouble is said in the answer. The same
-/// value runs in a process, in `heft estimate` and in the tests, with the same bits as result.
+/// A step does not allocate, block, log, or read a clock; it reports faults in the answer. The same
+/// value runs in a process, in `heft estimate` and in the tests, with bit-identical results.
 pub trait Step {
-    /// What it reads.
+    /// Message that it reads.
     type Input: Message;
-    /// What it answers.
+    /// Message that it answers with.
     type Output: Message;
 
     /// Answers one message. Stamp and hops of the answer are filled in by [`answer`].
     fn step(&mut self, input: &Self::Input) -> Self::Output;
 
-    /// Writes its complete state, bit by bit, without allocation, and returns how many bytes that took;
-    /// `None` if there is no room, or nothing to keep.
+    /// Writes its complete state, bit by bit, without allocation, and returns its length in bytes;
+    /// `None` if there is no room, or no state.
     fn save(&self, _into: &mut [u8]) -> Option<usize> {
         None
     }
 
-    /// Becomes what it was when it wrote this state; false, and unchanged, if this is no state of its own.
+    /// Restores a written state; false, and unchanged, if the state is not one of this step.
     fn restore(&mut self, _state: &[u8]) -> bool {
         false
     }
 
-    /// Is notified that it was restored in a new process, and that samples were missed.
+    /// Notifies the step that it was restored in a new process, and that samples were missed.
     fn resume(&mut self) {}
 }
 
-/// The answer of `step` to `input`, with the identity of the input; what is made from simulated
-/// samples says so.
+/// The answer of `step` to `input`, with the identity of the input; it is marked as simulated where the
+/// input is.
 pub fn answer<S: Step>(step: &mut S, input: &S::Input) -> S::Output {
     let mut output = step.step(input);
     *output.stamp_mut() = *input.stamp();
@@ -40,11 +40,11 @@ pub fn answer<S: Step>(step: &mut S, input: &S::Input) -> S::Output {
     output
 }
 
-/// Where samples come from: a simulator, a recording, a bus.
+/// Source of samples: a simulator, a recording, a bus.
 pub trait Source {
-    /// What the sensors measured.
+    /// Sensor samples.
     type Sensors: Message;
-    /// The truth behind it; empty where none is known.
+    /// Truth of the samples; empty where none is known.
     type Truth: Message;
 
     /// The next sample with `stamp.{machine, sequence, time}` filled in; `None` at the end.

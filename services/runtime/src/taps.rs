@@ -7,20 +7,20 @@ use messages::channels::{CREDIT, Channel, Rate, Visitor};
 
 use crate::{Error, Input, Ports, Sink};
 
-/// Readers of several channels, all handing their messages to one sink.
+/// Readers of several channels that pass their messages to one sink.
 pub struct Taps<S: Sink>(Vec<Box<dyn Tap<S>>>);
 
-/// What a visit to the channels found.
+/// Result of a visit to the channels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Visit {
     /// Messages taken.
     pub taken: u64,
-    /// Samples that were dropped before they could be taken.
+    /// Samples that were overwritten before they could be taken.
     pub lost: u64,
 }
 
 impl<S: Sink + 'static> Taps<S> {
-    /// Opens `channels`, except the credit that only a source reads.
+    /// Opens `channels`, except the credit channel, which only a source reads.
     ///
     /// # Errors
     /// A channel does not exist or has too many readers.
@@ -28,7 +28,7 @@ impl<S: Sink + 'static> Taps<S> {
         Self::open_from(ports, channels, |_| None)
     }
 
-    /// The same for a sink that may lack what was sent before, see [`Sink::lacks_from`].
+    /// The same for a sink that may lack earlier samples, see [`Sink::lacks_from`].
     pub(crate) fn open_for(
         ports: &Ports,
         channels: &[&'static Channel],
@@ -57,14 +57,14 @@ impl<S: Sink + 'static> Taps<S> {
             .map(Self)
     }
 
-    /// Counts samples from `sequence`: what is missing before the first that comes is lost too.
+    /// Starts counting at `sequence`: samples missing before the first message count as lost.
     pub fn count_from(&mut self, sequence: u64) {
         for tap in &mut self.0 {
             tap.count_from(sequence);
         }
     }
 
-    /// Hands every waiting message to the sink.
+    /// Passes every waiting message to the sink.
     pub fn drain(&mut self, sink: &mut S) -> Visit {
         let mut sum = Visit::default();
         for tap in &mut self.0 {
@@ -75,7 +75,7 @@ impl<S: Sink + 'static> Taps<S> {
         sum
     }
 
-    /// How many samples have passed through every channel that carries each of them.
+    /// Number of samples that have passed through every channel that carries each of them.
     pub fn through(&self) -> u64 {
         self.0
             .iter()
@@ -85,7 +85,7 @@ impl<S: Sink + 'static> Taps<S> {
     }
 }
 
-/// A channel with its type hidden.
+/// A channel with its type erased.
 trait Tap<S: Sink> {
     fn drain(&mut self, sink: &mut S) -> Visit;
     fn through(&self) -> Option<u64>;
@@ -95,12 +95,12 @@ trait Tap<S: Sink> {
 struct TypedTap<M: Message> {
     channel: &'static Channel,
     input: Input<M>,
-    /// Samples before this one are not lacking.
+    /// Number of the first sample that the sink lacks.
     first: u64,
     through: u64,
 }
 
-/// Several processes write `health`; their numbers interleave and say nothing of loss.
+/// Several processes write `health`; their numbers interleave and do not show loss.
 fn carries_every_sample(channel: &Channel) -> bool {
     channel.rate == Rate::Sensors
 }
@@ -116,7 +116,7 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
             if sequence < self.first {
                 continue;
             }
-            // A source that is started again may go back; that is new then.
+            // A restarted source may go back in its numbers; those samples are new.
             self.first = 0;
             self.through = self.through.max(sequence + 1);
             sink.accept(self.channel, &*message);
@@ -127,7 +127,7 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
                 0
             };
         }
-        // Only what is in a full buffer is overwritten: before this visit, or while it took the oldest.
+        // Only a full buffer overwrites samples: before this visit, or while it took the oldest.
         if visit.lost > 0 && visit.taken >= self.channel.depth as u64 {
             sink.overwritten(self.channel, visit.lost);
         }

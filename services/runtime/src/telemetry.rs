@@ -15,18 +15,18 @@ use crate::clock::now_ns;
 use crate::pulse::{Pulse, Turn};
 use crate::{Output, Ports};
 
-/// Times between two looks whose events may wait, and the least and the most of them: 0.4 s at 10 kHz.
+/// Number of observation periods whose events the ring holds, and its least and largest length: 0.4 s at 10 kHz.
 const RING: (f64, usize, usize) = (1.3, 256, 4096);
 const PERIOD: Duration = Duration::from_millis(300);
-/// Looks without a sample after which one is missed.
+/// Number of periods without a sample after which one is missed.
 const QUIET: u32 = 4;
 
-/// What the stepping thread says of one sample.
+/// Report of the stepping thread on one sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Event {
     /// Age of the sample when the answer was published [ns].
     pub age_ns: u64,
-    /// Time of the step alone [ns].
+    /// Duration of the step alone [ns].
     pub step_ns: u64,
     /// Samples lost before this one.
     pub lost: u64,
@@ -34,7 +34,7 @@ pub struct Event {
     pub late: bool,
 }
 
-/// Samples that were counted without an event of their own.
+/// Samples that are counted without an event of their own.
 #[derive(Debug, Clone, Copy, Default)]
 struct Unsent {
     steps: u64,
@@ -42,7 +42,7 @@ struct Unsent {
     late: u64,
 }
 
-/// Who this process is, for the `health` channel.
+/// Identity of this process, for the `health` channel.
 #[derive(Debug, Clone, Copy)]
 pub struct Identity {
     /// Position in the table of processes.
@@ -53,13 +53,13 @@ pub struct Identity {
     pub name: &'static str,
 }
 
-/// The stepping thread's end.
+/// End of the stepping thread.
 #[derive(Debug)]
 pub struct Reporter {
     // Declared first, dropped first: the half that is dropped last frees the buffer, and that
-    // shall not be the stepping thread.
+    // must not be the stepping thread.
     events: Producer<(Event, Unsent)>,
-    /// Samples that found the ring full, and the lost and the late ones among them.
+    /// Samples that found the ring full, and the number of lost and late ones among them.
     unsent: Unsent,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -70,16 +70,16 @@ struct Shared {
     fault: AtomicU32,
     realtime: AtomicBool,
     turn: Turn,
-    /// The run has begun: every reader of the run listens.
+    /// Whether the run has begun, so that every reader of the run listens.
     has_begun: AtomicBool,
     end: AtomicBool,
-    /// What was unsent at the end.
+    /// Samples that were unsent at the end.
     rest: std::sync::Mutex<Unsent>,
 }
 
 impl Reporter {
-    /// Starts the telemetry thread, which is silent until [`Reporter::run_begins`]; the calling thread is the one that
-    /// works, at a sample in every `period_ns`.
+    /// Starts the telemetry thread, which is silent until [`Reporter::run_begins`]. The calling thread is the stepping
+    /// thread, with one sample in every `period_ns`.
     pub fn start(identity: Identity, period_ns: u64) -> Self {
         let (looks, least, most) = RING;
         let events = looks * PERIOD.as_nanos() as f64 / period_ns.max(1) as f64;
@@ -101,7 +101,7 @@ impl Reporter {
     }
 
     /// Reports a sample. If the ring is full its times are dropped, and it is counted with the next one:
-    /// telemetry never costs a sample.
+    /// telemetry never holds up a step.
     pub fn sample(&mut self, event: Event) {
         match self.events.push((event, self.unsent)) {
             Ok(()) => self.unsent = Unsent::default(),
@@ -113,7 +113,7 @@ impl Reporter {
         }
     }
 
-    /// Lets the first report out. Before, a reader that starts at the same time might miss it.
+    /// Permits the first report. Before, a reader that starts at the same time might miss it.
     pub fn run_begins(&self) {
         self.shared.has_begun.store(true, Ordering::Release);
         if let Some(thread) = &self.thread {
@@ -121,12 +121,12 @@ impl Reporter {
         }
     }
 
-    /// Says that a piece of work begins, which must end soon.
+    /// Marks the start of a piece of work, which must end soon.
     pub fn begin(&self) {
         self.shared.turn.begin();
     }
 
-    /// Says that it has ended.
+    /// Marks its end.
     pub fn end(&self) {
         self.shared.turn.end();
     }
@@ -136,7 +136,7 @@ impl Reporter {
         self.shared.fault.store(code, Ordering::Relaxed);
     }
 
-    /// Says that the real-time class is in force.
+    /// Reports whether the real-time class is in force.
     pub fn realtime(&self, fifo: bool) {
         self.shared.realtime.store(fifo, Ordering::Relaxed);
     }
@@ -144,7 +144,7 @@ impl Reporter {
 
 impl Drop for Reporter {
     fn drop(&mut self) {
-        // The steps are over: a lock costs nobody anything.
+        // The steps are over: a lock delays no step.
         if let Ok(mut rest) = self.shared.rest.lock() {
             *rest = self.unsent;
         }
@@ -271,8 +271,8 @@ fn report(
     }
 }
 
-/// Sleeps for a period or until the end. Whoever wakes it for anything else does not make the next look come sooner: two looks
-/// at once find every thread at the same piece of work.
+/// Sleeps for a period or until the end. Other wake-ups do not shorten the period: two observations in immediate succession
+/// would find every thread at the same piece of work.
 fn rest(end: &AtomicBool) {
     let due = Instant::now() + PERIOD;
     loop {

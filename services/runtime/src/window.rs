@@ -1,15 +1,15 @@
-//! What a group of other users may see of a run: its latest messages, in one file that only the supervisor writes.
+//! Window: view of a run for a group of other users, with its latest messages in one file that only the supervisor writes.
 //!
-//! A reader of an iceoryx2 channel writes as well: it takes a place in the channel's own tables, makes the
-//! memory of its connection, and gives back what it has read. Who may read there may also stop a run, so that
-//! memory stays closed, and this window is what is open. It is written and read by system calls: nobody waits
-//! for anybody, and whatever a reader does, the run does not notice.
+//! A reader of an iceoryx2 channel also writes: it takes a place in the channel's tables, creates the
+//! memory of its connection, and returns what it has read. A user who may read there may therefore also stop a run. So that
+//! memory stays closed, and only this window is open. It is written and read by system calls: no process waits
+//! for another, and readers have no effect on the run.
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 0 to 255 | `heft window 1 MACHINE LAYOUT` and a line feed; `LAYOUT` tells versions of the messages apart |
-//! | 8 a channel | how many messages it has carried |
-//! | per channel, [`Channel::depth`] places | 8 bytes each: which message this is, from 1; its fields; a check sum |
+//! | 0 to 255 | `heft window 1 MACHINE LAYOUT` and a line feed; `LAYOUT` distinguishes versions of the messages |
+//! | 8 per channel | number of messages so far |
+//! | per channel, [`Channel::depth`] places | 8 bytes each: number of this message, from 1; its fields; a checksum |
 
 use std::fs::{self, File};
 use std::io;
@@ -29,8 +29,8 @@ const WORD: u64 = 8;
 const MAGIC: &str = "heft window 1";
 const ENDING: &str = ".window";
 
-/// Lets a group read a file of this user, or look into a folder: nobody else, and nobody may write. A folder
-/// that somebody has opened already stays as it is.
+/// Lets a group read a file of this user, or list a folder; other users get no rights, and nobody may write. A folder
+/// that is open to other users already stays unchanged.
 ///
 /// # Errors
 /// This user is not in the group, or the file is not this user's.
@@ -44,7 +44,7 @@ pub fn share(path: &Path, group: u32) -> io::Result<()> {
     open_to(&file, group, about.is_dir())
 }
 
-/// First the group, then its rights.
+/// Sets the group first, then its rights.
 fn open_to(file: &File, group: u32, is_folder: bool) -> io::Result<()> {
     let mode = if is_folder { 0o750 } else { 0o640 };
     rustix::fs::fchown(file, None, Some(Gid::from_raw(group)))?;
@@ -52,15 +52,15 @@ fn open_to(file: &File, group: u32, is_folder: bool) -> io::Result<()> {
     Ok(())
 }
 
-/// Where a channel is in the file.
+/// Place of a channel in the file.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     channel: &'static Channel,
-    /// Of its count.
+    /// Offset of its count [bytes].
     count: u64,
-    /// Of its first message.
+    /// Offset of its first message [bytes].
     first: u64,
-    /// Of one message.
+    /// Length of one message [bytes].
     size: u64,
 }
 
@@ -70,7 +70,7 @@ impl Place {
     }
 }
 
-/// The places of a machine's channels, and the length of the file. States of steps are for the run alone.
+/// The places of a machine's channels, and the length of the file. States of steps are not shown.
 fn layout(machine: Machine) -> (Vec<Place>, u64) {
     let shown = of_machine(machine).filter(|c| c.name != CREDIT.name && c.name != KEYFRAME.name);
     let shown: Vec<_> = shown.collect();
@@ -98,7 +98,7 @@ impl Visitor for Fields {
     }
 }
 
-/// The first line: of a reader whose messages are others, it differs.
+/// The first line; it differs for a reader with other messages.
 fn head(machine: Machine) -> String {
     struct Names;
     impl Visitor for Names {
@@ -116,26 +116,26 @@ fn head(machine: Machine) -> String {
     format!("{MAGIC} {} {sum:016x}\n", machine.name())
 }
 
-/// FNV-1a: a message that is written while it is read does not have it.
+/// FNV-1a: it does not match for a message that is written while it is read.
 fn sum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
         (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
     })
 }
 
-/// The window of a run; it vanishes with it.
+/// The window of a run; it is removed with the run.
 #[derive(Debug)]
 pub struct Window {
     file: File,
     path: PathBuf,
     places: Vec<Place>,
-    /// Messages of each channel so far.
+    /// Number of messages of each channel so far.
     counts: Vec<u64>,
     bytes: Vec<u8>,
 }
 
 impl Window {
-    /// Opens the window of a run to a group. Its name holds a random number, so that nobody can make it first.
+    /// Opens the window of a run to a group. Its name has a random number, so that nobody can create it first.
     ///
     /// # Errors
     /// This user is not in the group, or shared memory is full.
@@ -162,7 +162,7 @@ impl Window {
         let made = (|| {
             rustix::fs::fallocate(&window.file, FallocateFlags::empty(), 0, length)?;
             window.file.write_all_at(head(machine).as_bytes(), 0)?;
-            // By this a reader knows that the run goes on. Nobody else has it open yet.
+            // This lock shows readers that the run is alive. No other process has the file open yet.
             rustix::fs::flock(&window.file, FlockOperation::NonBlockingLockExclusive)?;
             open_to(&window.file, group, false)
         })();
@@ -191,7 +191,7 @@ impl Window {
         let sum = sum(&self.bytes);
         self.bytes.extend(sum.to_ne_bytes());
         self.counts[i] = count + 1;
-        // The room is there: it was taken at the start.
+        // The space was allocated at the start.
         let _ = self.file.write_all_at(&self.bytes, place.at(count));
         let _ = self
             .file
@@ -205,12 +205,12 @@ impl Drop for Window {
     }
 }
 
-/// The window of another user's run, as one of the group sees it.
+/// The window of another user's run, for a member of the group.
 #[derive(Debug)]
 pub struct GroupView {
     file: File,
     domain: String,
-    /// Whose run it is.
+    /// User id of the run's owner.
     pub user: u32,
     places: Vec<Place>,
     /// Next message of each channel.
@@ -219,7 +219,7 @@ pub struct GroupView {
 }
 
 impl GroupView {
-    /// The windows that other users open to a group of this one, of runs that go on.
+    /// The windows that other users open to a group of this user, of runs that are alive.
     pub fn all() -> Vec<Self> {
         let groups = rustix::process::getgroups().unwrap_or_default();
         let own = rustix::process::getegid();
@@ -236,8 +236,8 @@ impl GroupView {
         all
     }
 
-    /// A window is believed where the user in its name made it, for a group that this user was put into:
-    /// others can make neither.
+    /// A window is accepted where the user in its name created it, for a group of this user:
+    /// other users can forge neither.
     fn look(path: &Path, groups: &[u32]) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let name = name.strip_prefix("heft-")?.strip_suffix(ENDING)?;
@@ -264,7 +264,7 @@ impl GroupView {
             places,
             machine,
         };
-        // What comes from now on.
+        // Messages from now on.
         shown.next = (0..shown.places.len()).map(|i| shown.count(i)).collect();
         shown.is_alive().then_some(shown)
     }
@@ -279,7 +279,7 @@ impl GroupView {
         self.machine
     }
 
-    /// Whether the run goes on.
+    /// Whether the run is alive.
     pub fn is_alive(&self) -> bool {
         let taken = rustix::fs::flock(&self.file, FlockOperation::NonBlockingLockShared);
         let _ = taken.map(|()| rustix::fs::flock(&self.file, FlockOperation::Unlock));
@@ -292,7 +292,7 @@ impl GroupView {
         read.map_or(0, |()| u64::from_ne_bytes(count))
     }
 
-    /// Hands what is new on `channels` to the sink; what was overwritten before it was looked at is gone.
+    /// Passes the new messages of `channels` to the sink; messages that were overwritten before are lost.
     pub fn drain<S: Sink>(&mut self, channels: &[&'static Channel], sink: &mut S) {
         for i in 0..self.places.len() {
             let place = self.places[i];
@@ -312,7 +312,7 @@ impl GroupView {
         }
     }
 
-    /// The fields of a message; none where another is in its place by now.
+    /// The fields of a message; `None` where it has been overwritten.
     fn read(&self, place: Place, number: u64) -> Option<Vec<u64>> {
         let mut bytes = vec![0; place.size as usize];
         self.file.read_exact_at(&mut bytes, place.at(number)).ok()?;

@@ -1,4 +1,4 @@
-//! The life of a worker, a process or a thread: get the bells, open the ports, say `ready`, loop, end.
+//! Life cycle of a worker, a process or a thread: receive the bells, open the ports, report `ready`, loop, end.
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -10,16 +10,16 @@ use crate::requests::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
-/// How a worker shall run.
+/// Run settings of a worker.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
-    /// Who it is.
+    /// Its identity.
     pub identity: Identity,
-    /// SCHED_FIFO priority and core, where real time was asked for.
+    /// SCHED_FIFO priority and core, where real time was requested.
     pub realtime: Option<(u8, Option<usize>)>,
-    /// The core of its own on which it looks for messages all the time instead of sleeping until its bell is rung.
+    /// The core of its own on which it polls for messages instead of sleeping until its bell rings.
     pub spins_on: Option<usize>,
-    /// Sampling period \[ns\]: a sample that is older when it arrives is late.
+    /// Sampling period \[ns\]: a sample with a larger age on arrival is late.
     pub period_ns: u64,
 }
 
@@ -40,7 +40,7 @@ pub struct Worker {
 
 impl Worker {
     /// Receives the bells from the supervisor over `control` and announces the service to iceoryx2; the domain
-    /// has been entered before.
+    /// must have been entered before.
     ///
     /// # Errors
     /// There is no supervisor, or iceoryx2 refuses.
@@ -73,13 +73,13 @@ impl Worker {
         &self.ports
     }
 
-    /// What the run was given on its standard input, if the supervisor handed it over; once.
+    /// Standard input of the run, if the supervisor handed it over; once.
     pub fn take_input(&mut self) -> Option<OwnedFd> {
         self.input.take()
     }
 
-    /// Makes the calling thread a real-time one if asked for, says `ready` and waits for `go`.
-    /// Returns where to begin; `None` if the run ended before it began.
+    /// Makes the calling thread a real-time one if requested, reports `ready` and waits for `go`.
+    /// Returns the start; `None` if the run ended before it.
     pub(crate) fn begin(&mut self) -> Option<Begin> {
         let entered = match (self.setup.spins_on, self.setup.realtime) {
             (Some(core), _) => Some(realtime::enter_core(core)),
@@ -104,12 +104,12 @@ impl Worker {
         };
         self.reporter.run_begins();
         tracing::debug!(first = begin.first, "started");
-        // Samples may have come, and rung, while this process still waited for `go`.
+        // Samples may have arrived, and rung, while this process still waited for `go`.
         self.bell.ring();
         Some(begin)
     }
 
-    /// Waits for the bell; a process that spins is back at once, without a system call.
+    /// Waits for the bell; a process that spins returns at once, without a system call.
     pub(crate) fn wait(&self) {
         match self.setup.spins_on {
             Some(_) => std::hint::spin_loop(),
