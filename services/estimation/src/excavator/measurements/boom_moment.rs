@@ -1,9 +1,9 @@
-//! The moment about the boom foot that the boom's cylinders carry.
+//! Computes the moment about the boom foot that the boom's cylinders carry.
 //!
 //! ```text
 //! tau = sum_i m_i [x_i (g + z_i'') - z_i (x_i'' + g pitch - w^2 (x_0 + x_i))]
 //!       + sum_j [I_j alpha_j'' + w^2 (I_j - I_axial,j) sin(alpha_j) cos(alpha_j)]
-//!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          what the drawing misses, learnt by `calibrate`
+//!       + sum_j [A_j cos(alpha_j) + B_j sin(alpha_j)]          error of the drawing, identified by `calibrate`
 //!                                                      i = boom, arm, bucket, payload;  j = boom, arm, bucket
 //! r F = (1 + s) tau + r (z + f + F_c d)            F = n (A_h p_h - A_r p_r)
 //! after a stop (kept F_c + h) d in place of F_c d
@@ -15,50 +15,49 @@
 //! | alpha_i | angle of the link to the horizontal | rad |
 //! | r | lever of the cylinders ([`super::super::cylinder`]) | m |
 //! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
-//! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
+//! | f | remaining error of friction, drawing and load centre; a state of some seconds | N |
 //! | F_c, d | friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
-//! | kept, h | described share of it that a stop leaves, and what it leaves beyond that: a slow state | -, N |
+//! | kept, h | described share of F_c that remains after a stop, and the force that remains beyond it: a slow state | -, N |
 //!
-//! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the
-//! middle one. The mean of three blocks in the proportion 1 : 4 : 1 is smoothed as their second difference is (a quadratic
-//! spline).
+//! Second derivatives need smooth angles: all signals are averaged over blocks of 0.2 s, and three blocks give one measurement of the
+//! middle one. The weights 1 : 4 : 1 of the three blocks smooth the mean as much as their second difference (a quadratic spline).
 
 use super::super::cylinder::Cylinder;
 use super::super::geometry::{Geometry, Turns};
 use crate::math::{exp, sin_cos, sqrt};
 
 pub use crate::GRAVITY;
-/// Length of a block \[s\], and the least part of it in which the pressures must be there.
+/// Duration of a block \[s\], and its least share with measured pressures.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
-/// Pressures stand for the time since the ones before, at most this long [s]. So 20 a second weigh; ten a second, read beside angles
-/// that move, make more of the loads doubtful than none do.
+/// Longest duration for which a pressure counts [s]. So a block is measured with 20 pressures a second, and not with ten. Ten a second,
+/// with moving angles, make more loads doubtful than no pressures do.
 const STANDS: f64 = 0.018;
-/// A lever shorter than this is in line with the pin: force and load tell nothing of each other \[m\].
+/// Least lever \[m\]; with a shorter one the cylinder is in line with the pin, and its force carries no information about the load.
 const LEAST_LEVER: f64 = 1e-3;
 /// Travel within which the seals' friction follows the motion (Dahl) \[m\].
 const TRAVEL: f64 = 0.5e-3;
-/// Less travel than this in a block, or than so many deviations of the noise of two blocks' angles, is standing \[m\].
+/// Largest travel between blocks of a standing cylinder \[m\], and the same in standard deviations of the noise of two blocks' angles.
 const STILL: f64 = 1e-3;
 const NOISE: f64 = 3.0;
-/// The same of the angle of a link to the horizontal [rad], and the angles that it is the sum of.
+/// Largest change of a standing link's angle to the horizontal [rad], and the number of joint angles of which that angle is the sum.
 const TURNED: f64 = 1e-3;
 const ANGLES: f64 = 3.0;
-/// While joints move, what the drawing misses is another one after this time \[s\]. The seals' friction at rest does not fade: it stays what the stop left.
+/// Correlation time of the drawing's error while joints move \[s\]. The seals' friction after a stop stays constant until the next motion.
 pub const FADING: f64 = 3.0;
-/// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
+/// Standard deviation of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
 
-/// Share of the seals' friction that is another one at each time, while the cylinder moves and while it stands.
+/// Standard deviation of the seals' friction that the model leaves out, as a share of it, for a moving and a standing cylinder.
 const UNMODELLED: [f64; 2] = [0.15, 0.49];
-/// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
+/// Standard deviation of the drawing's error as a share of the moment: centres of mass beside the lines of the pins.
 const DRAWN: f64 = 0.01;
 
-/// Boom, arm, bucket, payload.
+/// Bodies: boom, arm, bucket, payload.
 const BODIES: usize = 4;
 
-/// Sums, then means, over a block.
+/// Sums over a block, then means.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
@@ -74,31 +73,31 @@ struct Block {
     turn: [f64; 2],
     constant: bool,
     touches: bool,
-    /// Length of the block \[s\]: 0.2 where rows divide it.
+    /// Duration of the block \[s\]: 0.2 if it is a whole number of ticks.
     whole: f64,
-    /// Ticks, and variance of the mean angle by the noise of the sensors [rad^2].
+    /// Number of ticks, and variance of the mean angle by sensor noise [rad^2].
     ticks: f64,
     noise: f64,
 }
 
-/// The moment of a block with what it depends on.
+/// The measured moment of a block, and its model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moment {
     /// Lever times force [N m].
     pub measured: f64,
-    /// Of the described empty machine on level ground [N m].
+    /// Moment of the described empty machine on level ground [N m].
     pub empty: f64,
-    /// The same without accelerations of the joints: with those of the swing [N m].
+    /// The same without the accelerations of the joints, but with those of the swing [N m].
     pub still: f64,
-    /// Per kilogram of payload, without accelerations [N m/kg].
+    /// Moment per kilogram of payload, without accelerations of the joints [N m/kg].
     pub still_payload: f64,
-    /// Part of boom and arm in it [N m].
+    /// Part of boom and arm in `empty` [N m].
     pub links: f64,
-    /// Per kilogram of payload [N m/kg].
+    /// Moment per kilogram of payload [N m/kg].
     pub per_payload: f64,
-    /// Per kilogram of bucket [N m/kg].
+    /// Moment per kilogram of bucket [N m/kg].
     pub per_bucket: f64,
-    /// Change of the empty machine's moment with the pitch [N m/rad].
+    /// Derivative of the empty machine's moment with respect to pitch [N m/rad].
     pub tilt: f64,
     /// The same per kilogram of payload [N m/(kg rad)].
     pub tilt_payload: f64,
@@ -106,28 +105,28 @@ pub struct Moment {
     pub directions: [[f64; 2]; 3],
     /// Lever \[m\].
     pub lever: f64,
-    /// Direction in which the cylinder moves or moved last, as far as its seals have followed: 1 where it extends.
+    /// Direction of the present or last motion, as far as the seals have followed: 1 for an extending cylinder.
     pub side: f64,
-    /// The same of their friction: a stop leaves the described share of it.
+    /// Direction of the seals' friction; after a stop the described share of it remains.
     pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
-    /// How the direction of the moving seals' friction differs from that at the measurement before; 0 is that of a cylinder that stands.
+    /// Change of the moving seals' friction direction since the last measurement; the direction of a standing cylinder is 0.
     pub turned: f64,
-    /// The ground may carry part of it.
+    /// The ground may carry part of the moment.
     pub touches: bool,
     /// Sine and cosine of the swing angle.
     pub turn: [f64; 2],
-    /// Variance of what the accelerations miss [(N m)^2].
+    /// Variance of the error of the accelerations [(N m)^2].
     pub variance: f64,
-    /// Time since the measurement before \[s\].
+    /// Time since the last measurement \[s\].
     pub period: f64,
-    /// No joint has moved for so long \[s\].
+    /// Time since a joint moved \[s\].
     pub stood: f64,
 }
 
 impl Moment {
-    /// Variance of f that friction of this size \[N\] and the drawing leave [N^2]: it lasts for [`FADING`].
+    /// Variance of f by friction of this size \[N\] and by the drawing [N^2]; its correlation time is [`FADING`].
     #[must_use]
     pub fn rest(&self, friction: f64) -> f64 {
         let unmodelled = UNMODELLED[usize::from(!self.moves)] * friction;
@@ -135,8 +134,8 @@ impl Moment {
         unmodelled * unmodelled + drawn * drawn
     }
 
-    /// What f keeps of what it was: all of it in a posture that stays, once the stop has left its friction. If it faded there, one error
-    /// would tell the other states something each time.
+    /// Factor by which f decays since the last measurement. It is 1 in a constant posture, once the friction of the stop has settled: if f
+    /// decayed there, each measurement would assign one constant error to the other states again.
     #[must_use]
     pub fn kept(&self) -> f64 {
         if self.stood > FADING {
@@ -147,7 +146,7 @@ impl Moment {
     }
 }
 
-/// What boom, arm and bucket do at a tick.
+/// Posture, pressures and swing of one tick.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::excavator) struct Front {
     /// Time since the tick before \[s\].
@@ -155,16 +154,16 @@ pub(in crate::excavator) struct Front {
     /// Joint angles \[rad\].
     pub(in crate::excavator) posture: [f64; 3],
     pub(in crate::excavator) turns: Turns,
-    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    /// Variance of a joint angle by sensor noise [rad^2].
     pub(in crate::excavator) posture_variance: f64,
-    /// Head and rod side of the boom's cylinders \[Pa\].
+    /// Pressures of head and rod side of the boom's cylinders \[Pa\].
     pub(in crate::excavator) pressures: Option<[f64; 2]>,
     /// Swing velocity [rad/s], sine and cosine of the swing angle.
     pub(in crate::excavator) velocity: f64,
     pub(in crate::excavator) turn: (f64, f64),
 }
 
-/// Collects blocks.
+/// Collects blocks, and computes their moments.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct BoomMoment {
@@ -177,7 +176,7 @@ pub(in crate::excavator) struct BoomMoment {
     /// Direction of the moving seals' friction at the last measurement.
     rubbed: f64,
     since: f64,
-    /// The posture that no joint has left for so long [rad, s].
+    /// Posture of the present stand [rad], and its duration [s].
     posture: [f64; 3],
     stood: f64,
 }
@@ -202,8 +201,8 @@ impl BoomMoment {
         self.unread
     }
 
-    /// One tick; whether the bucket's content is constant, and whether it may touch the ground. The moment of the block before the
-    /// last, where three are there.
+    /// Takes one tick; flags: the bucket's content is constant, the bucket may touch the ground. Returns the moment of the last but one
+    /// block, once three are complete.
     pub(in crate::excavator) fn step(
         &mut self,
         geometry: &Geometry,
@@ -246,7 +245,7 @@ impl BoomMoment {
         let noise = middle.lever.abs() * sqrt(newest.noise + middle.noise);
         let still = STILL.max(NOISE * noise);
         let follows = 1.0 - exp(-(travel.abs() - 0.5 * still).max(0.0) / TRAVEL);
-        // Of the middle block: half of the way there.
+        // The direction of the middle block is the mean of both.
         let before = self.direction;
         self.direction += follows * (sign - self.direction);
         let moves = travel.abs() > still;
@@ -266,13 +265,13 @@ impl BoomMoment {
         moment.period = core::mem::take(&mut self.since);
         let rubs = if moves { side } else { 0.0 };
         moment.turned = rubs - core::mem::replace(&mut self.rubbed, rubs);
-        // A cylinder in line with the pin carries nothing, whatever it presses.
+        // A cylinder in line with the pin carries no moment, whatever its pressure.
         (moment.lever.abs() > LEAST_LEVER).then_some(moment)
     }
 }
 
 impl Block {
-    /// A force, and the posture with it, for the time `dt`.
+    /// Adds a force with its posture, over the duration `dt`.
     fn add(&mut self, cylinder: &Cylinder, front: &Front, (force, dt): (f64, f64)) {
         let [boom, arm, bucket] = front.posture;
         let alpha = [boom, boom + arm, boom + arm + bucket];
@@ -293,7 +292,7 @@ impl Block {
         self.turn[1] += dt * front.turn.1;
     }
 
-    /// A link has another direction than in a posture.
+    /// Whether a link has moved away from `posture`.
     fn has_left(&self, posture: [f64; 3]) -> bool {
         let noise = NOISE * sqrt(2.0 * ANGLES * self.noise);
         let links = self.alpha.into_iter().zip(posture);
@@ -302,7 +301,7 @@ impl Block {
             .any(|(now, then)| (now - then).abs() > TURNED.max(noise))
     }
 
-    /// Mean places of the centres of mass: linear in the sines and cosines.
+    /// Mean positions of the centres of mass; they are linear in the sines and cosines.
     fn bodies(&self, g: &Geometry) -> [(f64, f64); BODIES] {
         let ([l1, l2], [c1, c2, c3]) = (g.lengths, g.centres);
         let along = |(x, z): (f64, f64), i: usize, length: f64, rise: f64| {
@@ -338,7 +337,7 @@ impl Block {
     }
 }
 
-/// The moment of the middle one of three blocks.
+/// Moment of the middle one of three blocks.
 fn moment(
     g: &Geometry,
     cylinder: &Cylinder,
@@ -349,8 +348,8 @@ fn moment(
 ) -> Moment {
     let smooth = |[a, b, c]: [f64; 3]| (a + 4.0 * b + c) / 6.0;
     let square = blocks[1].whole * blocks[2].whole;
-    // In a posture that all blocks have in common second differences are noise, the same in what is expected and in what each state
-    // does to it: in an hour that drives the states away.
+    // In a constant posture second differences are noise. It is common to the expected moment and to its derivatives, and within an hour
+    // it would drive the states away.
     let accelerates = if stood < 1.5 * BLOCK { 1.0 } else { 0.0 };
     let bent = |[a, b, c]: [f64; 3]| accelerates * (a - 2.0 * b + c) / square;
     let spin = smooth(blocks.map(|b| b.spin));
@@ -422,7 +421,7 @@ mod tests {
     use crate::excavator::keys::Description;
     use std::vec::Vec;
 
-    /// The moments of a boom that stands at this angle for a while at 100 Hz, its angles noisy [rad].
+    /// Moments of a boom that stands at this angle for some seconds at 100 Hz, with noise of its angle [rad].
     fn stands(moments: &mut BoomMoment, boom: f64, seconds: u32, noise: f64) -> Vec<Moment> {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;
@@ -464,7 +463,7 @@ mod tests {
         assert!(kept(&found) > 0.3, "once: {}", kept(&found));
         let raised = stands(&mut moments, 0.52, 3, 1e-3);
         assert!(kept(&raised) < 0.5, "{}", kept(&raised));
-        // A boom that creeps by a millimetre in a minute is soon in another posture too.
+        // A boom that creeps by a millimetre in a minute also changes its posture soon.
         let creeps: Vec<Moment> = (1..=60)
             .flat_map(|k| stands(&mut moments, 0.52 + 5e-4 * f64::from(k), 1, 1e-3))
             .collect();

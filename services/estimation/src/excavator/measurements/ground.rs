@@ -1,43 +1,43 @@
-//! May the ground carry part of the bucket?
+//! Detects whether the ground may carry part of the bucket.
 //!
-//! Nobody measures the ground. But a bucket gets there only by going down, by the arm that pulls it in or by closing, while the
-//! upper body stands, or the cylinders carry less though no joint moves; and it is free again when it has risen from its
-//! lowest place, or when the machine swings.
+//! The contact is not measured. A bucket reaches the ground only by lowering, by the arm that pulls it in, or by closing, while the
+//! upper body stands. Or the cylinders carry less although no joint moves. It is free again when it has risen from its lowest place, or
+//! when the machine swings.
 
 use crate::math::sin_cos;
 
 /// Time constant of the smoothed angles \[s\].
 const SMOOTHING: f64 = 0.1;
-/// A bucket has gone down where it has come this far below its highest place [lengths of boom and arm].
+/// Descent from its highest place after which a bucket may touch the ground [lengths of boom and arm].
 const FALLEN: f64 = 0.006;
-/// Arm and bucket dig where they have closed by this \[rad\]. Distances, not rates: those of noisy angles are noise.
+/// Closing angle of arm and bucket by which they dig \[rad\]. An angle, not a rate: rates of noisy angles are noise.
 const DIGGING: [f64; 2] = [0.03, 0.05];
-/// An arm that digs pulls the bucket in so many times as far as it rises.
+/// Ratio of the bucket's path towards the machine to its rise, beyond which the arm digs.
 const PULLING: f64 = 2.0;
-/// So far above its lowest place the bucket is free [lengths of boom and arm].
+/// Height above its lowest place at which the bucket is free [lengths of boom and arm].
 const RAISED: f64 = 0.035;
-/// Swinging so fast for so long frees it too [rad/s, s].
+/// Swing velocity, and its duration, that show a free bucket [rad/s, s].
 const SWINGING: f64 = 0.08;
 const SWUNG: f64 = 0.15;
 
-/// Follows the bucket.
+/// Tracks whether the bucket may touch the ground.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Ground {
     touches: bool,
     digs: bool,
     smoothed: Option<[f64; 3]>,
-    /// Since the bucket was free last: its highest place, the arm's largest angle and the height there, the bucket's largest angle.
+    /// Since the bucket was last free: its highest place, the arm's largest angle and the height there, the bucket's largest angle.
     highest: f64,
     stretched: (f64, f64),
     open: f64,
-    /// Since it may touch the ground.
+    /// Lowest place since it may touch the ground.
     lowest: f64,
     swung: f64,
 }
 
 impl Ground {
-    /// At the start it may lie anywhere.
+    /// At the start the bucket may touch the ground.
     pub(in crate::excavator) fn new() -> Self {
         Self {
             touches: true,
@@ -51,7 +51,7 @@ impl Ground {
         }
     }
 
-    /// One tick: joint angles \[rad\], lengths of boom and arm \[m\], swing velocity [rad/s].
+    /// Takes one tick: joint angles \[rad\], lengths of boom and arm \[m\], swing velocity [rad/s].
     pub(in crate::excavator) fn step(
         &mut self,
         posture: [f64; 3],
@@ -80,7 +80,7 @@ impl Ground {
         }
         self.open = self.open.max(now[2]);
         let pulled = self.stretched.0 - now[1];
-        // Who lifts pulls the arm in as well, but not so far.
+        // Lifting pulls the arm in as well, but less relative to the rise.
         let pulls =
             pulled > DIGGING[0] && pulled * lengths[1] > PULLING * (height - self.stretched.1);
         let digs = pulls || self.open - now[2] > DIGGING[1];
@@ -104,14 +104,14 @@ impl Ground {
         };
     }
 
-    /// The bucket has opened: what it did before fills it no more.
+    /// The bucket has opened: earlier motions no longer fill it.
     pub(in crate::excavator) fn opens(&mut self) {
         self.digs = false;
         self.stretched = (f64::NEG_INFINITY, 0.0);
         self.open = f64::NEG_INFINITY;
     }
 
-    /// The ground seems to carry something, though no joint took the bucket there.
+    /// The ground seems to carry part of the bucket, although no joint moved it there.
     pub(in crate::excavator) fn rests(&mut self) {
         self.touches = true;
     }
@@ -134,7 +134,7 @@ mod tests {
     const LENGTHS: [f64; 2] = [5.7, 2.9];
     const PERIOD: f64 = 0.01;
 
-    /// A bucket in the air, over which the machine has just swung.
+    /// A bucket in the air, after a swing.
     fn in_the_air() -> Ground {
         let mut ground = Ground::new();
         for _ in 0..100 {
@@ -143,7 +143,7 @@ mod tests {
         ground
     }
 
-    /// Moves evenly from one posture to another within a time \[s\].
+    /// Moves from one posture to another at constant rates, within a time \[s\].
     fn move_to(ground: &mut Ground, from: [f64; 3], to: [f64; 3], time: f64) {
         let ticks = (time / PERIOD) as usize;
         for i in 0..=ticks {

@@ -1,4 +1,4 @@
-//! The moments of a whole recording, for whoever learns what the boom's cylinders do: `calibrate`.
+//! Computes the moments of a whole recording, from which `calibrate` identifies the boom's cylinders.
 
 use super::boom_moment::{BoomMoment, Front, Moment};
 use crate::excavator::angle::Angle;
@@ -8,13 +8,13 @@ use crate::excavator::geometry::{Geometry, turns};
 use crate::excavator::joints::joint;
 use crate::math::sin_cos;
 
-/// A longer gap between rows ends what belongs together \[s\].
+/// Longest gap between rows of one block \[s\].
 const GAP: f64 = 0.25;
 
-/// An upper body slower than this stands [rad/s].
+/// Swing velocity below which the upper body stands [rad/s].
 const STANDS: f64 = 0.05;
 
-/// Follows the rows of a recording.
+/// Computes the moments from the rows of a recording.
 #[derive(Debug, Clone)]
 pub struct Lifts {
     geometry: Geometry,
@@ -23,15 +23,15 @@ pub struct Lifts {
     boom: Angle,
     time: Option<f64>,
     turn: f64,
-    /// Time and swing angle a moment ago, where an encoder has it, and whether it turns.
+    /// Time and swing angle of an encoder at least `GAP` ago, and whether the upper body turns.
     angle: Option<(f64, f64)>,
     turns: bool,
-    /// The rod side has a sensor.
+    /// The rod pressure has been measured.
     rod: bool,
 }
 
 impl Lifts {
-    /// A machine with this drawing and these cylinders.
+    /// For a machine with this geometry and these cylinders.
     #[must_use]
     pub fn new(geometry: Geometry, cylinder: Cylinder) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl Lifts {
         }
     }
 
-    /// Whether an encoder says that the upper body swings.
+    /// Whether the encoder shows a swing.
     fn turns(&mut self, sample: &Sample) -> bool {
         if let Some(angle) = sample.angle.filter(|angle| angle.is_finite()) {
             let (time, before) = *self.angle.get_or_insert((sample.time, angle));
@@ -60,7 +60,7 @@ impl Lifts {
         self.turns
     }
 
-    /// A row; the moment of a block of 0.2 s. The bucket is in the air. Rows without the three joint angles say nothing.
+    /// Takes a row, of a bucket in the air. Returns the moment of a block of 0.2 s. A row without the three joint angles is ignored.
     pub fn step(&mut self, sample: &Sample) -> Option<Moment> {
         let [boom, arm, bucket] = sample.posture;
         let posture = [boom?, arm?, bucket?].map(joint);
@@ -73,7 +73,7 @@ impl Lifts {
             self.moments = BoomMoment::new();
             return None;
         }
-        // An upper body that swings says less: its velocity may be biased, or be that of an encoder.
+        // Blocks of a swing are not used: the velocity may be biased, or differenced from an encoder.
         let velocity = sample.velocity.filter(|v| v.is_finite()).unwrap_or(0.0);
         let stands = velocity.abs() < STANDS && !self.turns(sample);
         self.turn += velocity * period;
@@ -106,7 +106,7 @@ mod tests {
     use crate::excavator::keys::Description;
     use core::f64::consts::TAU;
 
-    /// Moments of a bucket that curls over the half turn, with its angle as it is or within a turn from 0 on.
+    /// Moments of a bucket that curls across the half turn, its angle continuous or within a turn from 0.
     fn moments(is_whole: bool) -> impl Iterator<Item = f64> {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;

@@ -1,4 +1,4 @@
-//! What drives the models between two ticks: means and rates of torque and posture.
+//! Inputs of the models between two ticks: means and rates of torque and posture.
 
 use crate::excavator::geometry::{Geometry, Inertia, Turns, turns};
 use crate::excavator::grid::Tick;
@@ -14,47 +14,47 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) variance: f64,
     /// Mean of the two torques [N m].
     pub(in crate::excavator) torque: f64,
-    /// Inertia at the tick, mean over the step, and rate over it.
+    /// Inertia at the tick, its mean and its rate over the step.
     pub(in crate::excavator) now: Inertia,
     pub(in crate::excavator) mean: Inertia,
     pub(in crate::excavator) rate: Inertia,
-    /// Joint angles [rad], and what they make of boom, arm and bucket.
+    /// Joint angles [rad], and sines and cosines of the angles of boom, arm and bucket to the horizontal.
     pub(in crate::excavator) posture: [f64; 3],
     pub(in crate::excavator) turns: Turns,
-    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    /// Variance of a joint angle by sensor noise [rad^2].
     pub(in crate::excavator) posture_variance: f64,
     /// Pitch and roll of the upper body [rad].
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
     /// Head and rod pressure of the boom's cylinders [Pa].
     pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
-    /// Share of a row's noise variance that is left after averaging.
+    /// Share of a row's noise variance that remains after averaging.
     pub(in crate::excavator) share: f64,
-    /// Torque and posture are known: what drives the swing, and what it moves.
+    /// Torque and posture are known.
     pub(in crate::excavator) driven: bool,
     /// The posture is known.
     pub(in crate::excavator) seen: bool,
-    /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
+    /// Additional variance of a torque that has been missing for long [(N m)^2].
     pub(in crate::excavator) stale_torque: f64,
 }
 
-/// A torque missing for longer than this is not held any more, but unknown [s].
+/// Age beyond which a missing torque is unknown, and no longer held [s].
 const TORQUE_HOLD: f64 = 0.10;
-/// Standard deviation, per tick, of an unknown torque [sigma_T]: a swing's torque changes by
-/// thousands of newton metres in a quarter of a second, and an error that lasts counts more than
+/// Standard deviation, per tick, of an unknown torque [sigma_T]: the torque of a swing changes by
+/// thousands of newton metres in a quarter of a second, and a lasting error has more effect than
 /// noise of its size.
 const UNKNOWN_TORQUE: f64 = 300.0;
 
-/// Remembers the tick before.
+/// Stores torque and inertia of the last tick.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Driver {
     torque: Option<f64>,
     inertia: Option<Inertia>,
-    /// The posture that was asked for last.
+    /// The last computed posture.
     asked: Option<Asked>,
 }
 
-/// A posture, and what follows from it.
+/// A posture with its sines, cosines and inertia.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Asked {
@@ -64,7 +64,7 @@ struct Asked {
 }
 
 impl Driver {
-    /// Inertia at a posture; asked for twice in a tick, its sines are taken once.
+    /// Inertia at a posture; computed once per tick, also for two calls.
     pub(in crate::excavator) fn inertia(
         &mut self,
         geometry: &Geometry,
@@ -87,7 +87,7 @@ impl Driver {
         })
     }
 
-    /// The step that leads to `tick`; the first one is at rest where it is.
+    /// The step that leads to `tick`; the first step has constant torque and posture.
     pub(in crate::excavator) fn step(
         &mut self,
         tick: &Tick,
@@ -99,7 +99,7 @@ impl Driver {
             (asked.inertia, asked.turns)
         });
         let (driven, seen) = (tick.has_torque(), tick.has_posture());
-        // What comes after a pause is no change since before.
+        // A change across a pause is not a change within the step.
         let torque = self.torque.unwrap_or(tick.torque);
         self.torque = driven.then_some(tick.torque);
         let before = self.inertia.unwrap_or(now);

@@ -1,7 +1,7 @@
 //! Detector of weak torque changes (modes C, and A with constant inertia).
 //!
-//! One filter of velocity and unknown torque that knows the posture, at a payload of 200 kg; a
-//! cumulative sum of its innovations. The posture is what makes so low a threshold possible.
+//! A single filter of velocity and unknown torque uses the posture, at the middle of the payload's prior. A
+//! cumulative sum of its innovations detects the change. Only with the posture can its threshold be so low.
 
 use crate::consistency::Cusum;
 use crate::excavator::drive::Drive;
@@ -9,16 +9,16 @@ use crate::excavator::settings::Settings;
 use crate::excavator::standstill::Phase;
 use crate::excavator::unknown_torque::{Physics, UnknownTorque};
 
-/// Inertia of the machine for which the drifts were set [kg m^2].
+/// Inertia of the machine to which the drifts refer [kg m^2].
 const REFERENCE_INERTIA: f64 = 6500.0;
 
-/// Random walk of the torque, where the posture is known and where the inertia is constant, reference machine [N m/sqrt(s)].
+/// Random walk of the torque on the reference machine, with known posture and with constant inertia [N m/sqrt(s)].
 const POSTURE_DRIFT: f64 = 400.0;
 const CONSTANT_DRIFT: f64 = 100.0;
-/// The cumulative sum: what an innovation must exceed, and the sum that is a change [standard deviations].
+/// Drift and threshold of the cumulative sum [standard deviations].
 const SUM_DRIFT: f64 = 0.7;
 const SUM_LIMIT: f64 = 6.0;
-/// Least inertia, as a share of the machine's least.
+/// Least inertia, as a share of the machine's least one.
 const LEAST_INERTIA: f64 = 0.1;
 
 /// Detector of weak changes.
@@ -28,12 +28,12 @@ pub(in crate::excavator) struct WeakOnset {
     filter: UnknownTorque,
     cusum: Cusum,
     posture: bool,
-    /// Size of the machine's torques against the reference machine's.
+    /// Torques of the machine over those of the reference machine.
     scale: f64,
 }
 
 impl WeakOnset {
-    /// `posture`: the posture is known; else the inertia is constant.
+    /// `posture`: the posture is known; otherwise the inertia is constant.
     pub(in crate::excavator) fn new(settings: &Settings, posture: bool) -> Self {
         let scale = if posture {
             settings.geometry.scale()
@@ -48,7 +48,7 @@ impl WeakOnset {
         }
     }
 
-    /// Takes in one tick; true where a change is detected.
+    /// Takes one tick. Returns whether a change is detected.
     pub(in crate::excavator) fn step(
         &mut self,
         settings: &Settings,

@@ -1,4 +1,4 @@
-//! Mode C: posture without torque. The torque is unknown but constant for a while.
+//! Mode C: posture without torque. The torque is unknown, and constant between detected changes.
 //!
 //! A grid of payloads, each with a two-state filter of velocity and total torque u = T - T_f sgn(w):
 //!
@@ -6,12 +6,12 @@
 //! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
 //! ```
 //!
-//! A bucket that opens while the machine swings may lose the payload. Without torque that cannot be
-//! followed: the estimate is then not trusted until the machine has stood and the grid begins anew.
+//! A bucket that opens during a swing may lose the payload. Without torque that is not observable: the estimate is
+//! not trusted until the machine has stood and the grid has restarted.
 //!
-//! The weight of a node is the likelihood of its innovations. b is the nominal damping: a wrong one
-//! shifts the payload by the covariance of the nodes with the slope of their log weights in b, which
-//! widens the interval (see [`crate::excavator::consider`]).
+//! The weight of a node is the likelihood of its innovations. b is the nominal damping. An error of b shifts the
+//! payload by the covariance of the nodes with the slope of their log weights in b, which widens the interval (see
+//! [`crate::excavator::consider`]).
 
 use crate::excavator::consider::Doubt;
 use crate::excavator::delay::{DelayLine, Entry};
@@ -23,26 +23,25 @@ use crate::excavator::state::State;
 use crate::excavator::unknown_torque::{Physics, UnknownTorque};
 use crate::math::{exp, ln, sqrt};
 
-/// Payloads of the grid.
+/// Number of payloads in the grid.
 const NODES: usize = 57;
-/// Random walk of the total torque, flagged and not, reference machine [N m/sqrt(s)].
+/// Random walk of the total torque on the reference machine, while a change is flagged and otherwise [N m/sqrt(s)].
 const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 const TORQUE_DRIFT: f64 = 10.0;
-/// Torque noise that enters the velocity directly, reference machine [N m].
+/// Torque noise that enters the velocity directly, on the reference machine [N m].
 const TORQUE_NOISE: f64 = 10.0;
 
-/// The grid ends so many standard deviations of the payload's prior above its middle: 650 kg by the default prior of 200 +- 160 kg.
+/// Upper end of the grid above the middle of the payload's prior, in its standard deviations: 650 kg by the default 200 +- 160 kg.
 const GRID_STDS: f64 = 2.8125;
-/// The grid's prior is a Gaussian that is wider than the payload's by this factor.
+/// Standard deviation of the grid's Gaussian prior over that of the payload's.
 const WIDER: f64 = 1.25;
-/// Beyond so many spacings below nothing, and so many from the upper end, a payload is unlikely by this in the log weight.
+/// Payloads beyond these numbers of spacings, below 0 and from the upper end, have a log weight reduced by `UNLIKELY`.
 const LIKELY_BELOW: f64 = 1.6;
 const UNLIKELY_END: f64 = 4.0;
 const UNLIKELY: f64 = 3.0;
 
-/// Payloads of the grid and what is believed of them before: for the default prior of 200 +- 160 kg
-/// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
-/// beyond it.
+/// Payloads of the grid and their prior: by the default prior of 200 +- 160 kg they are -50, -37.5, ..., 650 kg. The
+/// prior is Gaussian about 200 kg, and wider than in mode D, whose filters may leave it.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Payloads {
@@ -75,7 +74,7 @@ impl Payloads {
         self.mass(NODES - 1) - UNLIKELY_END * self.spacing
     }
 
-    /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
+    /// Reduction of the log weight near both ends: well below 0, and above 600 kg.
     fn unlikeliness(&self, mass: f64) -> f64 {
         if (-LIKELY_BELOW * self.spacing..=self.likely_until()).contains(&mass) {
             0.0
@@ -93,14 +92,14 @@ impl Payloads {
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
-    /// Change of the log weight with the damping, per standard deviation.
+    /// Derivative of the log weight with respect to the damping, per standard deviation.
     slope: f64,
     weight: f64,
     filter: UnknownTorque,
 }
 
 impl Node {
-    /// A weight of zero has one too.
+    /// Logarithm of the weight; finite also for a weight of 0.
     fn log_weight(&self) -> f64 {
         ln(self.weight + 1e-30)
     }
@@ -111,7 +110,7 @@ impl Node {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct PostureMode {
     damping_std: f64,
-    /// Size of the machine's torques against the reference machine's.
+    /// Torques of the machine over those of the reference machine.
     scale: f64,
     payloads: Payloads,
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
@@ -152,7 +151,7 @@ impl PostureMode {
         mode
     }
 
-    /// One tick; the reading is that of the tick 0.15 s ago at the posture of now.
+    /// Takes one tick. The reading is that of the tick 0.15 s ago, at the present posture.
     pub(in crate::excavator) fn step(
         &mut self,
         settings: &Settings,
@@ -179,7 +178,7 @@ impl PostureMode {
         }
     }
 
-    /// Whether the tick behind the reading stood still.
+    /// Whether the machine stood at the tick of the reading.
     pub(in crate::excavator) fn held(&self) -> bool {
         self.held
     }
@@ -211,7 +210,7 @@ impl PostureMode {
         self.read(late, nis, &accelerations);
     }
 
-    /// All nodes, one step; returns the normalised innovation squared of the mixture.
+    /// Advances all nodes by one step. Returns the normalised innovation squared of the mixture.
     fn filter(
         &mut self,
         settings: &Settings,
@@ -230,7 +229,7 @@ impl PostureMode {
         for (i, node) in self.nodes.iter_mut().enumerate() {
             let mass = self.payloads.mass(i);
             let physics = Physics {
-                // Only a geometry that is none could come near zero here.
+                // Only an invalid geometry has an inertia near 0.
                 inertia: (late.mean[0] + mass * late.mean[1]).max(inertia_min),
                 rate: late.rate[0] + mass * late.rate[1],
                 damping,
@@ -243,7 +242,7 @@ impl PostureMode {
             let innovation = filter.step(&physics, late.period, late.velocity, late.variance);
             if late.velocity.is_some() {
                 logarithms[i] -= 0.5 * (innovation.nis() + ln(innovation.variance));
-                // The error before the correction over S is the one after it over R.
+                // The error before the correction over S equals the error after it over R.
                 node.slope += innovation.value * node.filter.doubt[0] / late.variance;
                 nis += node.weight * innovation.nis();
             }
@@ -261,7 +260,7 @@ impl PostureMode {
         }));
     }
 
-    /// The weights from their logarithms, and the payload that they give.
+    /// Computes the weights from their logarithms, and the payload from the weights.
     fn normalise(&mut self, logarithms: &[f64; NODES]) {
         let payloads = self.payloads;
         let most = logarithms
@@ -287,9 +286,9 @@ impl PostureMode {
         self.payload = (mean, sqrt(variance));
     }
 
-    /// Shift of the payload by a damping one standard deviation off: the log weight is nearly a
-    /// parabola in the payload, and its slopes there move its top. Taken from the three nodes about
-    /// the top, so that the ends of the grid, at which the payload cannot move, do not hide it.
+    /// Shift of the payload by a damping error of one standard deviation. The log weight is nearly a parabola in the payload,
+    /// and its slopes in the damping move its maximum. Only the three nodes about the maximum count: at the ends of the grid the
+    /// payload cannot move, which would hide the shift.
     fn doubt(&self) -> f64 {
         let top = (1..NODES - 1)
             .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))

@@ -1,5 +1,5 @@
-//! Mode D: torque and posture. One filter, a mixture with a drop model, or the default: two filters
-//! side by side.
+//! Mode D: torque and posture. One filter, a mixture with a drop model, two filters side by side on a calibrated
+//! machine, or the default for an uncalibrated one ([`Working`]).
 
 use crate::excavator::changing_payload::ChangingPayload;
 use crate::excavator::drive::Drive;
@@ -11,7 +11,7 @@ use crate::excavator::state::State;
 use crate::excavator::working::{Trail, Working};
 
 /// Mode D in any variant.
-// One of them is made per machine, in place: there is no allocator to box it with.
+// There is one per machine, in place, and no allocator to box it.
 #[expect(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -22,7 +22,7 @@ pub(in crate::excavator) enum PostureTorque {
     Drop(DropMixture),
     /// Two filters side by side, on a calibrated machine.
     Auto(ChangingPayload),
-    /// A machine that nobody has calibrated.
+    /// The default, on an uncalibrated machine.
     Working(Working),
 }
 
@@ -39,7 +39,7 @@ impl PostureTorque {
         }
     }
 
-    /// One tick; `reopen` after a long stand. What the default estimator does goes into the trail, where that is kept.
+    /// Takes one tick; `reopen` after a long stand. The default estimator writes its step into `trail`.
     pub(in crate::excavator) fn step(
         &mut self,
         settings: &Settings,
@@ -66,7 +66,7 @@ impl PostureTorque {
         }
     }
 
-    /// The default estimator, whose trail can be kept.
+    /// The default estimator, which can record a trail.
     pub(in crate::excavator) fn working(&mut self) -> Option<&mut Working> {
         match self {
             Self::Working(working) => Some(working),
@@ -74,7 +74,7 @@ impl PostureTorque {
         }
     }
 
-    /// Whether the filters are still sound.
+    /// Whether the numbers of the filters are finite, without negative variances.
     pub(in crate::excavator) fn is_sound(&self) -> bool {
         match self {
             Self::Plain(_, filter) => filter.is_sound(),

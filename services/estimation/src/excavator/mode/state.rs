@@ -1,8 +1,8 @@
-//! What a state-space mode says after one tick.
+//! Estimate of a state-space mode after one tick, before the verdict.
 
 use crate::excavator::reason::Reason;
 
-/// Reading of a mode, before the verdict.
+/// Reading of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct State {
@@ -17,18 +17,17 @@ pub(in crate::excavator) struct State {
     pub(in crate::excavator) total_torque: Option<(f64, f64)>,
     pub(in crate::excavator) velocity: f64,
     pub(in crate::excavator) acceleration: f64,
-    /// Ungated; 0 where nothing was measured.
+    /// Normalised innovation squared before any gate; 0 without a measurement.
     pub(in crate::excavator) nis: f64,
     pub(in crate::excavator) changing: bool,
-    /// The value may not be what it seems: the payload is perhaps changing, or the estimate is at the
-    /// end of its range.
+    /// The estimate may be invalid: the payload is possibly changing, or the estimate is at the end of its range.
     pub(in crate::excavator) unsettled: bool,
-    /// The load has been weighed just now: standing rows tell the inertia too.
+    /// The load was weighed just now, so that rows at standstill identify the inertia too.
     pub(in crate::excavator) weighed: bool,
     pub(in crate::excavator) reason: Reason,
     pub(in crate::excavator) change_mode: bool,
     pub(in crate::excavator) opening: bool,
     pub(in crate::excavator) drop_probability: f64,
-    /// Change flag of the tick behind this reading.
+    /// Change flag of the tick of this reading.
     pub(in crate::excavator) flagged: bool,
 }

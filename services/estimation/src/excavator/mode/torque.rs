@@ -4,16 +4,16 @@
 //! p = J w,   l = ln J:   p' = T + d - T_f tanh(w/0.008) - b w,   l a random walk,   y = p exp(-l)
 //! ```
 //!
-//! In p the unknown posture rate does not appear, which is what makes the mode possible: the form
-//! with w and J errs by tens of percent while the arm moves. It needs a rest in the record, where
-//! p is known to be 0; a start in mid-swing has no anchor.
+//! The unknown rate of the posture does not appear in p, which makes the mode possible: with the states w and J
+//! the error is tens of percent while the arm moves. The mode needs a standstill in the record, where p is known
+//! to be 0; after a start in mid-swing p is unknown.
 //!
-//! Damping and offset are held at their nominal values (`Auto`, `Known`) or estimated. Where they are
-//! held, what they may be wrong by widens the interval (see [`crate::excavator::consider`]), unless the variant
-//! says that they are known.
+//! Damping and offset are held at their nominal values (`Auto`, `Known`) or estimated. Where they are held, their
+//! uncertainty widens the interval (see [`crate::excavator::consider`]), unless the variant states that they are
+//! known.
 //!
-//! The random walk of l is deliberately fast, so that l can follow the posture; its variance then
-//! overstates the error, and the reported deviation is c_I = 0.6 of it with damping known.
+//! The random walk of l is deliberately fast, so that l can follow the posture. Its variance then overstates the
+//! error, and the reported standard deviation is c_I = 0.6 of it where the damping is held.
 
 use crate::consistency::gated_variance;
 use crate::excavator::consider::{Consider, Doubt};

@@ -1,4 +1,4 @@
-//! Velocity and unknown total torque u = T - T_f sgn(w) for one inertia.
+//! Filter of velocity and unknown total torque u = T - T_f sgn(w), for one inertia.
 //!
 //! ```text
 //! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
@@ -8,17 +8,17 @@ use crate::excavator::standstill::{Phase, released_variance};
 use crate::kalman::Innovation;
 use crate::math::exp;
 
-/// Standard deviation of the total torque at start and after rest, reference machine [N m].
+/// Standard deviation of the total torque at the start and after a standstill, on the reference machine [N m].
 const TORQUE_STD: f64 = 3000.0;
 
-/// Filter of velocity and unknown total torque for one inertia.
+/// The filter's state; p: variance of the velocity, covariance, variance of the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct UnknownTorque {
     pub(in crate::excavator) velocity: f64,
     pub(in crate::excavator) torque: f64,
     pub(in crate::excavator) p: [f64; 3],
-    /// Errors of velocity and torque due to the damping.
+    /// Errors of velocity and torque due to the damping (consider covariance).
     pub(in crate::excavator) doubt: [f64; 2],
 }
 
@@ -39,7 +39,7 @@ pub(in crate::excavator) struct Physics {
 }
 
 impl UnknownTorque {
-    /// At rest; `scale` is the size of the machine's torques against the reference machine's.
+    /// At rest; `scale`: torques of the machine over those of the reference machine.
     pub(in crate::excavator) fn start(scale: f64) -> Self {
         let torque_std = scale * TORQUE_STD;
         Self {
@@ -56,7 +56,7 @@ impl UnknownTorque {
         (self.torque - damping * self.velocity) / physics.inertia
     }
 
-    /// Predicts over a step of `dt` and takes in the velocity after it, if there is one, with its variance.
+    /// Predicts over a step of `dt`, and corrects with the velocity after it, if there is one; `variance`: of that velocity.
     pub(in crate::excavator) fn step(
         &mut self,
         physics: &Physics,
@@ -92,7 +92,7 @@ impl UnknownTorque {
         Innovation { value, variance }
     }
 
-    /// Standing, or setting off with a velocity of this variance.
+    /// Resets the filter at standstill, or the velocity at its end; `variance`: of a single velocity.
     pub(in crate::excavator) fn rest(&mut self, variance: f64, phase: Phase, scale: f64) {
         if let Phase::Released(velocity) = phase {
             self.velocity = velocity;

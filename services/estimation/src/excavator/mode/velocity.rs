@@ -4,10 +4,9 @@
 //! beta = b/J,  alpha = T_t/J:   w' = alpha - beta w
 //! ```
 //!
-//! While the inertia changes it cannot be distinguished from the damping, so the interval is wide and the
-//! verdict is never `identifiable`. A caller who declares the inertia constant gets a number after
-//! about a second and a half of steady torque. A filter with states (w, ln J, T) must not be used
-//! here: it drifts by 90 %.
+//! A changing inertia cannot be distinguished from the damping, so the interval is wide and the verdict is never
+//! `identifiable`. With an inertia declared constant, the verdict is possible after about a second and a half of
+//! steady torque. A filter with the states (w, ln J, T) must not be used here: it drifts by 90 %.
 
 use crate::excavator::consider::Doubt;
 use crate::excavator::delay::{DelayLine, Entry};
@@ -18,12 +17,12 @@ use crate::kalman::Innovation;
 use crate::math::sqrt;
 use nalgebra::{Matrix3, Vector3};
 
-/// Variance of alpha at start and after rest [(rad/s^2)^2].
+/// Variance of alpha at the start and after a standstill [(rad/s^2)^2].
 const ALPHA_VARIANCE: f64 = 0.25;
 /// Random walk of the torque while a change is flagged [N m/sqrt(s)].
 const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 
-/// Random walk of the velocity itself: what neither torque nor damping explains [(rad/s)^2/s].
+/// Random walk of the velocity itself, by what neither torque nor damping explains [(rad/s)^2/s].
 const VELOCITY_WALK: f64 = 1e-7;
 
 /// Mode A.
@@ -53,7 +52,7 @@ impl VelocityMode {
         mode
     }
 
-    /// One tick; the reading is that of the tick 0.15 s ago.
+    /// Takes one tick. The reading is that of the tick 0.15 s ago.
     pub(in crate::excavator) fn step(
         &mut self,
         settings: &Settings,
@@ -66,7 +65,7 @@ impl VelocityMode {
         self.late
     }
 
-    /// Whether the tick behind the reading stood still.
+    /// Whether the machine stood at the tick of the reading.
     pub(in crate::excavator) fn held(&self) -> bool {
         self.held
     }
@@ -170,7 +169,7 @@ impl VelocityMode {
     fn read(&mut self, s: &Settings, nis: f64, acceleration: f64, flagged: bool) {
         let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
         let inertia = (s.nominal_damping / beta).clamp(s.inertia_min, s.inertia_max);
-        // J = b/beta errs with the nominal damping; where J changes, the drift of beta covers that.
+        // J = b/beta has the relative error of the nominal damping; with a changing J, the drift of beta includes it.
         let doubt = if s.estimator.constant_inertia {
             Doubt::new(s).damping / s.nominal_damping
         } else {
@@ -199,7 +198,7 @@ impl VelocityMode {
     }
 }
 
-/// Relative uncertainty of the prior, carried over to beta.
+/// Variance of beta by the relative uncertainty of the inertia's prior.
 fn prior_variance(settings: &Settings) -> f64 {
     let p = &settings.prior;
     let std = p.inertia_std / p.inertia * settings.nominal_damping / p.inertia;
