@@ -13,8 +13,8 @@
 //! | b | `x[3]` | viscous damping | N m s/rad |
 //! | u | `x[4]` | drive of a changing payload | kg/s, kg/rad |
 //!
-//! The state takes an Euler step, its own derivative the exponential: the pair for which the gains
-//! were set. u is 0 with no variance while nothing changes the payload.
+//! The state is predicted by an Euler step, its derivative by the exponential: the gains were set for this pair.
+//! While nothing changes the payload, u is 0 with zero variance.
 
 pub(in crate::excavator) mod change;
 pub(in crate::excavator) mod changing_payload;
@@ -33,12 +33,12 @@ use nalgebra::{SMatrix, SVector};
 type State = SVector<f64, 5>;
 type Covariance = SMatrix<f64, 5, 5>;
 
-/// How the payload may change during one step.
+/// Model of a changing payload during one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Change {
     /// Weight of the drive u (h).
     pub(super) weight: f64,
-    /// Share that leaves per second (kap) [1/s].
+    /// Decay rate of the payload (kap) [1/s].
     pub(super) decay: f64,
     /// Standard deviation of u (us).
     pub(super) std: f64,
@@ -88,7 +88,7 @@ impl Model {
         }
     }
 
-    /// The same with another random walk of the payload, variance per second.
+    /// The same with another random walk of the payload; `rate`: variance per second [kg^2/s].
     pub(super) fn with_payload_variance_rate(self, rate: f64) -> Self {
         Self {
             payload_variance_rate: rate,
@@ -103,16 +103,16 @@ impl Model {
 pub(super) struct PayloadFilter {
     pub(super) x: State,
     pub(super) p: Covariance,
-    /// Errors due to the gain of the torque.
+    /// Errors of the states due to the gain of the torque.
     pub(super) doubt: Consider<5>,
 }
 
-/// Innovation of a step with the variance before and after the gate.
+/// Result of a step: innovation, and its variance after the gate.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Outcome {
-    /// Ungated; variance 0 where nothing was measured.
+    /// Innovation before the gate; its variance is 0 without a measurement.
     pub(super) innovation: Innovation,
-    /// Variance limited by the gate.
+    /// Variance after the gate, which limits the gain.
     pub(super) gated: f64,
     /// Acceleration of the model over the step [rad/s^2].
     pub(super) acceleration: f64,
@@ -127,7 +127,7 @@ impl PayloadFilter {
         }
     }
 
-    /// Predicts over one step and takes in its velocity.
+    /// Predicts over one step, and corrects with its velocity.
     pub(super) fn step(&mut self, model: &Model, drive: &Drive, change: Change) -> Outcome {
         let acceleration = self.predict(model, drive, change);
         let mut outcome = self.correct(model, drive);
@@ -168,8 +168,8 @@ impl PayloadFilter {
         self.p[(0, 0)] += torque_variance * torque_step * torque_step;
         self.p[(1, 1)] += model.payload_variance_rate * dt;
         if change.weight > 0.0 {
-            let kept = F[(4, 4)] * F[(4, 4)];
-            self.p[(4, 4)] += change.std * change.std * (1.0 - kept);
+            let remaining = F[(4, 4)] * F[(4, 4)];
+            self.p[(4, 4)] += change.std * change.std * (1.0 - remaining);
         }
         f
     }
@@ -198,18 +198,18 @@ impl PayloadFilter {
         }
     }
 
-    /// Keeps the payload inside its limits.
+    /// Limits the payload to its range.
     pub(super) fn limit(&mut self, model: &Model) {
         self.x[1] = self.x[1].clamp(model.payload[0], model.payload[1]);
     }
 
-    /// Whether the payload is at one of its limits.
+    /// Whether the payload is at the end of its range.
     pub(super) fn at_limit(&self, model: &Model) -> bool {
         let [least, most] = model.payload;
         self.x[1] <= least || self.x[1] >= most
     }
 
-    /// Standing, or setting off: the velocity is known, the rest is kept.
+    /// Standstill or its end: the velocity is known, the other states are retained.
     pub(super) fn rest(&mut self, model: &Model, drive: &Drive, phase: Phase) {
         self.clear(0);
         self.doubt.set(0, 0.0);
@@ -226,7 +226,7 @@ impl PayloadFilter {
         }
     }
 
-    /// After a stand the payload may be another: its variance is at least the prior's.
+    /// Resets the variance of the payload to at least the prior's, since it may have changed during a long stand.
     pub(super) fn reopen(&mut self, model: &Model) {
         let start = model.start_variance[1];
         if self.p[(1, 1)] < start {
@@ -236,7 +236,7 @@ impl PayloadFilter {
         }
     }
 
-    /// Forgets the drive of the payload and gives it a variance.
+    /// Resets the drive of the payload to 0, with this variance.
     pub(super) fn restart_drive(&mut self, variance: f64) {
         self.x[4] = 0.0;
         self.doubt.set(4, 0.0);
@@ -249,7 +249,7 @@ impl PayloadFilter {
         (self.x[1], self.p[(1, 1)])
     }
 
-    /// Whether every number is one, and no variance negative.
+    /// Whether all numbers are finite, and no variance is negative.
     pub(super) fn is_sound(&self) -> bool {
         self.x.iter().all(|v| v.is_finite())
             && self.p.iter().all(|v| v.is_finite())
@@ -262,7 +262,7 @@ impl PayloadFilter {
     }
 }
 
-/// Common reading of a filter.
+/// Estimate of a filter, in the form common to all variants.
 pub(in crate::excavator) fn reading(
     model: &Model,
     filter: &PayloadFilter,

@@ -4,21 +4,21 @@
 //!
 //! Eq. 12 with its total torque T_t on the left, `0 = J a + b w - T_t`, gives the regressor
 //! phi = (a, w, -1) and theta = (J, b, T_t) with output 0 (Eqs. 13-15). Before each update the
-//! nominal rule (Eqs. 28-29) sets b back to its nominal value where it has left it by more than
-//! epsilon; the source subtracts J from b in Eq. 28 and lets Eq. 29 clash with the joint solution,
-//! here the rule acts on the value before the update. Inside change windows the forgetting factors
-//! are another triple (section 3.5; which one, the source leaves open).
+//! nominal rule (Eqs. 28-29) resets b to its nominal value if it deviates by more than epsilon. The
+//! source subtracts J from b in Eq. 28, and its Eq. 29 conflicts with the joint solution; here the
+//! rule acts on the value before the update. Inside change windows another triple of forgetting
+//! factors applies (section 3.5; the source does not state which one).
 //!
 //! The output is 0, so the recursion is homogeneous: twice the initial theta gives twice every
-//! estimate. **J is held, not found.** An initial error of 20 % stays 20 %. The reported standard
+//! estimate. **J is not identified.** An initial error of 20 % stays 20 %. The reported standard
 //! deviation is that of the prior, and the verdict is never `identifiable`.
 //!
 //! # Measured torque (`svf-rls`)
 //!
-//! With all signals behind equal filters, `T_f = J a_f + b w_f + Fc s_f + offset 1_f`. Only the
-//! inertia (one scalar, forgetting 0.9, above a least acceleration), or with
-//! `estimate_damping`, `estimate_friction`, `estimate_offset` these too, by ordinary RLS.
-//! The posture term Jd w is not in it: while an arm moves the error reaches 25 % and more.
+//! All signals pass equal filters: `T_f = J a_f + b w_f + Fc s_f + offset 1_f`. The regression
+//! estimates only the inertia (one scalar, forgetting 0.9, above a least acceleration), or with
+//! `estimate_damping`, `estimate_friction`, `estimate_offset` these too, by ordinary RLS. It lacks the
+//! posture term Jd w: while an arm moves the error reaches 25 % and more.
 
 pub(in crate::excavator) mod joint;
 pub(in crate::excavator) mod single;
@@ -53,11 +53,11 @@ pub struct Regression {
     kind: Kind,
     nis: NisWindow<50>,
     running_for: f64,
-    /// Of the motion before [s].
+    /// Time of the last motion [s].
     time: Option<f64>,
-    /// Whether a torque alone can tell the inertia of this machine, see [`Settings::is_partly_identifiable`].
+    /// Whether the torque alone identifies the inertia of this machine, see [`Settings::is_partly_identifiable`].
     tells: bool,
-    /// What the inertia can be where it cannot.
+    /// Range of the inertia otherwise.
     partial_range: PartialRange,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
@@ -65,7 +65,7 @@ pub struct Regression {
     last: Estimate,
 }
 
-/// What one update left behind.
+/// Result of one update.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fit {
     pub(super) inertia: Quantity,
@@ -121,12 +121,12 @@ impl Regression {
         })
     }
 
-    /// The settings as given.
+    /// The settings as stated.
     pub fn described(&self) -> Settings {
         self.settings
     }
 
-    /// Takes in one motion and always answers.
+    /// Takes one motion and always returns an estimate.
     pub fn step(&mut self, motion: &Motion) -> Estimate {
         if motion.refused || !motion.time.is_finite() {
             self.refused += 1;
@@ -147,7 +147,7 @@ impl Regression {
         self.last
     }
 
-    /// Samples that did not reach the regression: what they would have made it forget is forgotten.
+    /// Applies the forgetting of samples that did not reach the regression.
     fn forget(&mut self, motion: &Motion) {
         let last = self.time.replace(motion.time);
         let missed = last.map_or(0.0, |last| motion.time - last - motion.period);
@@ -155,13 +155,13 @@ impl Regression {
             return;
         }
         match &mut self.kind {
-            Kind::Paper(_) => {} // holds what it was given, see above
+            Kind::Paper(_) => {} // J stays at its initial value, see above
             Kind::Single(single) => single.forget(&self.settings, missed, motion.period),
             Kind::Joint(joint) => joint.forget(&self.settings, missed, motion.period),
         }
     }
 
-    /// Outside its time, at standstill, or before the filters have settled.
+    /// Whether the regression pauses: outside its stated time, at standstill, or before the filters have settled.
     fn holds(&mut self, motion: &Motion) -> bool {
         let p = &self.settings.paper;
         let settling = 5.0 / self.settings.estimator.filter_frequency;
@@ -208,7 +208,7 @@ impl Regression {
         } else {
             !held && motion.filtered_acceleration.abs() > e.svf_acceleration_min
         };
-        // The joint regression does not use the Kalman filter, and measures its own residual.
+        // The joint regression does not use the Kalman filter; its own residual measures the noise.
         let measured_noise = matches!(self.kind, Kind::Joint(_));
         let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
         let mut inertia = fit.inertia;
@@ -257,7 +257,7 @@ fn paper(settings: &Settings) -> MultipleForgettingRls<3> {
     )
 }
 
-/// Eqs. 12-29 for one sample.
+/// Update by Eqs. 12-29 with one sample.
 fn paper_step(
     settings: &Settings,
     rls: &mut MultipleForgettingRls<3>,
@@ -287,7 +287,7 @@ fn paper_step(
     let [inertia, damping, torque] = rls.parameters;
     let relative = settings.prior.inertia_std / settings.prior.inertia;
     Fit {
-        // The scale comes from the prior, and so does its uncertainty.
+        // The prior determines the scale, and so its uncertainty.
         inertia: Quantity {
             value: inertia,
             std: relative * inertia.abs(),
@@ -308,7 +308,7 @@ fn paper_step(
     }
 }
 
-/// `tc <= t < tc + delay` for a known or a detected change.
+/// Whether `tc <= t < tc + delay` for a stated or a detected change.
 fn in_window(settings: &Settings, motion: &Motion) -> bool {
     let times = &settings.paper.change_times;
     if times.is_empty() {

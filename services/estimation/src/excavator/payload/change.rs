@@ -1,8 +1,8 @@
 //! Innovation gate and detection of torque changes from the velocity alone.
 //!
-//! A Kalman filter of velocity and acceleration predicts each sample. What lies far outside is
-//! dropped, but never more than three in a row: then it is the machine that has moved. A lasting
-//! shift of the innovations, or setting off from rest, is a change of torque.
+//! A Kalman filter of velocity and acceleration predicts each sample. Outliers are dropped, but at most three in a row: a
+//! fourth shows that the machine has moved. A lasting shift of the innovations, or a start from rest, is a change of
+//! torque.
 
 use crate::consistency::Cusum;
 use crate::kalman::{Innovation, VelocityFilter};
@@ -11,16 +11,16 @@ use crate::kalman::{Innovation, VelocityFilter};
 const Q_PER_SECOND: f64 = 5e-2;
 const REST_VELOCITY: f64 = 0.012;
 
-/// A velocity after the gate.
+/// Velocity after the gate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::excavator) struct Gated {
-    /// `None` where it is missing or was dropped.
+    /// `None` where the velocity is missing or dropped.
     pub(in crate::excavator) velocity: Option<f64>,
     /// A change of torque was detected at this sample.
     pub(in crate::excavator) event: bool,
 }
 
-/// Innovation gate: a fast Kalman filter that drops what lies far outside.
+/// Innovation gate: a fast Kalman filter that drops outliers.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Gate {
@@ -40,7 +40,7 @@ impl Gate {
         }
     }
 
-    /// The velocity, `None` where it is missing or dropped, and its innovation.
+    /// Returns the velocity, `None` where it is missing or dropped, and its innovation.
     pub(in crate::excavator) fn step(
         &mut self,
         velocity: Option<f64>,
@@ -67,7 +67,7 @@ impl Gate {
     }
 }
 
-/// Gate and detector.
+/// Gate, and detector of torque changes.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct ChangeDetector {
@@ -77,7 +77,7 @@ pub(in crate::excavator) struct ChangeDetector {
     rest_velocity: f64,
 }
 
-/// Counts samples that say rest or motion.
+/// Counts consecutive samples of rest and of motion.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Rest {
@@ -96,7 +96,7 @@ impl ChangeDetector {
         }
     }
 
-    /// Takes in one sample.
+    /// Takes one sample.
     pub(in crate::excavator) fn step(
         &mut self,
         velocity: Option<f64>,

@@ -1,11 +1,11 @@
-//! Mode D by default: a payload that may change, noticed by itself.
+//! Default of mode D on a calibrated machine: detects changes of the payload by itself.
 //!
-//! Filter 1 believes in a constant payload until the bucket opens or an alarm is raised; filter 2
-//! always lets it move. The payload enters the motion only through d(g w)/dt, which nearly
-//! vanishes in a dump while braking: prior knowledge must carry the estimate there, so while the
-//! bucket opens by rho [rad/s] the payload leaves as `m' = rho (u - 1.4 m)` with a free u. The
-//! interval widens with the opening, before the material moves. What no bucket angle announces,
-//! the comparison of the two filters and the sums of filter 1's innovations find.
+//! Filter 1 assumes a constant payload until the bucket opens or an alarm is raised; filter 2 always lets the
+//! payload change. The payload enters the motion only through d(g w)/dt, which nearly vanishes in a dump while
+//! braking, so the estimate then depends on prior knowledge. While the bucket opens by rho [rad/s] the payload
+//! leaves as `m' = rho (u - 1.4 m)` with a free u. The interval widens with the opening, before the material
+//! moves. Changes without an opening are detected by comparison of the two filters, and by sums of filter 1's
+//! innovations.
 
 use crate::excavator::drive::Drive;
 use crate::excavator::opening::Opening;
@@ -19,67 +19,67 @@ use crate::math::{exp, ln, sqrt};
 const CHANGE: u32 = 30;
 /// Ticks after an opening in which the last of the material may still leave (0.20 s).
 const SETTLING: u32 = 20;
-/// Sum of innovations, and difference of the filters in standard deviations, at which an estimate is
-/// no longer trusted. They are reached for 3 % of an undisturbed swing; a change that nothing announces is
-/// trusted for a fifth less time.
+/// Sum of innovations, and difference of the filters in standard deviations, from which on an estimate is not
+/// trusted. They are reached in 3 % of an undisturbed swing, and shorten by a fifth the time in which a change
+/// without an opening is trusted.
 const SUSPICIOUS_SUM: f64 = 3.0;
 const SUSPICIOUS_DIFFERENCE: f64 = 1.4;
-/// The free change of payload decays in this time, in an opening and after an alarm [s].
+/// Time constants of the free change of payload, in an opening and after an alarm [s].
 const OPENING_TIME: f64 = 0.5;
 const CHANGE_TIME: f64 = 0.3;
 
-/// Of the mean square of the innovations this share is left after `SQUARE_TIME` [s]; larger squares count as `SQUARE_MOST`.
-const SQUARE_KEPT: f64 = 0.98;
+/// Share of the mean square of the innovations that remains after `SQUARE_TIME` [s]; larger squares count as `SQUARE_MOST`.
+const SQUARE_DECAY: f64 = 0.98;
 const SQUARE_TIME: f64 = 0.01;
 const SQUARE_MOST: f64 = 9.0;
-/// So far above 1 the mean square is chance.
+/// Excess of the mean square over 1 that counts as chance.
 const SQUARE_CHANCE: f64 = 0.15;
-/// Least standard deviation of the filters' difference, and one of the payload above which nothing is compared [kg of the reference
-/// machine].
+/// Least standard deviation of the filters' difference, and standard deviation of the payload above which their comparison restarts [kg of the
+/// reference machine].
 const LEAST_STD: f64 = 20.0;
 const UNSURE_STD: f64 = 40.0;
-/// The filters disagree beyond this many standard deviations; so many ticks in a row declare a change.
+/// Difference of disagreeing filters in standard deviations, and number of consecutive ticks of disagreement that declare a change.
 const DISAGREE: f64 = 2.5;
 const DISAGREED: u32 = 5;
-/// An innovation counts in the sums by at most this, less `SUM_DRIFT` [standard deviations].
+/// Largest contribution of an innovation to the sums, and drift that each tick subtracts from them [standard deviations].
 const SUM_MOST: f64 = 3.0;
 const SUM_DRIFT: f64 = 0.5;
-/// Sum of innovations and difference of the filters that widen the interval.
+/// Sum of innovations and difference of the filters beyond which the interval widens.
 const WIDENING_SUM: f64 = 4.0;
 const WIDENING_DIFFERENCE: f64 = 1.8;
 
-/// The two filters side by side, the bucket's opening and the alarm.
+/// The two filters, the bucket's opening and the alarm.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct ChangingPayload {
-    /// Largest free change during an opening, free change after an alarm [kg/rad, kg/s].
+    /// Largest free change during an opening [kg/rad], free change after an alarm [kg/s].
     opening_change_max: f64,
     change_rate_std: f64,
     opening_decay: f64,
     change_threshold: f64,
-    /// A kilogram of the reference machine, on this one.
+    /// Payload on this machine that corresponds to a kilogram on the reference machine.
     kilogram: f64,
     model: Model,
-    /// Filter 1: constant payload unless something says otherwise.
+    /// Filter 1: constant payload, except during an opening or after an alarm.
     constant: PayloadFilter,
-    /// Filter 2: the payload always moves.
+    /// Filter 2: the payload always changes.
     moving: PayloadFilter,
     opening: Opening,
-    /// Ticks left in which the end of an opening is not yet believed.
+    /// Ticks left after an opening in which material may still leave.
     settling: u32,
-    /// The innovations or the other filter make a change possible, but not yet likely.
+    /// The innovations or the difference of the filters make a change possible, but not yet likely.
     suspicious: bool,
     /// Ticks of change mode left (hc).
     change: u32,
-    /// Filter 1 was allowed to move at the tick before (actp).
+    /// Filter 1 let the payload change in the last tick (actp).
     active: bool,
-    /// Ticks in a row at which the filters disagree (cz).
+    /// Consecutive ticks in which the filters disagree (cz).
     disagree: u32,
     up: f64,
     down: f64,
     /// Mean normalised innovation squared of filter 1 (n2).
     noise: f64,
-    /// Variance of the payload as last reported [kg^2].
+    /// Last reported variance of the payload [kg^2].
     variance: f64,
 }
 
@@ -114,7 +114,7 @@ impl ChangingPayload {
         }
     }
 
-    /// One tick; `reopen` after a long stand.
+    /// Takes one tick; `reopen` after a long stand.
     pub(in crate::excavator) fn step(
         &mut self,
         drive: &Drive,
@@ -142,7 +142,7 @@ impl ChangingPayload {
         let mut variance =
             self.constant.payload().1.max(0.0) * scale * scale + inflation * inflation;
         if drive.velocity.is_none() {
-            // What no measurement has shown is not known better, however the filters come together.
+            // Without a measurement the variance does not decrease, even if the filters converge.
             variance = variance.max(self.variance);
         }
         self.variance = variance;
@@ -191,7 +191,7 @@ impl ChangingPayload {
         self.down = 0.0;
     }
 
-    /// Both filters, one step.
+    /// Advances both filters by one step.
     fn advance(&mut self, drive: &Drive, rho: f64, change_mode: bool, active: bool) -> Outcome {
         let (m, variance) = self.constant.payload();
         let own = (m.max(0.0) + 2.0 * sqrt(variance.max(0.0))).min(self.opening_change_max);
@@ -227,11 +227,11 @@ impl ChangingPayload {
         outcome
     }
 
-    /// Compares the two filters; returns the factor of the standard deviation and what is added.
+    /// Compares the two filters. Returns a factor of the standard deviation, and a standard deviation that is added.
     fn compare(&mut self, drive: &Drive, outcome: &Outcome, active: bool) -> (f64, f64) {
         let zz = outcome.innovation.normalised();
         if drive.velocity.is_some() {
-            let share = 1.0 - exp(ln(SQUARE_KEPT) * drive.period / SQUARE_TIME);
+            let share = 1.0 - exp(ln(SQUARE_DECAY) * drive.period / SQUARE_TIME);
             self.noise += share * ((zz * zz).min(SQUARE_MOST) - self.noise);
         }
         let scale = sqrt((self.noise - SQUARE_CHANCE).max(1.0));
@@ -275,7 +275,7 @@ impl ChangingPayload {
         (scale, inflation)
     }
 
-    /// Whether both filters are still sound.
+    /// Whether the numbers of both filters are finite, without negative variances.
     pub(in crate::excavator) fn is_sound(&self) -> bool {
         self.constant.is_sound() && self.moving.is_sound()
     }

@@ -1,5 +1,5 @@
-//! Mode D with the older drop model, for comparison: two copies of the filter, the second with a
-//! payload that may drop, in standard mixing.
+//! Mode D with the older drop model, for comparison: a mixture of two copies of the filter. In the second one the
+//! payload may drop.
 
 use crate::excavator::consider::Consider;
 use crate::excavator::drive::Drive;
@@ -9,7 +9,7 @@ use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
 use crate::math::{exp, sqrt};
 
-/// Two copies of the filter, the second with a payload that may drop; standard mixing.
+/// Mixture of two copies of the filter, with a constant and with a dropping payload.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct DropMixture {
@@ -19,7 +19,7 @@ pub(in crate::excavator) struct DropMixture {
     started: bool,
 }
 
-/// Probability per tick of going from model i to model j.
+/// Transition probabilities from model i to model j, per tick.
 const TRANSITION: [[f64; 2]; 2] = [[0.998, 0.002], [0.03, 0.97]];
 
 impl DropMixture {
@@ -37,7 +37,7 @@ impl DropMixture {
         }
     }
 
-    /// One tick; `reopen` after a long stand.
+    /// Takes one tick; `reopen` after a long stand.
     pub(in crate::excavator) fn step(
         &mut self,
         drive: &Drive,
@@ -107,7 +107,7 @@ impl DropMixture {
     }
 }
 
-/// Mean and covariance of a mixture, with the spread of the means.
+/// Mean and covariance of a mixture, including the spread of the means.
 fn merge(filters: &[PayloadFilter; 2], weights: [f64; 2]) -> PayloadFilter {
     let x = filters[0].x * weights[0] + filters[1].x * weights[1];
     let spread = |i: usize| {

@@ -1,11 +1,11 @@
-//! Does the bucket open? Its angle relative to the arm tells, before the material moves.
+//! Detects an opening bucket by its angle relative to the arm, before the material moves.
 
 use crate::excavator::drive::Drive;
 
-/// Ticks over which the bucket's rate is taken, and for which an opening lasts (0.10 s).
+/// Number of ticks over which the bucket's rate is taken, and for which an opening lasts (0.10 s).
 const OPENING: usize = 10;
 
-/// Bucket opening: its rate, and for how long it still counts.
+/// Detector of an opening bucket.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Opening {
@@ -16,7 +16,7 @@ pub(in crate::excavator) struct Opening {
 }
 
 impl Opening {
-    /// Counts from this rate on [rad/s].
+    /// From the least rate of an opening [rad/s].
     pub(in crate::excavator) fn new(threshold: f64) -> Self {
         Self {
             ring: [(0.0, 0.0); OPENING],
@@ -26,17 +26,17 @@ impl Opening {
         }
     }
 
-    /// The rate from which on it counts [rad/s].
+    /// Least rate of an opening [rad/s].
     pub(in crate::excavator) fn threshold(&self) -> f64 {
         self.threshold
     }
 
-    /// The bucket opens, or has just done so.
+    /// Whether the bucket opens, or has just done so.
     pub(in crate::excavator) fn is_open(&self) -> bool {
         self.left > 0
     }
 
-    /// Rate of opening, 0 while the bucket does not open (rho) [rad/s].
+    /// Takes one tick. Returns the rate of opening, 0 while the bucket does not open (rho) [rad/s].
     pub(in crate::excavator) fn step(&mut self, drive: &Drive) -> f64 {
         let slot = self.count % OPENING;
         let (then, angle) = self.ring[slot];

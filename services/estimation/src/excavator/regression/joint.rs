@@ -1,14 +1,13 @@
-//! `svf-rls` with damping, friction and offset beside the inertia: ordinary RLS with exponential
-//! forgetting and full covariance on equally filtered signals.
+//! `svf-rls` of inertia, damping, friction and offset: ordinary RLS with exponential forgetting and full
+//! covariance on equally filtered signals.
 //!
 //! ```text
 //! T_f = J a_f + b w_f + Fc s_f + offset 1_f
 //! ```
 //!
-//! The residual of equally filtered signals is strongly correlated, and part of it is not noise
-//! but what the model leaves out. The covariance is therefore not sigma^2 P but P M P, where M sums
-//! the products of the scores phi e with their own past (Newey and West 1987, with an exponential
-//! window).
+//! The residual of equally filtered signals is strongly correlated, and includes model errors. The covariance is
+//! therefore not sigma^2 P but P M P, where M sums the products of the scores phi e with their own past (Newey
+//! and West 1987, with an exponential window).
 
 use crate::Quantity;
 use crate::excavator::motion::Motion;
@@ -18,20 +17,20 @@ use crate::math::{exp, ln, sqrt};
 use crate::rls::Rls;
 use nalgebra::{Matrix4, Vector4};
 
-/// Memory where the settings give no forgetting factor [s].
+/// Memory without a stated forgetting factor [s].
 const MEMORY: f64 = 20.0;
-/// Correlation time that the covariance allows for, in periods of the filter: 1/wn times this.
+/// Correlation time of the scores, in units of 1/wn of the filters.
 const CORRELATION: f64 = 60.0;
-/// Relative standard deviation that no data can take away (gain of the torque measurement).
+/// Least relative standard deviation, by the gain of the torque measurement.
 const FLOOR: f64 = 0.02;
-/// Friction is not a constant: it wanders by this share of its size within this time [s], which no
-/// residual shows once the parameters have absorbed it.
+/// Drift of the friction, as a share of its size, within `FRICTION_TIME` [s]. The residual does not show it once the parameters have
+/// absorbed it.
 const FRICTION_DRIFT: f64 = 0.05;
 const FRICTION_TIME: f64 = 0.5;
-/// Torque and motion are sampled together only within this part of a period. What is late by tau
-/// looks like damping of J tau a^2/w^2.
+/// Largest time shift between torque and motion, as a share of the sampling period. A shift of tau appears as
+/// damping of J tau a^2/w^2.
 const SKEW: f64 = 0.25;
-/// The prior's standard deviations are widened this much, so that the data decide what they can.
+/// Factor by which the prior's standard deviations are widened, so that the data determine what they can.
 const DIFFUSE: f64 = 3.0;
 
 /// Joint regression of inertia, damping, friction and offset.
@@ -40,7 +39,7 @@ const DIFFUSE: f64 = 3.0;
 pub(in crate::excavator) struct JointRegression {
     rls: Rls<4>,
     prior: [f64; 4],
-    /// Scores with their exponentially weighted past.
+    /// Exponentially weighted sum of past scores.
     past: Vector4<f64>,
     meat: Matrix4<f64>,
     residual_square: f64,
@@ -88,7 +87,7 @@ impl JointRegression {
         held: bool,
     ) -> Fit {
         let forgetting = forgetting(settings, motion.period);
-        // A missing torque or position is held by the filters; nothing is learned from long holds.
+        // The filters hold a missing torque or position; long holds carry no information.
         let fresh = motion.age <= settings.estimator.fresh_velocity
             && torque_age <= settings.estimator.fresh_others;
         if !held && fresh {
@@ -97,15 +96,15 @@ impl JointRegression {
         self.fit(settings, motion, torque_age, forgetting)
     }
 
-    /// Forgets for `missed` [s], at `period` [s] a sample.
+    /// Applies the forgetting of a duration `missed` [s], at `period` [s] a sample.
     pub(in crate::excavator) fn forget(&mut self, settings: &Settings, missed: f64, period: f64) {
-        let kept = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9)).max(1e-12);
-        self.rls.forget(kept);
-        self.meat *= kept * kept;
-        self.past *= kept;
-        self.residual_square *= kept;
-        self.squares = self.squares.map(|sum| kept * sum);
-        self.weight *= kept;
+        let factor = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9)).max(1e-12);
+        self.rls.forget(factor);
+        self.meat *= factor * factor;
+        self.past *= factor;
+        self.residual_square *= factor;
+        self.squares = self.squares.map(|sum| factor * sum);
+        self.weight *= factor;
     }
 
     fn learn(&mut self, settings: &Settings, motion: &Motion, forgetting: f64) {
@@ -164,7 +163,7 @@ impl JointRegression {
         }
     }
 
-    /// Apparent damping of a torque that is a part of a period late.
+    /// Apparent damping by the time shift between torque and motion.
     fn skew(&self) -> f64 {
         let [acceleration, velocity] = self.squares;
         if velocity <= 0.0 {
@@ -173,7 +172,7 @@ impl JointRegression {
         SKEW * self.period * self.rls.parameters[0] * acceleration / velocity
     }
 
-    /// Standard deviation of a parameter, at most the prior's; `wn` is the frequency of the filters [rad/s].
+    /// Standard deviation of a parameter, limited to the prior's or `FLOOR`; `wn` is the frequency of the filters [rad/s].
     fn std(&self, wn: f64, i: usize) -> f64 {
         let prior = self.prior[i];
         if self.weight * self.period < 2.0 / wn {
@@ -182,7 +181,7 @@ impl JointRegression {
         let p = self.rls.covariance();
         let row = p.row(i);
         let sandwich = (row * self.meat * row.transpose())[(0, 0)];
-        // Never less than white noise whose samples within 1/wn count as one.
+        // At least that of white noise whose samples within 1/wn count as one.
         let samples = (1.0 / (wn * self.period)).max(1.0);
         let plain = self.residual_square / self.weight * p[(i, i)] * samples;
         let floor = FLOOR * self.rls.parameters[i];

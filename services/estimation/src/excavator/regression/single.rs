@@ -1,4 +1,4 @@
-//! `svf-rls` with the inertia alone: one scalar regression behind equal filters.
+//! `svf-rls` of the inertia alone: one scalar regression on equally filtered signals.
 
 use crate::Quantity;
 use crate::excavator::motion::Motion;
@@ -6,12 +6,12 @@ use crate::excavator::regression::Fit;
 use crate::excavator::settings::Settings;
 use crate::math::{exp, ln, sqrt};
 
-/// Forgetting per 0.01 s where the settings give none.
+/// Forgetting factor per 0.01 s, where none is stated.
 const FORGETTING: f64 = 0.9;
 /// Memory of the residual's mean square [s].
 const RESIDUAL_MEMORY: f64 = 1.0;
-/// Relative standard deviation that no data can take away: with declared constant inertia the
-/// error of the torque's gain; else that of the missing posture term, which is not observed here.
+/// Least relative standard deviation. With an inertia declared constant it is that of the torque's gain, otherwise the error by the
+/// missing posture term, which is not observed here.
 const FLOOR_CONSTANT: f64 = 0.02;
 const FLOOR_MOVING: f64 = 0.25;
 
@@ -62,11 +62,11 @@ impl SingleRegression {
         }
     }
 
-    /// Forgets for `missed` [s], at `period` [s] a sample: sure of nothing that is older than the memory.
+    /// Applies the forgetting of a duration `missed` [s], at `period` [s] a sample.
     pub(in crate::excavator) fn forget(&mut self, settings: &Settings, missed: f64, period: f64) {
-        let kept = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9));
-        self.variance = (self.variance / kept.max(1e-12)).min(settings.estimator.svf_covariance);
-        self.learned_for *= kept;
+        let factor = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9));
+        self.variance = (self.variance / factor.max(1e-12)).min(settings.estimator.svf_covariance);
+        self.learned_for *= factor;
     }
 
     fn learn(&mut self, s: &Settings, motion: &Motion, forgetting: f64) {
@@ -88,8 +88,8 @@ impl SingleRegression {
         self.learned_for += motion.period;
     }
 
-    /// The memory is shorter than the correlation of the filtered residual, so its samples count
-    /// as one.
+    /// Standard deviation of the inertia [kg m^2]. The memory is shorter than the correlation of the filtered residual, so its samples
+    /// count as one.
     fn std(&self, settings: &Settings, forgetting: f64) -> f64 {
         let prior = settings.prior.inertia_std;
         if self.learned_for < 0.1 {

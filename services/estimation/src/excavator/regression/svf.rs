@@ -1,11 +1,11 @@
-//! Equal filters: the same second-order low-pass on every signal of an equation keeps the equation
-//! true, and its states are the filtered derivatives.
+//! Equal filters: the same second-order low-pass on all signals of an equation preserves the equation, and its
+//! states are the filtered derivatives.
 //!
 //! ```text
 //! z'' + 2 zeta wn z' + wn^2 z = wn^2 u
 //! ```
 //!
-//! integrated with at least four symplectic Euler steps per sample, the input held.
+//! integrated with at least four symplectic Euler steps per sample, with the input held.
 
 /// One low-pass filter; `value` is z, `rate` is z'.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -15,7 +15,7 @@ pub(in crate::excavator) struct Lowpass {
     pub(in crate::excavator) rate: f64,
     /// z'' during the last substep.
     pub(in crate::excavator) curvature: f64,
-    /// Output of the first-order stage that may come before.
+    /// Output of the optional first-order stage in front.
     pub(in crate::excavator) before: f64,
 }
 
@@ -25,8 +25,8 @@ pub(in crate::excavator) struct Lowpass {
 pub(in crate::excavator) struct Shape {
     pub(in crate::excavator) frequency: f64,
     pub(in crate::excavator) damping: f64,
-    /// A first-order stage of the same frequency in front: an angle is differentiated twice, and
-    /// without it the noise of the second derivative would have no limit.
+    /// Adds a first-order stage of the same frequency in front. An angle is differentiated twice; without this
+    /// stage the noise of the second derivative is unbounded.
     pub(in crate::excavator) third_order: bool,
 }
 
@@ -46,7 +46,7 @@ impl Lowpass {
         }
     }
 
-    /// Takes in one sample. After a gap too long to bridge the filter starts anew, settled.
+    /// Takes one sample. After a gap that is too long to bridge the filter restarts, settled.
     pub(in crate::excavator) fn step(&mut self, shape: &Shape, input: f64, period: f64) {
         let Some(n) = substeps(shape, period) else {
             *self = Self::settled(input);

@@ -1,4 +1,4 @@
-//! What the estimator says of a row: the reading of the last tick, taken to the row's time and posture.
+//! Estimate of a row: the reading of the last tick, extrapolated to the row's time and posture.
 
 use super::super::estimate::{Estimate, Flags, Sample};
 use super::super::mode::Reading;
@@ -8,14 +8,14 @@ use super::SwingEstimator;
 use crate::Quantity;
 use crate::math::sqrt;
 
-/// Factor of the standard deviation where the torque is unknown and the velocity is differenced from
-/// an angle: changes of torque are then found late.
+/// Factor of the standard deviation with unknown torque and a velocity differenced from an angle, since changes of
+/// torque are then detected late.
 const ENCODER_WITHOUT_TORQUE: f64 = 3.0;
 /// Growth of the relative standard deviation while the posture is stale [1/s].
 const STALE_POSTURE: f64 = 0.3;
 
 impl SwingEstimator {
-    /// The estimate of a row; the last one again where no tick has come yet.
+    /// The estimate of a row; repeats the last one until there is a tick.
     pub(super) fn estimate(&self, sample: &Sample, reset: bool) -> Estimate {
         let Some(reading) = &self.reading else {
             let mut again = self.last;
@@ -73,7 +73,7 @@ impl SwingEstimator {
         }
     }
 
-    /// Torque corrected by its offset.
+    /// Measured torque, corrected by its offset.
     fn measured_torque(&self, reading: &Reading) -> Option<Quantity> {
         let torque = self.grid.torque()?;
         let (offset, offset_std) = reading.state.offset.unwrap_or((0.0, 0.0));
@@ -82,8 +82,8 @@ impl SwingEstimator {
         Some(quantity((torque + offset, sqrt(variance))))
     }
 
-    /// Without torque the modes live on finding its changes within 0.15 s. Rows slower than the grid
-    /// and differenced angles delay that; the interval then widens, and the verdict is no.
+    /// Factor of the standard deviation without torque. Those modes must detect changes of torque within 0.15 s. Rows slower
+    /// than the grid and differenced angles delay that; the interval then widens, and the estimate is not trusted.
     fn lateness(&self) -> f64 {
         if self.needs().0 {
             return 1.0;
@@ -96,7 +96,7 @@ impl SwingEstimator {
         encoder * self.slowness
     }
 
-    /// The reading at the posture of this row, which may be newer than the tick.
+    /// The reading at the posture of this row, which may be newer than that of the tick.
     fn at_row(&self, reading: &Reading, sample: &Sample) -> State {
         let mut state = reading.state;
         let posture = sample.posture;

@@ -1,14 +1,14 @@
-//! Whether a method can work with what is described and measured.
+//! Checks whether a method can work with the description and the measured columns.
 
 use super::super::estimate::{Columns, Method};
 use super::super::mode::needs;
 use super::super::settings::Settings;
 use super::super::settings_error::SettingsError;
 
-/// The velocity alone tells the inertia by its decay, b/J: without damping by nothing [N m s/rad].
+/// Least damping of the method `velocity` [N m s/rad]: only the decay b/J shows the inertia.
 const LEAST_DAMPING: f64 = 1e-3;
 
-/// Whether a method can work with these columns, of a machine that is described so.
+/// Returns an error if a method cannot work with these settings and columns.
 pub(super) fn check_method(
     settings: &Settings,
     method: Method,

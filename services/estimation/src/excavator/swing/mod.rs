@@ -1,8 +1,8 @@
-//! State-space estimators behind one `step` (process `ukf`): input conditioning, choice of the
-//! mode, standstill, verdict.
+//! State-space estimators behind one `step` (process `ukf`): conditioning of inputs, choice of the mode,
+//! standstill, verdict.
 //!
-//! The modes are extended Kalman filters and a grid. The square-root UKF on the model of mode D
-//! differs by at most 0.15 standard deviations over a swing (tests/excavator_ukf.rs) and costs more.
+//! The modes are extended Kalman filters and a grid. A square-root UKF on the model of mode D differs by at most
+//! 0.15 standard deviations over a swing (tests/excavator_ukf.rs), and needs more time.
 
 mod answer;
 mod method;
@@ -22,14 +22,14 @@ use super::state::State;
 use super::verdict::Reasons;
 use super::working::{Trail, Working};
 
-/// A column that has no value for this long counts as absent [s].
+/// Time without a value after which a column counts as absent [s].
 const PRESENCE: f64 = 1.0;
 
-/// Swing inertia from the sensors, by any state-space mode.
+/// Estimates the swing inertia from the sensors, by any state-space mode.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SwingEstimator {
-    /// With the measured noise of the velocity; that as described [rad/s].
+    /// Settings with the measured noise of the velocity, and its described noise [rad/s].
     settings: Settings,
     described_std: f64,
     method: Method,
@@ -37,9 +37,9 @@ pub struct SwingEstimator {
     screen: Screen,
     grid: Grid,
     align: Align,
-    /// Where torque and posture are measured of a machine that is not calibrated: how late they come, found from the data.
+    /// Estimator of the lag of torque and velocity, on an uncalibrated machine with torque and posture.
     lag: Option<Lag>,
-    /// How late velocity and torque come, as stated or as found [s]; rows for which a torque stays.
+    /// Delays of velocity and torque, stated or estimated [s]; rows for which a torque is held.
     delays: [f64; 2],
     held: usize,
     calibration: Option<Calibration>,
@@ -51,14 +51,14 @@ pub struct SwingEstimator {
     presence_checked: bool,
     reading: Option<Reading>,
     trailing: bool,
-    /// Joint angles that have jumped count, and are put to the test.
+    /// Displaced joint angles count, and are tested.
     tests_jumps: bool,
     last: Estimate,
 }
 
 impl SwingEstimator {
-    /// Checks the settings, and that the columns which `method` needs exist. `Auto` chooses by the
-    /// columns, and falls back while a column has no values in the first second of the velocity.
+    /// Checks the settings and the columns that `method` needs. `Auto` chooses by the columns, and falls back while a
+    /// column has no values in the first second of the velocity.
     pub fn new(
         settings: &Settings,
         method: Method,
@@ -108,26 +108,26 @@ impl SwingEstimator {
         })
     }
 
-    /// The settings as given.
+    /// The settings as stated.
     pub fn described(&self) -> Settings {
         let mut described = self.settings;
         described.sensors.swing_velocity_std = self.described_std;
         described
     }
 
-    /// The method at work; never `Auto`.
+    /// The active method; never `Auto`.
     pub fn method(&self) -> Method {
         self.method
     }
 
-    /// What the last tick did: 0 moved, 1 held, 2 set off with a measured velocity.
-    #[doc(hidden)] // what a comparison with a reference implementation asks
+    /// Phase of the last tick: 0 moving, 1 held, 2 set off with a measured velocity.
+    #[doc(hidden)] // for comparison with a reference implementation
     pub fn code(&self) -> u8 {
         self.reading.map_or(1, |reading| reading.code)
     }
 
-    /// Details of the last tick for comparison with a reference: bucket opening, change mode, change
-    /// flag of the delayed tick, probability of the drop model, velocity of the mode.
+    /// Details of the last tick for comparison with a reference: opening of the bucket, change mode, change flag of
+    /// the delayed tick, probability of the drop model, velocity of the mode.
     #[doc(hidden)]
     pub fn details(&self) -> Details {
         let state = self
@@ -143,15 +143,14 @@ impl SwingEstimator {
         }
     }
 
-    /// Takes in one row and always answers. A row whose time does not increase is refused and
-    /// changes nothing, unless one stamp was wrong or the clock was set back for good: then the
-    /// estimator begins anew.
+    /// Takes one row and always returns an estimate. A row whose time does not increase is refused and changes
+    /// nothing, unless one stamp was wrong or the clock was permanently set back; then the estimator restarts.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         self.step_with(sample, &mut |_| {})
     }
 
-    /// The same, for an analysis off line: `see` gets what each tick did, in order, once [`Self::keep_trail`] has been called and
-    /// while the default with torque and posture is at work.
+    /// The same for an offline analysis: `see` receives each tick of the default estimator with torque and posture, in order, after
+    /// [`Self::keep_trail`] was called.
     pub fn step_with(&mut self, sample: &Sample, see: &mut impl FnMut(&Trail)) -> Estimate {
         if self.last.reason == Reason::Jump || self.tests_jumps {
             self.test_jumps();
@@ -194,7 +193,7 @@ impl SwingEstimator {
         answer
     }
 
-    /// Angles that have jumped, and stay where they are, count again where an emptied bucket can tell whether they are right.
+    /// Lets displaced joint angles that stay as they are count again, where an emptied bucket can test them.
     #[cold]
     fn test_jumps(&mut self) {
         let Some(working) = self.core.working() else {
@@ -214,7 +213,7 @@ impl SwingEstimator {
         }
     }
 
-    /// Keeps what each tick does for [`Self::step_with`]; false where this method has nothing to keep.
+    /// Records each tick for [`Self::step_with`]. Returns false if this method has no trail.
     pub fn keep_trail(&mut self) -> bool {
         self.trailing = self.core.working().is_some();
         self.core
@@ -224,7 +223,7 @@ impl SwingEstimator {
         self.trailing
     }
 
-    /// One tick of the grid; true where the filter was set back to its prior.
+    /// Takes one tick of the grid. Returns whether the filter was reset to its prior.
     fn tick(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         let mut reset = self.check_presence(tick) | self.find_lag(tick);
         let Some(mut tick) = self.align.pass(tick) else {
@@ -250,11 +249,11 @@ impl SwingEstimator {
         reset
     }
 
-    /// The torque is seen to be held, or not any more: joined by lines it is late by the hold, half of which was in what was
-    /// stated, if anything was.
+    /// Follows a change of the torque's hold. An interpolated torque is late by the hold, of which a stated delay includes half. Returns
+    /// whether the estimator restarts.
     fn hold(&mut self, period: f64) -> bool {
         let rows = self.screen.torque_held();
-        // Stamps that jitter make a hold longer and shorter by a row.
+        // Jittering stamps change the length of a hold by a row.
         let same = rows == self.held || rows.min(self.held) > 1 && rows.abs_diff(self.held) < 3;
         if self.lag.is_none() || same {
             return false;
@@ -262,13 +261,13 @@ impl SwingEstimator {
         self.held = rows;
         let stated = self.settings.sensors.delays;
         let late = (rows - 1) as f64 * period;
-        let unsaid = if stated[1] > 0.0 { 0.5 * late } else { late };
-        let delays = [stated[0], stated[1] + unsaid];
+        let unstated = if stated[1] > 0.0 { 0.5 * late } else { late };
+        let delays = [stated[0], stated[1] + unstated];
         self.lag = stated_lag(&self.settings, delays, 0.5 * late).map(Lag::new);
         self.is_late(delays)
     }
 
-    /// Whether torque and velocity come together as stated; true where they do not and all begins anew.
+    /// Compares torque and velocity with their present lag. Returns whether another lag is found and the estimator restarts.
     fn find_lag(&mut self, tick: &Tick) -> bool {
         if !self.grid.has_posture() {
             return false;
@@ -282,12 +281,12 @@ impl SwingEstimator {
             return false;
         };
         let late = f64::from(found) * PERIOD;
-        // By as much as both come behind the joint angles, they are late all the same.
+        // A delay common to both, relative to the joint angles, is retained.
         let both = velocity.min(torque);
         self.is_late([both + (-late).max(0.0), both + late.max(0.0)])
     }
 
-    /// Velocity and torque come so late; true where all begins anew for that.
+    /// Sets the delays of velocity and torque. Returns whether the estimator restarts because of them.
     fn is_late(&mut self, delays: [f64; 2]) -> bool {
         let ticks = |delays: [f64; 2]| delays.map(|delay| crate::math::round(delay / PERIOD));
         let same = ticks(delays) == ticks(self.delays);
@@ -306,14 +305,14 @@ impl SwingEstimator {
         ratio * ratio
     }
 
-    /// True while bias and noise are being measured.
+    /// Whether bias and noise are still being measured.
     fn calibrates(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         let Some(calibration) = &mut self.calibration else {
             return false;
         };
         match calibration.step(tick, self.slowness) {
             Progress::Measuring => {
-                // The estimate waits, but what the detectors see counts if nothing is measured.
+                // The estimate waits, but the detectors run on, in case the measurement fails.
                 if !self.needs().1 || self.grid.has_posture() {
                     self.core
                         .step(&self.settings, &mut tick.clone(), self.method, trail);
@@ -334,7 +333,7 @@ impl SwingEstimator {
     }
 
     fn restart(&mut self, stood: bool) {
-        // Who begins anew cannot tell whether they are right.
+        // A restarted filter cannot test displaced joint angles.
         self.screen.refuse_jumps();
         self.tests_jumps = false;
         self.core = Core::new(&self.settings, self.method, !self.columns.velocity, stood);
@@ -347,7 +346,7 @@ impl SwingEstimator {
         self.reading = None;
     }
 
-    /// Nothing to go by yet: the prior at this posture.
+    /// Reports the prior at this posture while there is no estimate.
     fn wait(&mut self, tick: &Tick) {
         let posture = self.grid.has_posture().then_some(tick.posture);
         self.reading = Some(Reading {
@@ -363,8 +362,8 @@ impl SwingEstimator {
         });
     }
 
-    /// After the first second of the velocity `auto` gives up columns that never had a value, and takes them up when one comes. Before
-    /// that second the source is silent, and says nothing of its columns.
+    /// After the first second of the velocity `auto` drops columns that never had a value, and adds them when one comes. Before the first
+    /// velocity the source is silent, and its columns are not checked.
     fn check_presence(&mut self, tick: &Tick) -> bool {
         if self.presence_checked || self.elapsed == 0.0 && tick.velocity.is_none() {
             return false;
@@ -396,13 +395,13 @@ impl SwingEstimator {
         true
     }
 
-    /// Whether the method uses torque, posture.
+    /// Whether the method uses the torque, and whether it uses the posture.
     fn needs(&self) -> (bool, bool) {
         needs(self.method)
     }
 }
 
-/// What a reference implementation would show besides the estimate.
+/// Details that a reference implementation shows besides the estimate.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Details {
@@ -410,19 +409,19 @@ pub struct Details {
     pub opening: bool,
     /// A change of payload was declared less than 0.3 s ago.
     pub change_mode: bool,
-    /// The tick behind the estimate lies in a change of torque.
+    /// The tick of the estimate is flagged as a change of torque.
     pub flagged: bool,
     /// Probability of the drop model (variant `Drop`).
     pub drop_probability: f64,
-    /// Velocity of the tick behind the estimate [rad/s].
+    /// Velocity at the tick of the estimate [rad/s].
     pub velocity: f64,
 }
 
-/// How much later the torque comes than the velocity, and its standard deviation with what else may be late [s]; nothing where
-/// the machine is calibrated.
-fn stated_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64; 2]> {
+/// Lag of the torque behind the velocity, and its standard deviation including that of an unstated delay [s]; `None` on a calibrated
+/// machine.
+fn stated_lag(settings: &Settings, delays: [f64; 2], unstated: f64) -> Option<[f64; 2]> {
     let std = settings.doubts?.delay_std;
-    let total = crate::math::sqrt(std * std + unsaid * unsaid);
+    let total = crate::math::sqrt(std * std + unstated * unstated);
     Some([delays[1] - delays[0], total])
 }
 
