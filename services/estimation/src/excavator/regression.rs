@@ -2,8 +2,8 @@
 //!
 //! # The paper (`multi-forgetting-rls`)
 //!
-//! Eq. 12 with its total torque T_t on the left, `0 = J a + b w - T_t`, gives the regressor
-//! phi = (a, w, -1) and theta = (J, b, T_t) with output 0 (Eqs. 13-15). Before each update the
+//! Eq. 12, with its total torque T_t, is written as `0 = J a + b w - T_t`. The regressor is
+//! phi = (a, w, -1), theta = (J, b, T_t), and the output 0 (Eqs. 13-15). Before each update the
 //! nominal rule (Eqs. 28-29) resets b to its nominal value if it deviates by more than epsilon. The
 //! source subtracts J from b in Eq. 28, and its Eq. 29 conflicts with the joint solution; here the
 //! rule acts on the value before the update. Inside change windows another triple of forgetting

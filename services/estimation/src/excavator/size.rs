@@ -38,8 +38,8 @@ const FULL_STDS: f64 = 1.25;
 /// .12 to .25 of the tip's distance behind the line to it [m/kg^(1/3)].
 const BOOM_RISE: f64 = 0.085;
 const BUCKET_RISE: f64 = 0.0097;
-/// Standard deviation of the empty attachment's weight between the postures of an emptied and of a full bucket, by guessed centres of
-/// boom and bucket, as a share of a full load. Posts and buckets of compact machines differ more.
+/// Standard deviation of the empty attachment's weight by guessed centres of boom and bucket, as a share of a full load. It is that
+/// between the postures of an emptied and of a full bucket. Posts and buckets of compact machines differ more.
 const FORM_SPREAD: f64 = 0.06;
 const FORM_SPREAD_COMPACT: f64 = 0.12;
 /// The same for a drawing that states the centres along the lines of the pins, and not beside them.
@@ -47,9 +47,9 @@ const FORM_SPREAD_DRAWN: f64 = 0.06;
 /// Share of the rated payload that sticks in an emptied bucket, and its standard deviation. Soil of nothing to 15 % sticks, mostly
 /// little of it (an exponential distribution, whose mean and standard deviation are equal).
 const STICKING: [f64; 2] = [0.035, 0.035];
-/// Standard deviation of a load by a boom that bends sideways, at f = 2 to 6 Hz with a full bucket (a box section as a cantilever). The
-/// gyro rides on the light upper body, so an attachment of inertia J that swings at F = .5 Hz shows J (1 + (F/f)^2). Loaded minus empty
-/// is too large by 1.6 (F/f)^2 of the load. Root mean square of that, with the logarithm of f uniform.
+/// Relative standard deviation of a load by a boom that bends sideways. Its frequency with a full bucket is f = 2 to 6 Hz (a box section
+/// as a cantilever). The gyro rides on the light upper body, so an attachment of inertia J that swings at F = .5 Hz shows J (1 + (F/f)^2).
+/// Loaded minus empty is too large by 1.6 (F/f)^2 of the load. Root mean square of that, with the logarithm of f uniform.
 const BENDING: f64 = 0.045;
 /// Limits of the inertia, as shares of the folded empty and of the stretched full machine's; standard deviation of its prior, as a share
 /// of their geometric mean.

@@ -1,8 +1,8 @@
 //! Filter stage: sensors in, swing motion out (process `kalman`).
 //!
 //! The Kalman filter of Eqs. 1-10 gives velocity and acceleration. A bank of equal filters gives velocity,
-//! acceleration, torque and friction direction with equal delay, as a regression with measured torque requires
-//! (filtering only one side causes errors of tens of percent). With an encoder the angle replaces the velocity: the
+//! acceleration, torque and friction direction with equal delay. A regression with measured torque requires this:
+//! filtering only one side causes errors of tens of percent. With an encoder the angle replaces the velocity: the
 //! Kalman filter then has three states, and the bank one more stage.
 
 use crate::excavator::change::{ChangeDetector, Gate};

@@ -10,7 +10,7 @@
 //! not trusted until the machine has stood and the grid has restarted.
 //!
 //! The weight of a node is the likelihood of its innovations. b is the nominal damping. An error of b shifts the
-//! payload by the covariance of the nodes with the slope of their log weights in b, which widens the interval (see
+//! payload by the covariance of the nodes with the slope of their log weights in b. This widens the interval (see
 //! [`crate::excavator::consider`]).
 
 use crate::excavator::consider::Doubt;

@@ -34,8 +34,8 @@ const SQUARE_TIME: f64 = 0.01;
 const SQUARE_MOST: f64 = 9.0;
 /// Excess of the mean square over 1 that counts as chance.
 const SQUARE_CHANCE: f64 = 0.15;
-/// Least standard deviation of the filters' difference, and standard deviation of the payload above which their comparison restarts [kg of the
-/// reference machine].
+/// Least standard deviation of the filters' difference, and standard deviation of the payload above which their comparison restarts
+/// [kg of the reference machine].
 const LEAST_STD: f64 = 20.0;
 const UNSURE_STD: f64 = 40.0;
 /// Difference of disagreeing filters in standard deviations, and number of consecutive ticks of disagreement that declare a change.

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The residual of equally filtered signals is strongly correlated, and includes model errors. The covariance is
-//! therefore not sigma^2 P but P M P, where M sums the products of the scores phi e with their own past (Newey
-//! and West 1987, with an exponential window).
+//! therefore not sigma^2 P but P M P (Newey and West 1987, with an exponential window). M sums the products of the
+//! scores phi e with their own past.
 
 use crate::Quantity;
 use crate::excavator::motion::Motion;

@@ -61,7 +61,7 @@ const GAIN_STD: f64 = 0.05;
 /// four; the gains of the other machines differ less.
 const WEIGHED_GAIN_STD: f64 = 0.03;
 
-/// Standard deviation of the torque's gain; 0 where it is calibrated.
+/// Standard deviation of the torque's gain; 0 only in the variant `Known`.
 fn gain_std(d: &Description) -> f64 {
     let known = d.estimator.variant == Variant::Known;
     match d.sensors.swing_torque_gain_std {
