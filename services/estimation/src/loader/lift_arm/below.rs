@@ -1,24 +1,24 @@
-//! A bucket holds no less than nothing, and no more than the rear axle balances: a payload beyond says that a described number is off by
-//! more than it claims.
+//! Detects a payload outside its physical range: below 0, or beyond what the rear axle balances. It shows that a stated number is off by
+//! more than its standard deviation.
 //!
 //! ```text
 //! z = max(-m_p, m_p - m_max)/sigma,   averaged over some seconds,   m_max: lam = 1
 //! ```
-//! A bucket that the ground carries in part is not below zero.
+//! Where the ground may carry a part of the bucket, a payload below 0 is possible and not tested.
 //!
-//! Of the sensor's zero, the arm's weight or the cylinders' areas nobody can say which. So the largest z beyond 1 widens what all of
-//! them do to the answer by as much, and fades over minutes.
+//! The data do not identify which number it is: a sensor's zero, the arm's weight, a cylinder's area. So the largest z beyond 1 multiplies
+//! the effects of all of them on the answer. It decays over minutes.
 
 use crate::Quantity;
 
 /// Averaging time of z [s].
 const MEMORY: f64 = 3.0;
-/// How long the largest is remembered [s].
+/// Time constant with which the largest z decays [s].
 const FADES: f64 = 300.0;
-/// z beyond which the description is wrong: 1 in 40 by chance.
+/// z beyond which the machine file is wrong: 1 in 40 by chance.
 const WRONG: f64 = 2.0;
 
-/// Memory of payloads beyond what a bucket holds.
+/// Average and largest z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Below {
@@ -27,8 +27,8 @@ pub(super) struct Below {
 }
 
 impl Below {
-    /// Takes a payload with its whole deviation, `dt` after the last, while the bucket's content is known. `most`: what the rear axle
-    /// balances; `rests`: the ground may carry a part.
+    /// Updates with a payload and its whole standard deviation, `dt` after the last, while the content is known. `most`: payload that the
+    /// rear axle balances; `rests`: the ground may carry a part.
     pub fn see(&mut self, payload: Quantity, most: f64, rests: bool, dt: f64) {
         self.largest *= 1.0 - (dt / FADES).min(1.0);
         let above = payload.value - most;
@@ -38,24 +38,24 @@ impl Below {
             above.max(-payload.value)
         };
         let z = beyond / payload.std;
-        // A load tells nothing.
+        // A payload well within the range carries no information.
         if z.is_finite() && z > -1.0 {
             self.mean += (dt / MEMORY).min(1.0) * (z - self.mean);
             self.largest = self.largest.max(self.mean);
         }
     }
 
-    /// By how much the description's doubts are larger than it says.
+    /// Factor of the standard deviations over the stated ones, at least 1.
     pub fn factor(&self) -> f64 {
         self.largest.max(1.0)
     }
 
-    /// The stated doubts explain this payload, and those before.
+    /// The stated deviations explain this payload, and those before.
     pub fn explains(&self, payload: Quantity) -> bool {
         !self.is_wrong() && payload.value > -WRONG * payload.std
     }
 
-    /// No doubt that was stated explains it.
+    /// The stated deviations do not explain the payloads.
     pub fn is_wrong(&self) -> bool {
         self.largest > WRONG
     }
@@ -89,7 +89,7 @@ mod tests {
             ..empty
         }));
         assert!(after(20, 9260.0).is_wrong(), "the rear axle would lift");
-        // Loads and a moment below zero say nothing.
+        // Loads, a missing value and half a second below zero carry no information.
         assert_eq!(after(60, 3000.0).factor(), 1.0);
         assert_eq!(after(60, f64::NAN).factor(), 1.0);
         let mut brief = Below::default();

@@ -1,4 +1,4 @@
-//! The described numbers of the lift arm and of the machine, each with its doubt.
+//! Numbers of the lift arm and of the machine from the machine file, each with its standard deviation.
 
 use super::linkage::{FRAME, Linkage};
 use super::numbers::{
@@ -15,7 +15,7 @@ use crate::loader::settings::Settings;
 use crate::math::{norm, sqrt};
 use crate::{FULL_PRESSURE, Quantity};
 
-/// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
+/// Numbers whose deviation a calibration does not reduce: the load may lie elsewhere, angles and friction change with the posture.
 const STILL_DRAWN: [usize; 6] = [
     LOAD_DISTANCE,
     CYLINDER_ANGLE,
@@ -25,70 +25,73 @@ const STILL_DRAWN: [usize; 6] = [
     EXCHANGED,
 ];
 
-/// Standard deviation of the pressure on the rod side where nobody measures it: valves hold up to 3 MPa there [Pa].
+/// Standard deviation of an unmeasured rod-side pressure [Pa]: valves hold up to 3 MPa there.
 const UNMEASURED_ROD: f64 = 0.8e6;
-/// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.
+/// Standard deviation of the mass of an exchanged bucket, as a share: buckets are exchanged in minutes, and one machine in nine carries
+/// one that is 25 % heavier or lighter than the stated.
 const OTHER_BUCKET: f64 = 0.08;
 
-/// Standard deviations where none is stated, as shares: of lengths and areas that are drawn, of the arm's mass and of where it sits,
-/// of the bucket's mass, of where a load lies in it, of a machine on scales, of the friction of seals.
+/// Relative standard deviations where none is stated: of lengths and areas, of the arm's mass and its centre, of the bucket's mass, of the
+/// load's place in it, of a weighed machine, of the friction of seals.
 const DRAWN: f64 = 0.01;
 const ARM: f64 = 0.05;
 const BUCKET_MASS: f64 = 0.2;
 const LOAD_PLACE: f64 = 0.1;
 const WEIGHED: f64 = 0.02;
 const SEALS: f64 = 0.5;
-/// What nobody states, with its relative standard deviation: masses of arm and bucket as shares of the machine's, the arm's centre of mass
-/// and the load's place as shares of the arm's length. The drawings at hand (a 4.7 t and a 12 t machine; data sheets of buckets of 5 to 25 t) have
-/// .055 and .070, .046 to .09, .53 and .55, .22 and .25.
+/// Defaults of numbers that are not stated, with relative standard deviations: masses of arm and bucket as shares of the machine's, the
+/// arm's centre of mass and the load's place as shares of the arm's length. The drawings at hand (a 4.7 t and a 12 t machine; data sheets
+/// of buckets of 5 to 25 t) have .055 and .070, .046 to .09, .53 and .55, .22 and .25.
 const USUAL_ARM: (f64, f64) = (0.06, 0.25);
 const USUAL_BUCKET: (f64, f64) = (0.065, 0.4);
 const USUAL_CENTRE: (f64, f64) = (0.54, 0.1);
 const USUAL_PLACE: (f64, f64) = (0.23, 0.2);
-/// What a gain may be off from the pressure of an empty bucket, a fifth of a full one's, to that of a load, over what it is off by: errors
-/// of transmitters are stated by their range, and grow within it.
+/// Difference of the gain's error between the pressure of an empty bucket (a fifth of a full one's) and that of a load, over the stated
+/// error: errors of transmitters are stated for their range, and grow within it.
 const LINEARITY: f64 = 2.0;
-/// The same of how far the bucket turns with the arm, which differs from posture to posture.
+/// Standard deviation of a stated bucket turn where none is stated: it differs from posture to posture.
 const LINKAGE: f64 = 0.05;
 
-/// The described numbers.
+/// The numbers of the drawing, indexed as in `numbers`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Drawing {
+    /// Values.
     pub values: [f64; NUMBERS],
-    /// The same with one of them off by its deviation ([`Drawing::put_off`]), and which.
+    /// The values with one of them moved by its standard deviation ([`Drawing::put_off`]), and its index.
     pub moved: [f64; NUMBERS],
     is_off: usize,
     /// Their standard deviations.
     pub std: [f64; NUMBERS],
-    /// The same as far as the payload depends on them: a calibration knows moments better than their parts.
+    /// Their standard deviations in the payload: 0 for those that a calibration of the moment has taken in.
     weighing: [f64; NUMBERS],
-    /// How many of them are in doubt.
+    /// Number of those whose effects are computed (`doubt`): those below this index.
     pub doubted: usize,
-    /// Nobody states how far the bucket turns with the arm.
+    /// The bucket turn is not stated, and estimated (`linkage`).
     pub learns_turn: bool,
     /// Correlation of the errors of span and offset.
     pub correlation: f64,
-    /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket [N m].
+    /// Moments missing in the drawing, by a calibration: factors of cosine and sine of the angles of arm and bucket [N m].
     pub missed: [f64; 4],
-    /// How many cylinders lift the arm.
+    /// Number of lift cylinders.
     pub count: f64,
+    /// Wheelbase [m].
     pub wheelbase: f64,
-    /// Arm, and bucket to the horizontal, as the empty machine is stated.
+    /// Angles of arm and bucket to the horizontal for which the empty machine is stated.
     pub reference: [Turn; 2],
-    /// The cylinder's angle.
+    /// Stated angle between the cylinder's base and eye, seen from the pivot, with a level arm.
     pub cylinder: Turn,
-    /// What the bucket may carry [kg].
+    /// Capacity of the bucket [kg].
     pub capacity: f64,
-    /// Noise of a pressure, and standard deviation of its zero [Pa].
+    /// Standard deviations of a pressure's noise and of its zero [Pa].
     pub pressure_std: f64,
     pressure_zero_std: f64,
-    /// Standard deviation of the gain from the pressure of an empty bucket to that of a load, where no calibration holds it.
+    /// Standard deviation of the gain between the pressure of an empty bucket and that of a load; 0 where a calibration has taken it in.
     pub gain_left_std: f64,
 }
 
 impl Drawing {
-    /// None where the arm or its cylinder is not described.
+    /// Returns none where the arm or its cylinder is not described.
     pub fn of(settings: &Settings) -> Option<Self> {
         let (arm, cylinder) = (&settings.lift_arm, &settings.lift_cylinder);
         let needed = [
@@ -138,7 +141,7 @@ impl Drawing {
         })
     }
 
-    /// One of the numbers is off by its deviation in `moved`, and no other.
+    /// Moves one number by its standard deviation in `moved`, and resets the others. Span and offset move along their correlation.
     pub fn put_off(&mut self, number: usize) {
         let (moved, values, std) = (&mut self.moved, &self.values, &self.std);
         for last in [self.is_off, OFFSET] {
@@ -154,23 +157,23 @@ impl Drawing {
         self.is_off = number;
     }
 
-    /// The payload depends on a number: no calibration has taken it in.
+    /// The payload depends on the number's error: no calibration has taken it in.
     pub fn weighs_by(&self, number: usize) -> bool {
         self.weighing[number] > 0.0
     }
 
-    /// A number is known better, or otherwise.
+    /// Sets value and standard deviation of a number.
     pub fn set(&mut self, number: usize, known: Quantity) {
         self.values[number] = known.value;
         self.moved[number] = known.value;
         self.std[number] = known.std;
-        // What a calibration has taken in stays there.
+        // A number that a calibration has taken in stays exact in the payload.
         if self.weighs_by(number) {
             self.weighing[number] = known.std;
         }
     }
 
-    /// What the rod side shows too much: by its sensor, and by what is usual where there is none.
+    /// Zero error of the rod-side pressure: of its sensor, and of the usual pressure where there is none [Pa].
     pub fn rod_zero(&self, measured: bool) -> Quantity {
         let zero = self.pressure_zero_std;
         Quantity {
@@ -193,7 +196,7 @@ impl Drawing {
     }
 }
 
-/// Each number with its standard deviation.
+/// Value and standard deviation of each number, as stated or by default.
 fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
     let Settings {
         machine,
@@ -205,7 +208,7 @@ fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
     } = settings;
     let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
     let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
-    // A calibration takes what nobody stated into the moments that it found.
+    // A calibration contains the moments of numbers that are not stated: then they are 0.
     let is_drawn = cylinder.span_std <= 0.0 && cylinder.force_offset_std <= 0.0;
     let usual = |value: f64, std: f64, share: f64, of: f64, (mean, spread): (f64, f64)| {
         if is_drawn && value <= 0.0 {
@@ -272,14 +275,14 @@ fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
 }
 
 impl Description {
-    /// An arm is described, and nothing says where its tilt cylinder sits: both places are possible, and make its loads uncertain.
+    /// An arm is described without the place of its tilt cylinder: both places are possible, and make its loads uncertain.
     #[must_use]
     pub fn leaves_tilt_cylinder_open(&self) -> bool {
         self.lift_arm.length > 0.0 && leaves_turn_open(&self.lift_arm, &self.lift_cylinder)
     }
 
-    /// How far either place of the tilt cylinder is from the mean of both, as a share of a load that is lifted level. 0 where nobody states
-    /// how far the load lies from its pin.
+    /// Difference of either place of the tilt cylinder from the mean of both, as a share of a load that is lifted level. 0 where the load's
+    /// distance from the pin is not stated.
     #[must_use]
     pub fn tilt_cylinder_share(&self) -> f64 {
         let arm = &self.lift_arm;
@@ -288,12 +291,12 @@ impl Description {
     }
 }
 
-/// Nobody states how far the bucket turns with the arm, and no calibration of the cylinders has taken it in.
+/// The bucket turn is not stated, and no calibration of the cylinders has taken it in.
 fn leaves_turn_open(arm: &LiftArm, cylinder: &LiftCylinder) -> bool {
     arm.bucket_turn.is_none() && cylinder.span_std <= 0.0
 }
 
-/// How far the bucket turns with the arm: as stated, or of any machine. A calibration that states none had its loads carried with the arm.
+/// Bucket turn: as stated, or the prior. A calibration without it has assumed that the bucket turns with the arm, 1.
 fn turn(arm: &LiftArm, calibrated: bool) -> (f64, f64) {
     let std = if arm.bucket_turn_std > 0.0 {
         arm.bucket_turn_std
@@ -305,7 +308,7 @@ fn turn(arm: &LiftArm, calibrated: bool) -> (f64, f64) {
     (known.value, known.std)
 }
 
-/// The deviations that are left for the payload where the moment's span or offset was calibrated.
+/// Standard deviations that remain in the payload where span or offset of the moment is calibrated.
 fn weighing(std: [f64; NUMBERS], span: bool, offset: bool) -> [f64; NUMBERS] {
     let mut left = std;
     for (number, std) in left[..SPAN].iter_mut().enumerate() {
@@ -325,7 +328,7 @@ pub(super) fn full_force(count: f64, v: &[f64; NUMBERS]) -> f64 {
     count * v[HEAD_AREA] * FULL_PRESSURE
 }
 
-/// The payload whose weight the cylinders hold with a level arm at full pressure, at most the rated one [kg].
+/// Payload whose weight the cylinders hold with a level arm at full pressure, at most the rated one (`RATED_SHARE` of the mass) [kg].
 fn capacity(count: f64, v: &[f64; NUMBERS]) -> f64 {
     let (base, eye) = (v[BASE], v[EYE]);
     let lever = base * eye / sqrt(base * base + eye * eye);
@@ -357,7 +360,7 @@ mod tests {
             );
             assert_eq!(guess.weighing[number], std);
         }
-        // What a calibration found holds it already.
+        // A calibration contains it already.
         silent.lift_cylinder.span_std = 0.01;
         assert_eq!(Drawing::of(&silent).expect("an arm").values[BUCKET], 0.0);
     }

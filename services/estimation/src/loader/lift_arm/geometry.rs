@@ -1,4 +1,4 @@
-//! Moment, payload and centre of gravity of a drawing in a posture.
+//! Moments about the arm's pivot, payload and centre of gravity of a drawing in a posture. The equations are those of the parent module.
 
 use super::drawing::{Drawing, full_force};
 use super::numbers::{
@@ -11,55 +11,57 @@ use crate::GRAVITY;
 use crate::loader::layout::Each;
 use crate::math::{sin_cos, sqrt};
 
-/// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
+/// Assumed rod-side pressure where it is not measured [Pa].
 pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
-/// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
+/// Assumed angle from pin to load, to the horizontal, where it is not measured [rad]: the bucket's floor is level.
 pub(super) const UNKNOWN_BUCKET: f64 = 0.4;
-/// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
+/// Least lever of the load, as a share of the arm's length: an upright arm does not weigh.
 const LEAST_LEVER: f64 = 0.2;
-/// A cylinder is no shorter, whatever its drawing says [m].
+/// Least length of a cylinder [m], against division by zero.
 const LEAST_LENGTH: f64 = 1e-3;
-/// Share of the empty arm's and bucket's moment that cylinders carry at least if they carry anything.
+/// Share of the moment of empty arm and bucket below which the cylinders do not carry the arm.
 const CARRIED_AT_LEAST: f64 = 0.25;
-/// The ground can carry the bucket while its pin is below this share of the arm's length.
+/// Height of the bucket's pin below which the ground can carry the bucket, as a share of the arm's length.
 const LOW: f64 = 0.4;
 
-/// Arm, bucket and what is measured in a row.
+/// Posture and measurements of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Posture {
-    /// The arm to the horizontal.
+    /// Angle of the arm to the horizontal.
     pub arm: Turn,
-    /// The bucket, pin to load, to the horizontal.
+    /// Angle of the bucket, pin to load, to the horizontal.
     pub bucket: Turn,
-    /// Pressures [Pa].
+    /// Pressures of head and rod side [Pa].
     pub head: f64,
     pub rod: f64,
     /// g cos(slope), and the specific force along the body [m/s^2].
     pub gravity: f64,
     pub acceleration: f64,
-    /// Friction as a share of its size, positive while the rod goes out.
+    /// Friction as a share of its full size, positive while the rod extends.
     pub seals: f64,
-    /// Friction beside it, as a share of the full force.
+    /// Residual friction, as a share of the full force.
     pub rest: f64,
 }
 
-/// Places of the masses from the pivot [m].
+/// Places of the masses from the pivot, forward and up [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Places {
+    /// Centre of mass of the arm.
     arm: [f64; 2],
+    /// The bucket's pin.
     pin: [f64; 2],
     /// The load from the bucket's pin.
     beyond: [f64; 2],
 }
 
 impl Places {
-    /// The load, or what a raised arm moves of it: of the part beyond the pin as much as the bucket turns with the arm.
+    /// Effective place of the load, its distance from the pin times the bucket turn; with `turn` 1 its true place.
     fn load(&self, turn: f64) -> [f64; 2] {
         core::array::from_fn(|axis| self.pin[axis] + turn * self.beyond[axis])
     }
 }
 
-/// Where a drawing has its masses and its cylinder in a posture: taken once a row, for all that ask for it.
+/// Places of masses and cylinder in a posture, computed once a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stance {
     places: Places,
@@ -73,15 +75,15 @@ pub(super) struct Stance {
 pub(super) struct Shown {
     /// Lever of the cylinder [m].
     pub lever: f64,
-    /// What the cylinders carry of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].
+    /// Moment of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].
     pub empty: f64,
     pub per_load: f64,
-    /// What they lift by their pressures, less their friction [N m].
+    /// Moment of the cylinders by their pressures, less friction [N m].
     pub lifting: f64,
 }
 
 impl Shown {
-    /// The payload that the pressures show [kg].
+    /// Payload by this row alone [kg].
     pub fn payload(&self) -> f64 {
         (self.lifting - self.empty) / self.per_load
     }
@@ -90,17 +92,18 @@ impl Shown {
 /// The machine with its arm where it is, before a payload is added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Empty {
+    /// Mass [kg].
     mass: f64,
-    /// First moments over the wheelbase, and above the ground [kg], [kg m].
+    /// First moments: from the rear axle over the wheelbase [kg], and above the ground [kg m].
     front: f64,
     up: f64,
-    /// What a kilogram of load adds to them [-], [m].
+    /// The same per kilogram of load [-], [m].
     ahead: f64,
     height: f64,
 }
 
 impl Empty {
-    /// The payload with which the rear axle carries nothing [kg].
+    /// Payload at which the rear axle carries no load, lam = 1 [kg].
     pub fn most(&self) -> f64 {
         (self.mass - self.front) / (self.ahead - 1.0)
     }
@@ -179,7 +182,7 @@ impl Drawing {
         }
     }
 
-    /// Where the masses and the cylinder are, the sensors' zeros being off.
+    /// Stance in this posture, with the zeros of the angles in `v`.
     pub fn stance(&self, v: &[f64; NUMBERS], posture: &Posture) -> Stance {
         let (rod_length, lever) = self.cylinder(v, posture.arm);
         let arm = posture.arm.by(v[LIFT_ZERO]);
@@ -218,7 +221,7 @@ impl Drawing {
         lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
     }
 
-    /// What the cylinders of the arm carry of the empty arm and bucket, and of a kilogram of load [N m], [N m/kg].
+    /// Moments of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].
     pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
         let shown = self.shown(v, &self.stance(v, posture), posture);
         (shown.empty, shown.per_load)
@@ -229,10 +232,10 @@ impl Drawing {
         self.lifted(v, self.cylinder(v, posture.arm).1, posture)
     }
 
-    /// The cylinders carry arm and bucket, or at least a part that no description is off by.
+    /// The cylinders carry the arm: their moment exceeds a part of the described one that no error of the drawing explains.
     pub fn carries_itself(&self, shown: &Shown) -> bool {
         let v = &self.values;
-        // All of its mass at its end would ask for more than any posture does.
+        // The moment with all mass at the end of the arm is an upper bound of any posture.
         let most = (v[MASS] + v[BUCKET]) * (v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY;
         shown.lifting > CARRIED_AT_LEAST * most.min(shown.empty)
     }
@@ -240,7 +243,7 @@ impl Drawing {
     /// The machine with its arm in this stance.
     pub fn empty_at(&self, v: &[f64; NUMBERS], stance: &Stance) -> Empty {
         let now = &stance.places;
-        // The reference is where the arm truly stood.
+        // The reference angles are true ones, without the sensors' zeros.
         let then = Self::places(v, self.reference[0], self.reference[1]);
         let (load, stated) = (now.load(1.0), then.load(1.0));
         let moved = |axis: usize| {
@@ -267,7 +270,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_number_is_said_to_move_is_what_it_moves() {
+    fn a_number_moves_what_its_flags_state() {
         let drawing = Drawing::of(&settings()).expect("a described arm");
         let posture = Posture {
             arm: Turn::of(0.3),

@@ -1,33 +1,34 @@
-//! Whether the ground carries a low bucket though nobody tells a torque: who grades or strips drives on with it in the ground.
+//! Detects a low bucket that the ground carries, where no torque is measured: grading and stripping drive on with the bucket in the ground.
 //!
-//! A bucket that does not turn loses nothing. So one that shows less, low, than it held in the air lies on the ground, and the ground may
-//! carry it until the arm lifts it. A bucket that turns up carries its load: its edge is out of the ground.
+//! A bucket that does not turn loses nothing. So a low one that shows less than it held in the air lies on the ground, and the ground may
+//! carry it until the arm lifts it. A bucket turned up carries its load: its edge is out of the ground.
 
 use crate::Quantity;
 use crate::math::norm;
 
-/// Standard deviations by which a low bucket shows less than it held in the air: of the drawing and of the seals both have the same errors,
-/// so by chance they differ by less. With a half of it V cycles without torque lose .06 of their trust, with two of it grading is as
-/// often wrong.
+/// Standard deviations by which a low bucket must show less than it held in the air. Errors of drawing and seals are common to both weights,
+/// so by chance they differ by less. With half of it V cycles without torque lose .06 of their trusted share; with twice of it grading is
+/// as often wrong.
 const LESS: f64 = 1.0;
-/// What another posture of the arm leaves of the moment, as a share.
+/// Standard deviation of the moment by a change of posture, as a share.
 const POSTURE: f64 = 0.015;
-/// So far beyond its flattest a bucket is turned up [rad]: a blade is set by less, a bucket is filled by more.
+/// Angle beyond its least one at which a bucket is turned up [rad]: setting a blade takes less, filling a bucket more.
 const TURNED_UP: f64 = 0.3;
 
-/// What the bucket held, and how it lies.
+/// Payload last known in the air, and state of the low bucket.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Grading {
-    /// What it held when it was last known in the air [kg].
+    /// Payload last known in the air [kg].
     in_the_air: Option<Quantity>,
-    /// Its least angle to the horizontal since it is low [rad].
+    /// Least angle of the bucket to the horizontal since it is low [rad].
     flattest: f64,
+    /// The ground may carry it.
     grades: bool,
 }
 
 impl Default for Grading {
-    /// At the start nobody knows what it held.
+    /// At the start the payload is unknown.
     fn default() -> Self {
         Self {
             in_the_air: None,
@@ -38,8 +39,8 @@ impl Default for Grading {
 }
 
 impl Grading {
-    /// Takes what the bucket seems to hold, none where that is not known [kg], its angle where it is `low` [rad], and the weight in it that
-    /// has the arm's whole moment [kg]; whether the ground may carry it.
+    /// Updates with the payload, none where it is unknown [kg], the bucket's angle where it is `low` [rad], and the whole moment as a weight
+    /// in the bucket [kg]. Returns whether the ground may carry the bucket.
     pub fn see(&mut self, payload: Option<Quantity>, low: Option<f64>, moment: f64) -> bool {
         let Some(bucket) = low else {
             (self.flattest, self.grades) = (f64::INFINITY, false);
@@ -68,7 +69,7 @@ mod tests {
         Some(Quantity { value, std: 50.0 })
     }
 
-    /// Let down flat with what it held in the air, none where nobody saw it.
+    /// Lowered flat with the payload that it held in the air; none where that is unknown.
     fn let_down(held: Option<f64>) -> Grading {
         let mut grading = Grading::default();
         assert!(!grading.see(held.and_then(kg), None, MOMENT));

@@ -1,9 +1,10 @@
-//! The moments of a whole recording, for whoever learns what the lift cylinders do: `calibrate`.
+//! Mean moments of the lift cylinders over blocks of a recording, for `calibrate`, which identifies span, offset and friction.
 //!
 //! ```text
-//! F - F_f = tau/r,   tau = empty + m_p k        means over blocks in which the machine stands and the arm moves
+//! F - F_f = tau/r,   tau = empty + m_p k        F: force by the pressures; F_f: friction; r: lever; k: moment of a kilogram
 //! ```
-//! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
+//! In a block the machine stands and the arm moves, so friction acts fully against the rod's motion. Blocks in which the bucket turns, the
+//! rod rests or the machine drives are left out.
 
 use super::drawing::Drawing;
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
@@ -20,63 +21,63 @@ use crate::loader::settings::Settings;
 use crate::math::{norm, sin_cos};
 use crate::{FULL_PRESSURE, Quantity};
 
-/// Length of a block, and the longest gap between rows \[s\].
+/// Duration of a block, and the longest gap between rows \[s\].
 const BLOCK: f64 = 0.2;
 const GAP: f64 = 0.25;
-/// A machine slower than this stands [m/s].
+/// Speed below which the machine stands [m/s].
 const STANDS: f64 = 0.1;
-/// A cylinder with less lever tells nothing [m].
+/// Least lever of a cylinder that measures a moment [m].
 const LEAST_LEVER: f64 = 1e-3;
-/// Rates of a bucket that turns, and of an arm that moves [rad/s].
+/// Rates beyond which the bucket turns, and the arm moves [rad/s].
 const TURNS: f64 = 0.05;
 const MOVES: f64 = 0.01;
-/// Share of the friction that is fully against the motion.
+/// Share of the friction from which it acts fully against the motion.
 const FULLY: f64 = 0.99;
-/// What friction that is fully against the motion leaves, as a share of it, and moments of a drawing, as a share of them.
+/// Standard deviations of friction fully against the motion, and of a drawing's moments, as shares of each.
 const FRICTION_LEFT: f64 = 0.15;
 const DRAWN: f64 = 0.003;
 
-/// What the cylinders carry in a block. Forces are those of all cylinders together.
+/// Mean moments of a block. Forces are those of all cylinders together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftMoment {
     /// Lever of the cylinders \[m\].
     pub lever: f64,
-    /// Moment that the pressures show, less the friction that is described [N m].
+    /// Moment by the pressures, less the described friction [N m].
     pub measured: f64,
-    /// Moment of the empty arm as described [N m].
+    /// Moment of the empty arm and bucket as described [N m].
     pub empty: f64,
     /// Moment of a kilogram of load [N m/kg].
     pub per_load: f64,
-    /// What a slope, nose up, adds to both [N m/rad], [N m/(rad kg)].
+    /// Derivatives of both moments by the slope, nose up [N m/rad], [N m/(rad kg)].
     pub tilt: [f64; 2],
     /// Cosine and sine of the angles of arm and bucket to the horizontal.
     pub turns: [f64; 4],
-    /// Direction in which the rod moves.
+    /// Direction of the rod, 1 where it extends, else -1.
     pub direction: f64,
-    /// Variance of what lasts for seconds [N^2].
+    /// Variance of errors that last for seconds: friction and drawing [N^2].
     pub rest: f64,
-    /// Variance of noise [N^2].
+    /// Variance of the noise of the pressures [N^2].
     pub noise: f64,
-    /// How long the block is \[s\].
+    /// Duration of the block \[s\].
     pub period: f64,
 }
 
-/// What is known of the lift cylinders before a recording, forces of all of them together.
+/// Prior of the lift cylinders before a recording. Forces are those of all cylinders together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftKnown {
     /// Friction of the seals \[N\].
     pub friction: Quantity,
     /// Relative standard deviation of the moment.
     pub span_std: f64,
-    /// Standard deviation of the force that the pressures show too much \[N\].
+    /// Standard deviation of the zero error of the force \[N\].
     pub offset_std: f64,
-    /// Correlation of the errors of the two.
+    /// Correlation of span and offset.
     pub correlation: f64,
     /// Force of all cylinders at the pressure at which friction is stated \[N\].
     pub full_force: f64,
 }
 
-/// Follows the rows of a recording.
+/// Computes the mean moments of a recording's blocks.
 #[derive(Clone, Debug)]
 pub struct Lifts {
     drawing: Drawing,
@@ -85,7 +86,7 @@ pub struct Lifts {
     block: Block,
     linkage: Linkage,
     signals: Signals,
-    /// How long a value counts [s].
+    /// Greatest age of a value that counts [s].
     fresh: f64,
 }
 
@@ -97,7 +98,7 @@ struct Row {
     bucket: f64,
 }
 
-/// Sums over a block, and where it began.
+/// Sums over a block, and its first row.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     first: Option<Row>,
@@ -117,7 +118,7 @@ impl Block {
 }
 
 impl Lifts {
-    /// None where no lift arm is described.
+    /// Returns none where no lift arm is described.
     #[must_use]
     pub fn new(settings: &Settings) -> Option<Self> {
         let drawing = Drawing::of(settings)?;
@@ -132,7 +133,7 @@ impl Lifts {
         })
     }
 
-    /// What is known before.
+    /// Prior by the machine file.
     #[must_use]
     pub fn known(&self) -> LiftKnown {
         let d = &self.drawing;
@@ -169,13 +170,13 @@ impl Lifts {
         }
     }
 
-    /// How far the bucket turns with the arm, by the rows so far; none where it is stated.
+    /// Estimate of the bucket turn by the rows so far; none where it is stated.
     #[must_use]
     pub fn bucket_turn(&self) -> Option<Quantity> {
         self.drawing.learns_turn.then(|| self.linkage.untouched())
     }
 
-    /// A row; the moment of a block that ended with it.
+    /// Updates with a row. Returns the mean moments of a block that ended with it.
     pub fn step(&mut self, sample: &Sample) -> Option<LiftMoment> {
         let now = self.signals.take(sample, self.fresh);
         let (lift, head) = (now.lift?, sample.lift_head_pressure?);
@@ -234,7 +235,7 @@ impl Lifts {
         let (d, v) = (&self.drawing, &self.drawing.values);
         let posture = self.posture(row, pressures, sample);
         let (empty, per_load) = d.moments(v, &posture);
-        // A kilogram of force along the body instead of the weight.
+        // The derivative by the slope is the difference by a specific force of 1 g along the body.
         let pushed = Posture {
             acceleration: posture.acceleration + GRAVITY,
             ..posture
@@ -281,7 +282,7 @@ impl Lifts {
         }
         let block = core::mem::replace(&mut self.block, Block::NONE);
         let [lift, bucket] = [row.lift - first.lift, row.bucket - first.bucket];
-        // Linkages keep the bucket to the arm, or to the horizontal, or between.
+        // A linkage turns the bucket by 0 to 1 times the arm's turn.
         let by_linkage = bucket.clamp(lift.min(0.0), lift.max(0.0));
         let turning = (bucket - by_linkage).abs() > TURNS * period;
         if turning || lift.abs() < MOVES * period || block.direction == 0.0 {

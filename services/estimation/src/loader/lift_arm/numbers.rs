@@ -1,4 +1,4 @@
-//! The numbers of a drawing, by their place in its arrays.
+//! Indices of the drawing's numbers in its arrays.
 
 pub(super) const LENGTH: usize = 0;
 pub(super) const MASS: usize = 1;
@@ -20,29 +20,28 @@ pub(super) const HEAD_ZERO: usize = 16;
 pub(super) const ROD_ZERO: usize = 17;
 pub(super) const LIFT_ZERO: usize = 18;
 pub(super) const TILT_ZERO: usize = 19;
-/// What the bucket weighs beyond the one that the empty machine was weighed with.
+/// Mass of the bucket beyond that of the one with which the empty machine was weighed.
 pub(super) const EXCHANGED: usize = 20;
-/// How far the bucket turns with the arm while nobody tilts.
+/// Turn of the bucket per turn of the arm, tilt cylinder held.
 pub(super) const TURN: usize = 21;
-/// Relative error of the moment, by the pressures' gain or as a calibration left it, and force that the pressures show too much, by a
-/// calibration alone.
+/// Relative error of the moment, by the pressures' gain or after a calibration; zero error of the force, by a calibration alone.
 pub(super) const SPAN: usize = 22;
 pub(super) const OFFSET: usize = 23;
-/// How many there are.
+/// Number of them.
 pub(super) const NUMBERS: usize = 24;
 
-/// What depends on a number: each is computed anew only where one moves it.
+/// Which results depend on a number: only these are computed again when it moves.
 pub(super) struct Moves {
-    /// Where masses and cylinder are.
+    /// Places of masses and cylinder.
     pub stance: bool,
-    /// What the pressures show of the payload.
+    /// Payload by the pressures.
     pub moment: bool,
-    /// The centre of gravity of the empty machine.
+    /// Centre of gravity of the empty machine.
     pub centre: bool,
 }
 
 impl Moves {
-    /// What depends on this number.
+    /// Results that depend on this number.
     pub const fn of(number: usize) -> Self {
         let (stance, moment, centre) = match number {
             LENGTH | MASS_DISTANCE | LOAD_DISTANCE | LIFT_ZERO | TILT_ZERO => (true, true, true),

@@ -1,27 +1,27 @@
-//! A pressure sensor at its end: what it shows is a least value, and no weight.
+//! Detects a head-pressure sensor at the end of its range: its value is then a lower bound, and no weight.
 //!
-//! Nobody states where it ends. It shows where the highest value of all comes again to the bit while arm or machine moves, which shakes every
-//! pressure.
+//! The end is not stated. It is detected where the highest value so far repeats to the bit while arm or machine moves, since motion shakes
+//! every pressure.
 
-/// The highest value that stays so long is the end [s].
+/// Time for which the highest value repeats until it counts as the end [s].
 const STAYS: f64 = 0.5;
-/// So long after it rows are the lower ones of a pressure that swings about the end [s].
+/// Time after the end for which rows are not used [s]: the lower half of a pressure that swings about the end.
 const SWINGS: f64 = 0.5;
 
-/// Memory of the pressure.
+/// State of the detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Saturation {
-    /// Highest value [Pa], how long it has stayed [s], and whether it is the end.
+    /// Highest value [Pa], time for which it has repeated [s], and whether it is the end.
     highest: f64,
     stayed: f64,
     is_end: bool,
-    /// Time until rows tell again [s].
+    /// Time until rows are used again [s].
     left: f64,
 }
 
 impl Saturation {
-    /// Nothing has been seen.
+    /// Before the first row.
     pub const NEW: Self = Self {
         highest: 0.0,
         stayed: 0.0,
@@ -29,7 +29,7 @@ impl Saturation {
         left: 0.0,
     };
 
-    /// Takes a pressure [Pa]; `moves` while arm or machine does. Whether it may be at its end.
+    /// Updates with a pressure [Pa]; `moves` while arm or machine does. Returns whether the sensor may be at its end.
     pub fn see(&mut self, pressure: f64, moves: bool, dt: f64) -> bool {
         if pressure > self.highest {
             *self = Self {

@@ -1,8 +1,8 @@
-//! The arm's signals by their last value: a bus sends each at its own time, and a row may hold one of them without the others.
+//! Sample-and-hold of the arm's signals: a bus sends each at its own time, so a row may hold one of them without the others.
 
 use crate::loader::sample::Sample;
 
-/// A signal's last value and when it came [s].
+/// Last value of a signal, and its time [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Held {
@@ -11,13 +11,13 @@ struct Held {
 }
 
 impl Held {
-    /// It has never come.
+    /// Before the first value.
     const NEVER: Self = Self {
         value: 0.0,
         time: f64::NEG_INFINITY,
     };
 
-    /// Takes a row's value; the last one, while it is no older than `fresh` [s].
+    /// Updates with a row's value. Returns the last one, while it is no older than `fresh` [s].
     fn take(&mut self, value: Option<f64>, time: f64, fresh: f64) -> Option<f64> {
         if let Some(value) = value {
             *self = Self { value, time };
@@ -29,7 +29,7 @@ impl Held {
     }
 }
 
-/// Angles of arm and bucket, the pressure behind the rod, and the specific force.
+/// Angles of arm and bucket, rod-side pressure, and specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Signals {
@@ -39,7 +39,7 @@ pub(super) struct Signals {
     acceleration: Held,
 }
 
-/// What holds of them in a row; none where it is missing or too old.
+/// Their values in a row; none where missing or too old.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Now {
     /// Angle of the arm [rad].
@@ -48,12 +48,12 @@ pub(super) struct Now {
     pub tilt: Option<f64>,
     /// Pressure on the rod side [Pa].
     pub rod: Option<f64>,
-    /// What an accelerometer shows [m/s^2].
+    /// Value of the accelerometer [m/s^2].
     pub acceleration: Option<f64>,
 }
 
 impl Signals {
-    /// Nothing has come.
+    /// Before the first row.
     pub const NONE: Self = Self {
         lift: Held::NEVER,
         tilt: Held::NEVER,
@@ -61,7 +61,7 @@ impl Signals {
         acceleration: Held::NEVER,
     };
 
-    /// Takes a plausible row; a value counts for as long as it is `fresh` [s].
+    /// Updates with a plausible row; a value counts until it is older than `fresh` [s].
     pub fn take(&mut self, sample: &Sample, fresh: f64) -> Now {
         let hold = |held: &mut Held, value| held.take(value, sample.time, fresh);
         Now {
@@ -72,7 +72,7 @@ impl Signals {
         }
     }
 
-    /// The source measures the bucket's angle.
+    /// The bucket's angle has been measured.
     pub fn measure_tilt(&self) -> bool {
         self.tilt != Held::NEVER
     }

@@ -1,11 +1,11 @@
-//! Signals of the arm that do not come: nobody sees what the bucket holds, nor where it is.
+//! Prediction of payload and centre of gravity while signals of the arm are missing.
 //!
-//! A load may have come or gone since the last weight, so what the bucket holds is a mixture of that one and of whatever it may hold
-//! (as in [`crate::loader::load::unreported_load`], whose T it shares: nobody sees whether the machine is idle, so all time counts as that):
+//! The load may have changed since the last weight, so the payload is a mixture of that weight and of the prior. T is that of
+//! [`crate::loader::load::unreported_load`]; all time counts as idle:
 //! ```text
 //! q = 1 - exp(-age/T),   m_p = m_last + q d,   sigma^2 = (1 - q) sigma_last^2 + q sigma_any^2 + q (1 - q) d^2,   d = m_any - m_last
 //! ```
-//! An arm or a bucket whose angle does not come is anywhere in its travel.
+//! An arm or a bucket whose angle is missing may be anywhere in its travel.
 
 use super::geometry::UNKNOWN_BUCKET;
 use super::signals::Now;
@@ -15,11 +15,11 @@ use crate::loader::load::unreported_load::BETWEEN;
 use crate::loader::sample::Sample;
 use crate::math::{exp, sqrt};
 
-/// Standard deviation of the angle of an arm about level, and of a bucket, that nobody measures: arms go from -.7 to .75 [rad].
+/// Standard deviation of a missing angle of arm (about level) or bucket [rad]: arms go from -.7 to .75.
 const TRAVEL: f64 = 0.5;
 
 impl LiftWitness {
-    /// What may be by now; none where nothing has been weighed.
+    /// Returns the prediction for this row; none before the first weight.
     pub(super) fn silent(&self, now: &Now, sample: &Sample) -> Option<Weighed> {
         self.answer?;
         let age = sample.time - self.last_time;
@@ -49,12 +49,12 @@ impl LiftWitness {
     }
 }
 
-/// One of two, the second this likely.
+/// Mean and standard deviation of the mixture of two estimates, the second with this probability.
 fn mixed(last: Quantity, any: Quantity, likely: f64) -> Quantity {
     let away = any.value - last.value;
-    let kept = 1.0 - likely;
+    let same = 1.0 - likely;
     let variance =
-        kept * last.std * last.std + likely * any.std * any.std + likely * kept * away * away;
+        same * last.std * last.std + likely * any.std * any.std + likely * same * away * away;
     Quantity {
         value: last.value + likely * away,
         std: sqrt(variance),

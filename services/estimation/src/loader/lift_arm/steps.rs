@@ -1,40 +1,40 @@
-//! Steps that no arm and no content can do: what steps so is a sensor.
+//! Detects steps of angles and moment that neither arm nor content can make: a sensor has changed.
 //!
-//! An arm turns by its rate times the time between two rows. Content comes and goes in tenths of a second, and the oil under the piston takes a
-//! tenth to be pressed together. So a moment that steps within a row, stays there, and had not swung before is another scale or another zero:
+//! An angle is limited by the rate of the joint. Content comes and goes in tenths of a second, and the oil under the piston takes a tenth to
+//! be compressed. So a moment that steps within a row and stays at the new level has another scale or another zero:
 //! ```text
-//! |d| > max(STEPS rms(d), LEAST) M,   mean after - known before = d (1 +- ALIKE)       d: from row to row
+//! |d| > max(STEPS rms(d/M), LEAST) M,   mean after - known before = d (1 +- ALIKE)       d: change from row to row,   M: moment
 //! ```
-//! A blow steps too, but swings back. Of a signal that comes seldom nothing is told: time counts from the last value that differed.
+//! A blow steps too, but swings back. Moments in slow rows are not tested. For a slow angle the time counts from the last change of value.
 
-/// Slower rows see no step: a bucket is let down within that [s].
+/// Longest time between rows in which a step is detected [s]: in a longer one a bucket can be put down.
 const SHARP: f64 = 0.03;
-/// Standard deviations of what differs from row to row, and share of the moment, beyond which it steps. On six loaders of others .06 finds a
-/// blow, .12 none; a scale of .8 is .2.
+/// Threshold of a step, in standard deviations of the change from row to row, and as a share of the moment. On six independently simulated
+/// loaders .06 finds a blow, .12 none; a scale of .8 is .2.
 const STEPS: f64 = 5.0;
 const LEAST: f64 = 0.12;
-/// Averaging time of what differs from row to row [s], and what differs at the start, as a share of the moment.
+/// Averaging time of the mean-square change from row to row [s], and its initial root, as a share of the moment.
 const MEMORY: f64 = 3.0;
 const FIRST: f64 = 0.05;
-/// The level after a step is the mean from here to there [s]: rocking has gone round once, and no bucket is filled by then.
+/// Interval after a step over which its level is averaged [s]: one period of rocking, and too short to fill a bucket.
 const AFTER: [f64; 2] = [0.2, 0.8];
-/// How far the levels may differ by another amount than the step, as a share of it.
+/// Tolerance of the change of level against the step, as a share of it.
 const ALIKE: f64 = 0.4;
-/// An angle steps by more than this, and more than joints turn in the time [rad], [rad/s]: a tilt cylinder dumps in half a second.
+/// Threshold of an angle's step [rad], and rate that a joint may add [rad/s]: a tilt cylinder dumps in half a second.
 const ANGLE: f64 = 0.05;
 const FASTEST: f64 = 3.0;
-/// Steps that sum to less are undone [rad].
+/// Sum of steps below which the angle is back [rad].
 const UNDONE: f64 = 0.03;
-/// A stroke goes by so much through the middle of the range [rad].
+/// Width of the hysteresis about the middle of the range, by which strokes are counted [rad].
 const STROKE: f64 = 0.2;
-/// After so many strokes that end where the old range did it may be the old angle: who works goes as far as before.
+/// Number of strokes that end where the old range did, after which the angle may be back: work uses the same range as before.
 const STROKES: u32 = 4;
 
-/// Steps of an angle, summed: a spike goes back.
+/// Sum of the steps of an angle, so that a spike cancels.
 ///
-/// One that goes back unseen, in a gap, shows at the ends of its strokes: an angle that shows too much reaches the least one of before no more,
-/// one that shows too little the greatest. One that was off little by little and steps back has widened the range before: there its
-/// strokes never leave it.
+/// A step back in a gap is detected by the ends of the strokes. An angle that shows too much does not reach its former least value, and one
+/// that shows too little does not reach its former greatest value. An angle that drifts and then steps back has widened the former range
+/// before: then the strokes must stay within it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct AngleSteps {
@@ -43,16 +43,16 @@ pub(super) struct AngleSteps {
     age: f64,
     /// Sum of the steps [rad].
     sum: f64,
-    /// Least and greatest angle before it stepped, and since [rad].
+    /// Least and greatest angle before the step, and since [rad].
     ends: [f64; 2],
     since: [f64; 2],
-    /// Strokes up through the middle of the range since, and whether it is above.
+    /// Number of upward strokes through the middle of the range since, and whether the angle is above it.
     strokes: u32,
     rises: bool,
 }
 
 impl Default for AngleSteps {
-    /// Nothing has been seen.
+    /// Before the first angle.
     fn default() -> Self {
         Self {
             last: None,
@@ -66,10 +66,10 @@ impl Default for AngleSteps {
     }
 }
 
-/// Least and greatest of nothing.
+/// Empty range.
 const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// A range with this angle.
+/// Widens a range to include an angle.
 #[inline]
 fn widen([least, greatest]: &mut [f64; 2], angle: f64) {
     if angle < *least {
@@ -81,7 +81,7 @@ fn widen([least, greatest]: &mut [f64; 2], angle: f64) {
 }
 
 impl AngleSteps {
-    /// Takes an angle [rad], `dt` after the last.
+    /// Updates with an angle [rad], `dt` after the last.
     pub fn see(&mut self, angle: f64, dt: f64) {
         self.age += dt;
         let Some(last) = self.last else {
@@ -104,7 +104,7 @@ impl AngleSteps {
         }
     }
 
-    /// Takes an angle after a step.
+    /// Updates with an angle after a step.
     #[cold]
     fn watch(&mut self, angle: f64) {
         widen(&mut self.since, angle);
@@ -119,52 +119,53 @@ impl AngleSteps {
         }
     }
 
-    /// The range of before ends where that since does, at its least angle (0) or at its greatest (1).
+    /// The ranges before and since the step agree at their least angle (0) or greatest angle (1).
     fn ends_as_before(&self, end: usize) -> bool {
         (self.since[end] - self.ends[end]).abs() < UNDONE
     }
 
-    /// Its strokes end where they could not if it were still off, or go as far as before.
+    /// The angle is back: its strokes end where a wrong angle could not, or stay within the former range.
     fn is_back(&self) -> bool {
-        let telling = usize::from(self.sum < 0.0);
+        let decisive = usize::from(self.sum < 0.0);
         let within = self.since[0] > self.ends[0] - UNDONE && self.since[1] < self.ends[1] + UNDONE;
-        self.strokes >= STROKES && (within || self.ends_as_before(telling))
+        self.strokes >= STROKES && (within || self.ends_as_before(decisive))
     }
 
-    /// Nothing is known of what was done meanwhile; what has stepped has.
+    /// A gap: the change over it is unknown, and earlier steps remain.
     pub fn gap(&mut self) {
         self.last = None;
     }
 
-    /// The angle is not the one that it was.
+    /// The angle has stepped, and is not back.
     pub fn has_stepped(&self) -> bool {
         self.sum.abs() > UNDONE
     }
 }
 
-/// Steps of the moment, as what the cylinders carry [kg].
+/// Detector of steps of the moment, as a weight in the bucket [kg].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct MomentSteps {
-    /// The last payload that was shown [kg].
+    /// Payload by the last row [kg].
     last: Option<f64>,
-    /// Mean square of what differs from row to row, as a share of the moment.
+    /// Mean-square change from row to row, as a share of the moment.
     square: f64,
+    /// A step that has not been decided.
     step: Option<Step>,
 }
 
-/// A step that may stay.
+/// A step whose level is being averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Step {
-    /// What was known of the payload before, and by how much it stepped [kg].
+    /// Payload known before, and size of the step [kg].
     before: f64,
     by: f64,
-    /// What the cylinders carried before [kg].
+    /// Whole moment before, as a weight [kg].
     carried: f64,
-    /// How old it is [s].
+    /// Age [s].
     age: f64,
-    /// Sum and number of the rows after it.
+    /// Sum and number of the rows averaged.
     sum: f64,
     rows: f64,
 }
@@ -172,23 +173,23 @@ struct Step {
 /// A step that stayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stepped {
-    /// By how much [kg], and over what was carried before.
+    /// Change of the payload [kg], and as a share of the whole moment before.
     pub by: f64,
     pub share: f64,
-    /// What is shown of the payload since [kg].
+    /// Payload shown since [kg].
     pub level: f64,
 }
 
 impl MomentSteps {
-    /// Nothing has been seen.
+    /// Before the first row.
     pub const NEW: Self = Self {
         last: None,
         square: FIRST * FIRST,
         step: None,
     };
 
-    /// Takes what a row shows of the payload, and what the cylinders carry [kg], `dt` after the last. `known`: the payload before it, where it
-    /// is [kg]; `acts`: bucket, ground or stop may change it. A step that has stayed.
+    /// Updates with the payload by a row, and the whole moment as a weight [kg], `dt` after the last. `known`: payload before it, if known
+    /// [kg]; `acts`: bucket, ground or stop may change the moment. Returns a step that has stayed.
     pub fn see(
         &mut self,
         [shown, carried]: [f64; 2],
@@ -198,7 +199,7 @@ impl MomentSteps {
     ) -> Option<Stepped> {
         let by = shown - self.last.replace(shown)?;
         if acts {
-            // In the ground and against a stop it does as it likes.
+            // The moment may step in the ground and against a stop.
             self.step = None;
             return None;
         }
@@ -233,22 +234,23 @@ impl MomentSteps {
         None
     }
 
-    /// A step may stay: a stop that is met meanwhile is met by the step.
+    /// A step is undecided: a stop detected now is an effect of the step.
     pub fn is_stepping(&self) -> bool {
         self.step.is_some()
     }
 
-    /// Nothing is known of what was done meanwhile.
+    /// A gap: the change over it is unknown.
     pub fn gap(&mut self) {
         (self.last, self.step) = (None, None);
     }
 }
 
 impl Step {
+    /// Returns the step where its level agrees with it.
     fn stayed(self) -> Option<Stepped> {
         let by = self.sum / self.rows.max(1.0) - self.before;
-        let alike = (by - self.by).abs() < ALIKE * self.by.abs();
-        alike.then_some(Stepped {
+        let agrees = (by - self.by).abs() < ALIKE * self.by.abs();
+        agrees.then_some(Stepped {
             by,
             share: by / self.carried,
             level: self.before + by,
@@ -260,7 +262,7 @@ impl Step {
 mod tests {
     use super::*;
 
-    /// What steps in three seconds of 2000 kg on 1000 kg of arm, shown as `sensor` does by time and true moment; noise of 1 %.
+    /// Last step found in eight seconds with 2000 kg on 1000 kg of arm; `sensor`: value by time and true moment; noise of 1 %.
     fn stepped(dt: f64, acts: bool, sensor: impl Fn(f64, f64) -> f64) -> Option<Stepped> {
         let mut steps = MomentSteps::NEW;
         let rows = 0..(8.0 / dt) as u32;
@@ -298,11 +300,11 @@ mod tests {
     }
 
     #[test]
-    fn an_angle_that_no_joint_can_do_is_a_sensors_until_it_is_undone() {
+    fn an_angle_faster_than_any_joint_has_stepped_until_it_steps_back() {
         let mut steps = AngleSteps::default();
         (0..100).for_each(|k| steps.see(0.01 * f64::from(k), 0.01));
         assert!(!steps.has_stepped(), "an arm at full speed");
-        // A slow bus holds a value for a fifth of a second.
+        // A slow bus repeats a value for a fifth of a second.
         (0..20).for_each(|_| steps.see(0.99, 0.01));
         steps.see(1.3, 0.01);
         assert!(!steps.has_stepped());
@@ -320,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn an_angle_that_went_back_unseen_is_believed_after_a_stroke_to_its_old_end() {
+    fn an_angle_that_went_back_in_a_gap_is_trusted_after_strokes_to_its_old_end() {
         let stroke = |steps: &mut AngleSteps, off: f64| {
             (0..=200)
                 .for_each(|k: i32| steps.see(off - 0.8 + 0.006 * f64::from(k.abs_diff(100)), 0.01));
@@ -335,7 +337,7 @@ mod tests {
             steps.gap();
             (0..5).for_each(|_| stroke(&mut steps, 0.0));
             assert!(!steps.has_stepped(), "{off}");
-            // Off little by little, and back at once.
+            // Drifts, and steps back.
             (0..200).for_each(|k| steps.see(-0.2 + 0.005 * off * f64::from(k), 0.01));
             (0..9).for_each(|_| stroke(&mut steps, off));
             stroke(&mut steps, 0.0);

@@ -1,15 +1,15 @@
-//! The ends of the arm's travel: there a stop carries what the cylinders do not, or the pressure of the pump is trapped behind a piston that
-//! cannot move. Neither is weight.
+//! Detects the stops at the ends of the arm's travel, where pressures are no weight: a stop carries the arm, or the pump's pressure is
+//! trapped behind a piston that cannot move.
 //!
-//! Where the stops are nobody states: an end is where the arm has never been beyond. A moment beyond what was lifted is the upper stop's there,
-//! for nothing comes into a bucket in the air; one that is less than that of an empty bucket is the lower one's, or the ground's. It says nothing
-//! until the arm has left.
+//! The ends are not stated: an end is the extreme angle so far. A moment beyond that of the lifted load is due to the upper stop, since
+//! nothing enters a bucket in the air. A moment below that of an empty bucket is due to the lower stop or the ground. Then rows are not used
+//! until the arm has left the end.
 
-/// This near an end the arm is at it [rad].
+/// Distance from an end within which the arm is at it [rad].
 const NEAR: f64 = 0.03;
-/// An arm that has not gone so far up has reached no upper end [rad].
+/// Least travel of an arm that may have reached its upper end [rad].
 const TRAVEL: f64 = 0.2;
-/// Beyond an end that was taken for one by more than this, it was none [rad].
+/// Distance beyond a supposed end that refutes it [rad].
 const BEYOND: f64 = 0.06;
 
 /// An end of the arm's travel.
@@ -20,23 +20,23 @@ pub(super) enum End {
     Upper,
 }
 
-/// Memory of the ends.
+/// Range of the arm, and the present stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stops {
     /// Lowest and highest angle so far [rad].
     range: Option<[f64; 2]>,
-    /// The stop that the arm stands against, and where [rad].
+    /// The stop that carries, and the angle of the arm at its contact [rad].
     against: Option<(End, f64)>,
 }
 
 impl Stops {
-    /// Takes the angle of the arm [rad].
+    /// Updates with the angle of the arm [rad].
     pub fn see(&mut self, lift: f64) {
         let [low, high] = self.range.get_or_insert([lift; 2]);
         *low = low.min(lift);
         *high = high.max(lift);
-        // How far it has gone from where it met the stop, to either side.
+        // Distance from the contact, positive beyond the stop.
         let stays = |(end, at): &(End, f64)| {
             let out = match end {
                 End::Lower => at - lift,
@@ -47,7 +47,7 @@ impl Stops {
         self.against = self.against.filter(stays);
     }
 
-    /// Whether the arm is at an end of its travel.
+    /// The arm is at this end of its travel.
     pub fn is_at(&self, end: End, lift: f64) -> bool {
         self.range.is_some_and(|[low, high]| match end {
             End::Lower => lift < low + NEAR,
@@ -55,7 +55,7 @@ impl Stops {
         })
     }
 
-    /// The stop carries.
+    /// Sets the stop that carries, at this angle.
     pub fn meet(&mut self, end: End, lift: f64) {
         self.against = Some((end, lift));
     }
@@ -80,7 +80,7 @@ mod tests {
         assert!(stops.carry());
         stops.see(0.46);
         assert!(!stops.carry() && stops.is_at(End::Upper, 0.5));
-        // What was taken for a stop and gives way is none.
+        // A supposed stop that gives way is none.
         stops.meet(End::Upper, 0.5);
         stops.see(0.58);
         assert!(!stops.carry());

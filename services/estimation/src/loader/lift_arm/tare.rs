@@ -1,37 +1,37 @@
-//! An emptied bucket is a weight that is known: what it shows beyond what usually stays in it is an error of the drawing.
+//! Detects an emptied bucket, a known weight: what it shows beyond the usual carry-back is an error of the drawing.
 //!
-//! Every weighing system on a machine has its zero set with an empty bucket. Here the machine does it at each dump: where a load has
-//! left the bucket, what is weighed then is `left`, .015 +- .03 of the capacity, give or take the rows' own noise. A bucket that did not
-//! turn was not emptied, whatever the pressures show; but a fork puts its load down without, and may be another tool than the one described.
-//! A tool that hangs free and shows less than nothing is empty: with content the error of the drawing would have to be larger still.
+//! On-board weighing systems are zeroed with an empty bucket. Here each dump does it: once a load has left the bucket, its true content is
+//! `left`, .015 +- .03 of the capacity. A bucket that has not turned has not been emptied, whatever the pressures show. But a fork puts its
+//! load down without turning, and may be another tool than the one described. A tool that hangs free and shows less than 0 is empty: with
+//! content the error of the drawing would be larger still.
 
 use super::content::Motion;
 use crate::Quantity;
 
-/// From this share of the capacity on a bucket holds a load, and up to this share it may be an emptied one.
+/// Shares of the capacity beyond which a bucket holds a load, and below which it may be an emptied one.
 const LOADED: f64 = 0.2;
 const EMPTIED: f64 = 0.1;
-/// What stays in an emptied bucket, and its standard deviation, as shares of the capacity.
+/// Carry-back of an emptied bucket, and its standard deviation, as shares of the capacity.
 const STAYS: f64 = 0.015;
 const STAYS_STD: f64 = 0.03;
 
-/// What an emptied bucket shows.
+/// Measurement by an emptied bucket.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tare {
-    /// Beyond what usually stays in it [kg].
+    /// Payload shown beyond the usual carry-back [kg].
     pub apart: f64,
-    /// Variance of that without the drawing's [kg^2].
+    /// Variance of that by rows and carry-back, without the drawing's [kg^2].
     pub variance: f64,
-    /// The bucket has not turned since: it tells of later loads, which are weighed as high.
+    /// The bucket has not turned since the dump: it also corrects later loads, which are weighed at this height.
     pub at_dump: bool,
 }
 
-/// Memory of the bucket.
+/// State of the bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Emptied {
-    /// It held a load when it was last seen, and has turned since.
+    /// It held a load when last known, and has turned since.
     was_loaded: bool,
     turned: bool,
     /// It has been emptied since, and the ground has not filled it.
@@ -41,10 +41,10 @@ pub(super) struct Emptied {
 }
 
 impl Emptied {
-    /// Takes what the rows show of the payload, and what arm and bucket do; what an emptied bucket tells. One that turns in the air
-    /// stays empty: only the ground fills it.
+    /// Updates with the payload by the rows [kg] and the motion of arm and bucket. Returns a measurement while the bucket is empty. One that
+    /// turns in the air stays empty, since only the ground fills it.
     ///
-    /// One that hangs free (`hangs`) and shows less than nothing is empty, however it was emptied.
+    /// A bucket that hangs free (`hangs`) and shows less than 0 is empty, however it was emptied.
     pub fn see(
         &mut self,
         shown: Quantity,
@@ -102,7 +102,7 @@ mod tests {
     };
     const IN_THE_GROUND: Motion = Motion { held: true, ..OPEN };
 
-    /// What the bucket tells after it has shown these payloads [kg] in these motions.
+    /// Measurement after these payloads [kg] in these motions.
     fn shown_after(rows: &[(f64, &Motion)]) -> Option<Tare> {
         let mut bucket = Emptied::default();
         let see = |&(value, motion): &(f64, &Motion)| {
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fork_that_hangs_free_and_shows_less_than_nothing_is_empty_and_tells_of_loads() {
+    fn a_fork_that_hangs_free_and_shows_less_than_zero_is_empty_and_corrects_loads() {
         let tare = shown_after(&[(1200.0, &STILL), (-100.0, &STILL)]).expect("it was put down");
         assert!((tare.apart + 175.0).abs() < 1e-9 && tare.at_dump);
         let rows: [&[(f64, &Motion)]; 4] = [

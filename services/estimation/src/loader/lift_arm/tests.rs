@@ -3,10 +3,10 @@ use super::*;
 use crate::loader::keys::{LiftArm, LiftCylinder};
 use std::vec::Vec;
 
-/// Values are as fresh as this [s].
+/// Greatest age of a value that counts [s].
 const FRESH: f64 = Settings::DEFAULT.estimator.fresh;
 
-/// A 12 t loader, its pressures made by the statics of its own drawing.
+/// A 12 t loader; its pressures are computed from the statics of its own drawing.
 pub(super) fn settings() -> Settings {
     let mut settings = Settings::DEFAULT;
     settings.machine.mass = 12_500.0;
@@ -40,47 +40,47 @@ pub(super) fn settings() -> Settings {
     settings
 }
 
-/// One second of work: angles of arm and bucket and payload at its end, and friction's direction.
+/// One second of work: angles of arm and bucket [rad] and payload [kg] at its end, and direction of the friction.
 struct Second(f64, f64, f64, f64);
 
-/// What the witness says at the end of each second.
+/// Estimates at the end of each second.
 fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
     run_shown(seconds, &|_, head| head)
 }
 
-/// The same where the sensor shows another head pressure, by the arm's angle and the true one.
+/// The same where the sensor shows another head pressure, a function of the arm's angle and the true pressure.
 fn run_shown(seconds: &[Second], shown: &dyn Fn(f64, f64) -> f64) -> Vec<Option<Weighed>> {
     let sensors = Sensors {
         shown,
         rod: Some(0.7e6),
         lost: &none_lost,
     };
-    said_of_sensors(seconds, 1.0, Some(1.0), &sensors)
+    estimates_with_sensors(seconds, 1.0, Some(1.0), &sensors)
 }
 
-/// What the sensors do: head pressure shown by the arm's angle and the true one, and the rod pressure shown.
+/// Sensors: head pressure shown, a function of the arm's angle and the true pressure, and rod pressure shown.
 struct Sensors<'a> {
     shown: &'a dyn Fn(f64, f64) -> f64,
     rod: Option<f64>,
-    /// What is missing in a row, by its number.
+    /// Removes values from a row, by its number.
     lost: &'a dyn Fn(u32, &mut Sample),
 }
 
 /// Nothing is missing.
 fn none_lost(_: u32, _: &mut Sample) {}
 
-/// The same of a machine whose bucket turns with its arm by `turn`, as far as it is stated.
-fn said_of(seconds: &[Second], turn: f64, stated: Option<f64>) -> Vec<Option<Weighed>> {
+/// The same of a machine with the bucket turn `turn`; the machine file has `stated`.
+fn estimates(seconds: &[Second], turn: f64, stated: Option<f64>) -> Vec<Option<Weighed>> {
     let sensors = Sensors {
         shown: &|_, head| head,
         rod: Some(0.7e6),
         lost: &none_lost,
     };
-    said_of_sensors(seconds, turn, stated, &sensors)
+    estimates_with_sensors(seconds, turn, stated, &sensors)
 }
 
 /// The same with other sensors.
-fn said_of_sensors(
+fn estimates_with_sensors(
     seconds: &[Second],
     turn: f64,
     stated: Option<f64>,
@@ -92,7 +92,7 @@ fn said_of_sensors(
     settings.lift_arm.bucket_turn = stated;
     let mut witness = LiftWitness::new(&settings).expect("a described arm");
     let (mut lift, mut bucket, mut load, mut time) = (seconds[0].0, seconds[0].1, 0.0, 0.0);
-    let (mut said, mut row) = (Vec::new(), 0);
+    let (mut estimates, mut row) = (Vec::new(), 0);
     for second in seconds {
         let (from, turned, held) = (lift, bucket, load);
         for k in 1..=100 {
@@ -127,14 +127,14 @@ fn said_of_sensors(
             };
             (sensors.lost)(row, &mut sample);
             row += 1;
-            said.push(witness.step(&sample, FRESH).map(|said| *said));
+            estimates.push(witness.step(&sample, FRESH).map(|said| *said));
         }
     }
-    said.into_iter().skip(99).step_by(100).collect()
+    estimates.into_iter().skip(99).step_by(100).collect()
 }
 
 #[test]
-fn an_arm_that_is_not_described_weighs_nothing() {
+fn an_arm_that_is_not_described_does_not_weigh() {
     assert!(LiftWitness::new(&Settings::DEFAULT).is_none());
 }
 
@@ -144,7 +144,7 @@ fn a_payload_is_reported_from_the_first_row_on_where_an_arm_is_described() {
     let settings = settings();
     let columns = Columns::default();
     let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
-    // No pressure comes: whatever the bucket holds, and never trusted.
+    // Without pressure the payload is the prior, and never trusted.
     for k in 0..50 {
         let answer = estimator.step(&Sample {
             time: 0.01 * f64::from(k),
@@ -163,7 +163,7 @@ fn a_payload_is_reported_from_the_first_row_on_where_an_arm_is_described() {
 #[test]
 fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug() {
     let mut work: Vec<Second> = Vec::new();
-    // Empty and low, lowered last; digs and curls; carries; lifts; stands; dumps; stands.
+    // Empty and low, lowered before; digs and curls; carries; lifts; stands; dumps; stands.
     work.extend((0..6).map(|k| Second(-0.5 - 0.03 * f64::from(k.min(4)), 0.0, 0.0, -1.0)));
     work.push(Second(-0.6, 0.4, 2000.0, 1.0));
     work.push(Second(-0.5, 0.75, 3600.0, 1.0));
@@ -215,17 +215,17 @@ fn loading(cycles: u32, [up, down]: [f64; 2]) -> (Vec<Second>, Vec<usize>) {
 fn a_tilt_cylinder_on_the_frame_carries_a_part_of_the_load() {
     let (work, carried) = loading(4, [0.15; 2]);
     let weighed = |stated| {
-        let said = said_of(&work, 0.15, stated);
+        let said = estimates(&work, 0.15, stated);
         let last = *carried.last().expect("a load");
         said[last].expect("fresh").payload
     };
     let by = weighed(Some(0.15));
     assert!((by.value - 3600.0).abs() < 60.0, "{by:?}");
-    // Nobody states it: a hand may have turned the bucket as well.
+    // Not stated: an operator may have turned the bucket as well.
     let open = weighed(None);
     assert!((open.value - 3600.0).abs() < 1.96 * open.std, "{open:?}");
     assert!(open.std > by.std, "{open:?} {by:?}");
-    // On the arm it would be an eighth less.
+    // With the cylinder on the arm the payload would be an eighth less.
     let other = weighed(Some(1.0));
     assert!(other.value < 0.9 * 3600.0, "{other:?}");
 }
@@ -234,7 +234,7 @@ fn a_tilt_cylinder_on_the_frame_carries_a_part_of_the_load() {
 fn where_a_hand_levels_the_bucket_the_interval_holds_both_cylinders() {
     let (work, carried) = loading(4, [0.0, 0.6]);
     for turn in [0.0, 0.2, 1.0] {
-        let said = said_of(&work, turn, None);
+        let said = estimates(&work, turn, None);
         for second in &carried {
             let payload = said[*second].expect("fresh").payload;
             let error = (payload.value - 3600.0).abs();
@@ -243,7 +243,7 @@ fn where_a_hand_levels_the_bucket_the_interval_holds_both_cylinders() {
     }
 }
 
-/// What the witness says at the end of a second load of 3600 kg that is filled low and lifted.
+/// Estimate at the end of a second load of 3600 kg that is filled low and lifted.
 fn lifted(shown: impl Fn(f64, f64) -> f64, rod: Option<f64>) -> Weighed {
     let (mut work, carried) = loading(2, [0.15; 2]);
     let last = *carried.last().expect("a load");
@@ -253,7 +253,7 @@ fn lifted(shown: impl Fn(f64, f64) -> f64, rod: Option<f64>) -> Weighed {
         rod,
         lost: &none_lost,
     };
-    let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
+    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
     said[last].expect("fresh")
 }
 
@@ -280,7 +280,7 @@ fn an_arm_that_rests_on_its_lower_stop_weighs_nothing_that_is_less_than_empty() 
         rod: Some(0.7e6),
         lost: &none_lost,
     };
-    let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
+    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
     let last = said[*carried.last().expect("a load")]
         .expect("fresh")
         .payload;
@@ -310,7 +310,7 @@ fn a_sensor_at_its_end_weighs_no_less() {
 #[test]
 fn a_rod_pressure_that_nobody_measures_is_an_uncertain_one() {
     let error = |more: f64| {
-        // The head side carries what the rod side does.
+        // The head side balances the rod side.
         let weighed = lifted(|_, head| head + more * 2.38 / 4.33, None).payload;
         (weighed.value - 3600.0).abs() / weighed.std
     };
@@ -330,7 +330,7 @@ fn the_gain_of_a_pressure_sensor_that_nobody_checked_is_in_doubt() {
     assert!((off.value - 3600.0).abs() < 1.96 * off.std, "{off:?}");
 }
 
-/// An emptied bucket tells little of the gain at the pressure of a load, and a calibrated span all of it.
+/// An emptied bucket is little informative of the gain at the pressure of a load; a calibrated span determines it.
 #[test]
 fn a_gain_that_is_wrong_for_loads_alone_is_in_doubt_until_it_is_calibrated() {
     let left = |std: f64| {
@@ -351,7 +351,7 @@ fn a_gain_that_is_wrong_for_loads_alone_is_in_doubt_until_it_is_calibrated() {
 }
 
 #[test]
-fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
+fn a_pressure_that_is_stuck_while_the_machine_drives_is_not_used() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut said = None;
     for k in 0..600 {
@@ -374,7 +374,7 @@ fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
 }
 
 #[test]
-fn an_arm_that_was_carried_like_none_at_first_weighs_as_soon_as_it_is_carried_well() {
+fn an_arm_carried_in_an_odd_posture_at_first_weighs_once_it_is_carried_well() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut drive = |rows: core::ops::Range<u32>, tilt: f64| {
         let mut said = None;
@@ -417,7 +417,7 @@ fn a_row_whose_time_is_refused_changes_no_load() {
     assert_eq!(kept.cg_ratio, other.cg_ratio);
 }
 
-/// Row `k` of a machine that stands with a pressure that lives.
+/// Row `k` of a standing machine, with a noisy pressure.
 fn stands(k: u32) -> Sample {
     Sample {
         time: 0.01 * f64::from(k),
@@ -435,13 +435,13 @@ fn stands(k: u32) -> Sample {
     }
 }
 
-/// Seconds of standing like this.
+/// Seconds of standing in this posture with this load.
 fn stays(seconds: usize, posture: [f64; 2], load: f64) -> impl Iterator<Item = Second> {
     (0..seconds).map(move |_| Second(posture[0], posture[1], load, 1.0))
 }
 
 #[test]
-fn a_bucket_that_rests_on_the_ground_says_nothing_of_the_description() {
+fn a_bucket_that_rests_on_the_ground_is_no_evidence_against_the_description() {
     let mut work: Vec<Second> = stays(20, [-0.66, 0.35], 0.0).collect();
     work.extend(stays(10, [-0.4, 0.35], 0.0));
     for part in [0.1, 0.5] {
@@ -474,11 +474,11 @@ fn a_pressure_that_reads_nothing_is_no_weight() {
 }
 
 #[test]
-fn a_load_that_the_rear_axle_cannot_balance_is_not_believed() {
+fn a_load_that_the_rear_axle_cannot_balance_is_not_trusted() {
     let work: Vec<Second> = stays(20, [0.5, 0.75], 3600.0).collect();
     let rows = core::cell::Cell::new(0);
     let at = |gain: f64| {
-        // A sensor that lives: one that repeats itself is at its end.
+        // With noise: a sensor that repeats a value is at the end of its range.
         let shown = |_, head: f64| {
             rows.set(rows.get() + 1);
             gain * head + 1e4 * f64::from(rows.get() % 3)
@@ -522,7 +522,7 @@ fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
 fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
     let work: Vec<Second> = stays(30, [0.5, 0.75], 3600.0).collect();
     let rows = core::cell::Cell::new(0);
-    // From 10 s on: the pressure swings by half at 2 Hz, and dies away in a second.
+    // From 10 s on the pressure swings by half at 2 Hz, and decays in a second.
     let swings = |_, head: f64| {
         rows.set(rows.get() + 1);
         let time = 0.01 * f64::from(rows.get() - 990);
@@ -533,7 +533,7 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
         };
         (1.0 + swing) * head
     };
-    // And a pressure that breaks in for .1 s.
+    // A pressure that drops by half for .1 s.
     let breaks_in = |_, head: f64| {
         rows.set(rows.get() + 1);
         let share = if (985..995).contains(&rows.get()) {
@@ -565,7 +565,7 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
     }
 }
 
-/// What the witness says of loads that are lifted, with rows that miss something.
+/// Estimates of loads that are lifted, with rows that miss values.
 fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weighed>)> {
     let (work, _) = loading(2, [0.15; 2]);
     let sensors = Sensors {
@@ -573,11 +573,11 @@ fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weigh
         rod: Some(0.7e6),
         lost: &lost,
     };
-    let said = said_of_sensors(&work, 0.15, Some(0.15), &sensors);
+    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
     work.into_iter().zip(said).collect()
 }
 
-/// How many seconds end with a load that is known; none of them wrong.
+/// Number of seconds that end with a known load; none of them may be wrong.
 fn known_loads(said: &[(Second, Option<Weighed>)]) -> usize {
     let closed = |(second, weighed): &(Second, Option<Weighed>)| {
         let Weighed {
@@ -646,7 +646,7 @@ fn an_angle_that_is_too_old_weighs_nothing() {
 }
 
 #[test]
-fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
+fn an_arm_whose_signals_are_missing_may_hold_another_load_elsewhere() {
     let silent: [fn(&mut Sample); 2] = [
         |sample| sample.lift_head_pressure = None,
         |sample| {
@@ -677,7 +677,7 @@ fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
                 );
             }
         }
-        // It is less and less the last one.
+        // The deviation grows with the age of the last weight.
         let std = |second: usize| said[second].1.expect("weighed").payload.std;
         assert!(
             std(12) < std(16) && std(16) < std(24),
@@ -687,7 +687,7 @@ fn an_arm_that_falls_silent_may_hold_another_load_elsewhere() {
             std(24)
         );
     }
-    // Before anything was weighed nobody weighs.
+    // Before the first weight there is no estimate.
     let never = weighed_without(|_, sample| sample.lift_head_pressure = None);
     assert!(never.iter().all(|(_, weighed)| weighed.is_none()));
 }
@@ -701,7 +701,7 @@ fn a_silent_arm_names_what_is_missing_and_a_reported_load_counts_then() {
         let columns = Columns { acceleration: true };
         let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
         estimator.set_payload(reported);
-        // A pressure that lives, and is gone from the third second on.
+        // A noisy pressure, missing from the third second on.
         let row = |k: u32| Sample {
             lift_head_pressure: stands(k).lift_head_pressure.filter(|_| k < 300),
             ..stands(k)
@@ -752,8 +752,8 @@ fn a_load_is_not_trusted_while_its_tilt_cylinder_may_be_in_either_place() {
     assert!(light.trusted_payload, "{light:?}");
 }
 
-/// A load that is filled, carried and dumped twice, and the head pressure as the sensor shows it by the row of 100 in a second; what is said at
-/// the end of each second.
+/// Estimates at the end of each second of a load that is filled, carried and dumped twice. `sensor`: head pressure shown, a function of the
+/// number of the row (100 a second) and the true pressure.
 fn carried_twice(sensor: &dyn Fn(u32, f64) -> f64) -> Vec<Weighed> {
     let (work, _) = loading(2, [1.0, 1.0]);
     let row = core::cell::Cell::new(0);
@@ -765,7 +765,7 @@ fn carried_twice(sensor: &dyn Fn(u32, f64) -> f64) -> Vec<Weighed> {
 }
 
 #[test]
-fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_believed() {
+fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_trusted() {
     // The first load is carried from the sixth to the tenth second on.
     for gain in [0.8, 1.25, 2.0] {
         let said = carried_twice(&|row, head| if row > 820 { gain * head } else { head });

@@ -1,4 +1,4 @@
-//! An angle by its sine and cosine: a row takes them once, and what turns it a little further costs no more series.
+//! Angle as sine and cosine, computed once a row. Adding an angle of known sine and cosine needs no further series.
 
 use crate::math::sin_cos;
 
@@ -17,7 +17,7 @@ impl Turn {
         Self { sine, cosine }
     }
 
-    /// Turned further by an angle [rad].
+    /// Sum with an angle [rad].
     pub fn by(self, angle: f64) -> Self {
         if angle == 0.0 {
             self
@@ -26,7 +26,7 @@ impl Turn {
         }
     }
 
-    /// Of the sum of both angles.
+    /// Sum of both angles.
     pub fn and(self, other: Self) -> Self {
         Self {
             sine: self.sine * other.cosine + self.cosine * other.sine,
