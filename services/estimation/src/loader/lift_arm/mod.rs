@@ -173,7 +173,7 @@ pub(super) struct Weighed {
     pub undecided: f64,
     /// Standard deviation by the pressure's gain at a load, included in that of the payload [kg]. Only a weighed load identifies it.
     pub gain_left: f64,
-    /// The stated deviations do not explain the pressures (`below`), or a sensor has probably changed (beyond [`DOUBTED`]).
+    /// The stated deviations do not explain the pressures (`below`), or a sensor has probably changed (beyond `DOUBTED`).
     pub wrong: bool,
     /// Signals of the arm are missing or too old: this is a prediction since the last weight (`silence`).
     pub silent: bool,

@@ -1,8 +1,8 @@
-//! Whether the torque of one axle is off: a gear ratio, a motor's constant, a displacement.
+//! Probability that the measured torque of one axle has a gain error: a gear ratio, a motor's constant, a displacement.
 //!
-//! It is told for a load on the other axle, and no motion tells both apart while the axles pull in one proportion. What speaks of it is
-//! that force over acceleration is off by half as much ([`super::inertia`]), and that the ratio is not what the machine's class has.
-//! An axle's torque lasts, so kappa is learnt here from all rows, not from the last ten seconds.
+//! A gain error g of one axle looks like a shift of load between the axles. While the axles pull in a constant proportion, motion does not
+//! distinguish them. The evidence is kappa, force over acceleration ([`super::inertia`]), which is off by g/2, and the difference of the
+//! ratio from its prior. The gain is constant, so kappa is estimated here from all rows, not from the last ten seconds.
 //!
 //! ```text
 //! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2),   s^2 = .02^2 + .01^2 + sigma_T^2/2
@@ -13,20 +13,20 @@ use super::inertia::Force;
 use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
 
-/// How often a torque that nobody calibrated is off whatever its tolerance says: of each axle one machine in thirteen.
+/// Prior probability that an uncalibrated torque is off beyond its stated tolerance: of each axle, one machine in thirteen.
 const OFTEN: f64 = 0.077;
-/// By how much, as a standard deviation.
+/// Standard deviation of g in that case.
 const OFF: f64 = 0.2;
-/// Usual tolerances that move kappa, of the mass and of the rolling radius; those of the torques are stated.
+/// Standard deviations of kappa by the tolerances of mass and rolling radius; those of the torques are stated.
 const MASS_TOLERANCE: f64 = 0.02;
 const RADIUS_TOLERANCE: f64 = 0.01;
-/// Random walk of kappa, of the resistance and of the accelerometer's zero [1/sqrt(s)], [m/s^2/sqrt(s)]: kappa is of gears, motors
-/// and an empty machine, 3 % in a quarter of an hour.
+/// Random walk of kappa [1/sqrt(s)], of the resistance and of the accelerometer's zero [m/s^2/sqrt(s)]: kappa, a property of gears, motors
+/// and the empty machine, walks 3 % in a quarter of an hour.
 const WALK: [f64; 3] = [0.001, 0.01, 0.01];
-/// Logarithm of the likelihood ratio beyond which nothing is told.
+/// Limit of the logarithm of the likelihood ratio, against overflow.
 const MAX_LOG_RATIO: f64 = 50.0;
 
-/// What driving has told of kappa so far.
+/// Estimate of kappa from all driving so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxleTorque {
@@ -41,7 +41,7 @@ impl Default for AxleTorque {
     }
 }
 
-/// A ratio beside what is expected, with the standard deviation of both.
+/// Estimated ratio lam, its prior lam_0, and the standard deviation p of their difference.
 #[derive(Clone, Copy, Debug)]
 pub struct RatioAway {
     pub ratio: f64,
@@ -52,18 +52,18 @@ pub struct RatioAway {
 }
 
 impl AxleTorque {
-    /// Takes smoothed acceleration, force over mass and direction of a row in which the torques drive, `dt` after the last.
+    /// Updates with smoothed acceleration, force over mass and direction of a row in which the torques drive, `dt` after the last.
     pub fn see(&mut self, signals: [f64; 3], dt: f64) {
         self.force.walk(&WALK, dt);
         self.force.see(signals, dt);
     }
 
-    /// A load came or went that nobody reported: the mass is another one.
+    /// Widens kappa: the mass has changed by a load that was not reported.
     pub fn load_stepped(&mut self) {
         self.force.open_gain();
     }
 
-    /// Probability that one axle's torque is off, and what that adds to the deviation of the ratio.
+    /// Probability that one axle's torque is off, and the standard deviation that this adds to the ratio.
     pub fn judge(&self, away: &RatioAway) -> (f64, f64) {
         let kappa = self.force.state[0] - 1.0;
         let torques = core::f64::consts::FRAC_1_SQRT_2 * away.torque_std;
@@ -71,8 +71,8 @@ impl AxleTorque {
         let kappa_variance = usual * usual + self.force.covariance[0][0];
         let by_axle = away.ratio * (1.0 - away.ratio);
         let weights = [0.5 / kappa_variance, by_axle / (away.std * away.std)];
-        let told = weights[0] * 0.5 + weights[1] * by_axle;
-        let left = 1.0 / (1.0 / (OFF * OFF) + told);
+        let information = weights[0] * 0.5 + weights[1] * by_axle;
+        let left = 1.0 / (1.0 / (OFF * OFF) + information);
         let by_gain = weights[0] * kappa;
         let by_ratio = weights[1] * (away.ratio - away.expected);
         let (mut total, mut squares) = (0.0, 0.0);
@@ -94,7 +94,7 @@ impl AxleTorque {
 mod tests {
     use super::*;
 
-    /// Of a machine with this kappa, whose ratio lies so far from what is expected.
+    /// Judgement for this kappa and this difference of the ratio from its prior.
     fn judged(kappa: f64, ratio_away: f64) -> (f64, f64) {
         stated(kappa, ratio_away, 0.005)
     }
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn driving_tells_kappa_closely_and_a_load_that_nobody_reported_makes_it_unknown() {
+    fn driving_identifies_kappa_and_an_unreported_load_widens_it() {
         let mut axles = AxleTorque::default();
         for k in 0..6000 {
             let t = f64::from(k) * 0.01;

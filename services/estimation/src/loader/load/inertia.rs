@@ -1,4 +1,4 @@
-//! Whether the machine is as heavy as stated: force over acceleration, of late.
+//! Stated over true mass of the machine, from wheel force and acceleration, with a memory of about ten seconds.
 //!
 //! ```text
 //! a = kappa u - c sgn(v) + z,   u = (T_f + T_r)/(r m_stated)
@@ -6,44 +6,46 @@
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | kappa | `gain` | stated mass over true mass, times true over stated torque | 1 |
-//! | c | - | rolling and whatever else resists | m/s^2 |
+//! | c | - | rolling and other resistance | m/s^2 |
 //! | z | - | zero of the accelerometer, with gravity's share where load or mounting pitch it | m/s^2 |
 //!
-//! A Kalman filter of the three, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
-//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is reported late. A step of
-//! kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
-//! Without z a machine that turns round seems to resist by 2 z more or less at once, and while it only accelerates, heavier or lighter.
-//! Where the mass is reported with its load, that is likelier than a load of which nobody knows, and z is a state; where it is not,
-//! z is nothing and such a row speaks for a load: after each stop there may be one.
+//! A Kalman filter estimates the three, with signals smoothed over 0.2 s. Its random walk limits the memory to about ten seconds. kappa is
+//! 0.95 to 1.03 on a sound machine, and 0.75 to 0.8 with an unreported full bucket, or with a mass that is reported late. A step of kappa
+//! shows that the load has changed: the centre of gravity estimated so far is that of another machine.
+//!
+//! An unmodelled z changes the apparent resistance by 2 z when the direction of travel reverses, and kappa while the machine only
+//! accelerates. Where the mass is reported with its load, such an error is more probable than an unreported load, and z is a state.
+//! Otherwise z is fixed at 0 and such a row counts as evidence of a load: one may come at each stop.
 
 use crate::linear::{Measurement, diagonal, dot};
 use crate::math::sqrt;
 
-/// Smoothing of the signals [s].
+/// Time constant of the smoothed signals [s].
 const SMOOTH: f64 = 0.2;
-/// Noise of the smoothed acceleration in rows that tell the same for 0.3 s [m/s^2].
+/// Standard deviation [m/s^2] and correlation time [s] of the noise of the smoothed acceleration.
 const NOISE: f64 = 0.05;
 const TOGETHER: f64 = 0.3;
-/// kappa, c and z.
+/// Number of states: kappa, c and z.
 pub const STATES: usize = 3;
-/// Random walk of kappa, c and z [1/sqrt(s)], [m/s^2/sqrt(s)].
+/// Random walk of kappa [1/sqrt(s)], c and z [m/s^2/sqrt(s)].
 const WALK: [f64; STATES] = [0.02, 0.01, 0.01];
-/// Standard deviations at the start; c starts at a usual rolling resistance [m/s^2].
+/// Initial standard deviations of kappa, c and z [1, m/s^2, m/s^2]; z is fixed until it is opened by `ZERO_STD`.
 const START: [f64; STATES] = [0.1, 0.1, 1e-6];
-/// Standard deviation of z: a third of a degree [m/s^2].
+/// Prior standard deviation of z [m/s^2]: a third of a degree.
 pub const ZERO_STD: f64 = 0.06;
+/// Initial value of c [m/s^2]: a usual rolling resistance.
 const ROLLING: f64 = 0.2;
-/// An innovation beyond this is a bad row or a force, no load [m/s^2].
+/// Gate of the innovation [m/s^2]: a larger one is a bad row or an external force.
 pub const LARGEST: f64 = 0.4;
-/// Without news kappa is 1 again after so long [s].
+/// Time constant with which kappa decays to 1 [s].
 const FADES: f64 = 30.0;
-/// Tolerances of mass, torques and wheels that explain a kappa beside 1.
+/// Difference of kappa from 1 that tolerances of mass, torques and wheels explain.
 const TOLERANCE: f64 = 0.05;
-/// A step of kappa that means another load, and the same in standard deviations.
+/// Threshold of a step of kappa that shows another load, absolute and in standard deviations.
 const STEP: f64 = 0.08;
 const STEP_STDS: f64 = 3.0;
 
-/// kappa, c and z, as rows have told them so far.
+/// Kalman filter of kappa, c and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Force {
@@ -61,46 +63,47 @@ impl Default for Force {
 }
 
 impl Force {
-    /// Whatever it may be that changes the first states, by these random walks, goes on for `dt`.
+    /// Predicts over `dt`: the first states walk by these random walks.
     pub fn walk(&mut self, walks: &[f64], dt: f64) {
         for (i, walk) in walks.iter().enumerate() {
             self.covariance[i][i] += walk * walk * dt;
         }
     }
 
-    /// kappa is as at the start.
+    /// Adds the initial variance to that of kappa.
     pub fn open_gain(&mut self) {
         self.covariance[0][0] += START[0] * START[0];
     }
 
-    /// The accelerometer's zero is not known.
+    /// Adds the prior variance to that of z.
     pub fn open_zero(&mut self) {
         self.covariance[2][2] += ZERO_STD * ZERO_STD;
     }
 
-    /// Takes smoothed acceleration, force over mass and direction, `dt` after the last: innovation and its variance. One that is
-    /// too large changes nothing.
+    /// Updates with smoothed acceleration, force over mass and direction, `dt` after the last. Returns innovation and its variance. An
+    /// innovation beyond `LARGEST` changes no state.
     pub fn see(&mut self, [acceleration, pull, direction]: [f64; 3], dt: f64) -> [f64; 2] {
         let by = [pull, -direction, 1.0];
         let noise = NOISE * NOISE * (TOGETHER / dt).max(1.0);
         let innovation = acceleration - dot(&self.state, &by);
-        let told = Measurement::of(&self.covariance, &by, innovation, noise);
+        let found = Measurement::of(&self.covariance, &by, innovation, noise);
         if innovation.abs() <= LARGEST {
-            told.take(&mut self.state, &mut self.covariance);
+            found.take(&mut self.state, &mut self.covariance);
         }
-        [innovation, told.variance]
+        [innovation, found.variance]
     }
 }
 
-/// Memory of force and acceleration.
+/// State of the filter, and of the detector of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertia {
     /// Smoothed acceleration, force over mass, and direction.
     smooth: [f64; 3],
     force: Force,
-    /// kappa when the load changed last.
+    /// kappa at the last step.
     anchor: f64,
+    /// kappa has stepped in this row.
     stepped: bool,
     /// Time since the last step [s].
     since: f64,
@@ -121,10 +124,10 @@ impl Default for Inertia {
     }
 }
 
-/// What a row shows of the mass.
+/// Signals of a row that determine the mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// Acceleration with gravity's share of the slope [m/s^2].
+    /// Specific force along the body: acceleration and gravity's share by the slope [m/s^2].
     pub acceleration: f64,
     /// Force of the torques over the stated mass [m/s^2].
     pub pull: f64,
@@ -133,8 +136,8 @@ pub struct Push {
 }
 
 impl Inertia {
-    /// Takes a row in which the torques alone move the machine, where it `counts`. A step to a lighter machine needs rows that no
-    /// brakes touch to say so: `may_be_lighter`.
+    /// Updates with a row; it `counts` where the torques alone move the machine. Brakes look like a lighter machine, so a step to a kappa
+    /// beyond 1 + `TOLERANCE` needs evidence from rows without brakes: `may_be_lighter`.
     pub fn see(&mut self, row: &Push, counts: bool, may_be_lighter: bool, dt: f64) {
         let direction = if row.speed >= 0.0 { 1.0 } else { -1.0 };
         let weight = (dt / SMOOTH).min(1.0);
@@ -152,7 +155,7 @@ impl Inertia {
         self.force.walk(&WALK[..walks], dt);
         let [innovation, _] = self.force.see(self.smooth, dt);
         if innovation.abs() > LARGEST {
-            // What was found was of bad rows, or of a force that begins: anew.
+            // The estimate is of bad rows, or an external force begins: reset.
             let Self {
                 smooth,
                 since,
@@ -178,7 +181,7 @@ impl Inertia {
         }
     }
 
-    /// The mass is reported with its load.
+    /// Opens z, once: the mass is reported with its load.
     pub fn mass_is_reported(&mut self) {
         if !self.mass_reported {
             self.force.open_zero();
@@ -186,17 +189,17 @@ impl Inertia {
         self.mass_reported = true;
     }
 
-    /// What was found fades to what is usual: nothing is remembered for ever.
+    /// kappa decays to 1, and its variance to the initial one.
     fn fade(&mut self, dt: f64) {
-        let kept = 1.0 - (dt / FADES).min(1.0);
-        let fresh = START[0] * START[0];
-        self.force.state[0] = 1.0 + kept * (self.force.state[0] - 1.0);
+        let decay = 1.0 - (dt / FADES).min(1.0);
+        let prior = START[0] * START[0];
+        self.force.state[0] = 1.0 + decay * (self.force.state[0] - 1.0);
         for i in 1..STATES {
-            self.force.covariance[0][i] *= kept;
-            self.force.covariance[i][0] *= kept;
+            self.force.covariance[0][i] *= decay;
+            self.force.covariance[i][0] *= decay;
         }
         self.force.covariance[0][0] =
-            kept * kept * self.force.covariance[0][0] + (1.0 - kept * kept) * fresh;
+            decay * decay * self.force.covariance[0][0] + (1.0 - decay * decay) * prior;
     }
 
     /// kappa.
@@ -214,21 +217,22 @@ impl Inertia {
         self.smooth
     }
 
+    /// Standard deviation of kappa.
     fn std(&self) -> f64 {
         sqrt(self.force.covariance[0][0].max(0.0))
     }
 
-    /// A load came or went with this row, and nobody reported it.
+    /// An unreported load has come or gone with this row.
     pub fn stepped(&self) -> bool {
         self.stepped
     }
 
-    /// Time since then [s].
+    /// Time since the last step [s].
     pub fn since_step(&self) -> f64 {
         self.since
     }
 
-    /// By how much kappa lies beside 1 beyond tolerances and chance, with its sign.
+    /// Difference of kappa from 1 beyond tolerances and two standard deviations, with its sign.
     pub fn excess(&self) -> f64 {
         let away = self.force.state[0] - 1.0;
         (away.abs() - 2.0 * self.std() - TOLERANCE)
@@ -241,8 +245,7 @@ impl Inertia {
 mod tests {
     use super::*;
 
-    /// Drives to and fro with what the torques say of this stated mass over the true one; the largest and the last excess, and the
-    /// number of steps.
+    /// Drives with this kappa. Returns the last excess, and the number of steps.
     fn drive(inertia: &mut Inertia, kappa: f64) -> (f64, u32) {
         let mut steps = 0;
         for k in 0..4000 {
@@ -260,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_that_nobody_tells_is_found_and_a_sound_machine_is_left_alone() {
+    fn an_unreported_load_is_found_and_a_sound_machine_is_left_alone() {
         let mut inertia = Inertia::default();
         assert_eq!(drive(&mut inertia, 0.97), (-0.0, 0));
         let (loaded, steps) = drive(&mut inertia, 0.77);

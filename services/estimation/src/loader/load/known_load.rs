@@ -1,10 +1,9 @@
-//! A load that is known beside the slips: weighed by the lift pressure, or reported. With it the states h, lam are those of the
-//! empty machine.
+//! A load known independently of the slips: weighed by the lift pressure, or reported. With it the states h and lam are those of the empty
+//! machine.
 //!
-//! Where both are known, the weighing counts, in the mass, in the model and in the answer: it is of this row, with the arm as it
-//! stands now, while a report holds until the next one; it sees a load that was dumped and that nobody reported; and the states
-//! begin anew with it, so they are those of its empty machine, the arm at the reference. While the arm's signals are missing, the
-//! report counts again.
+//! Where both are known, the weighed load counts in the mass, in the model and in the answer. It is of this row and posture, while a
+//! report holds until the next one, and it detects an unreported dump. The states restart with the weighing, as those of the empty machine
+//! with its arm at the reference. While the arm's signals are missing, the report counts again.
 
 use super::mass_step::Centre;
 use super::payload::Payload;
@@ -14,22 +13,22 @@ use crate::loader::lift_arm::Carried;
 use crate::loader::physics::cg_model::Loading;
 use crate::math::norm;
 
-/// A load, and who knows it.
+/// A load by its source.
 enum Load<'a> {
     Weighed(&'a Carried),
     Reported(&'a Payload),
 }
 
-/// What is known of the load.
+/// The known loads.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct KnownLoad {
-    /// What was reported last.
+    /// Last reported load.
     reported: Option<Payload>,
-    /// What the lift pressure says of this row.
+    /// Load of this row by the lift pressure.
     weighed: Option<Carried>,
-    /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips showed of
-    /// that one they showed under a load. Errors of many loads may have one cause, such as a lever, so none average out.
+    /// Standard deviation of the empty machine's ratio by errors of weighed loads: the slips measure the loaded machine. Errors of many
+    /// loads may have one cause, such as a lever, so they do not average out.
     left: f64,
 }
 
@@ -39,25 +38,25 @@ impl KnownLoad {
         self.reported.is_some() || self.weighed.is_some()
     }
 
-    /// Somebody reports it.
+    /// A load is reported.
     pub fn is_reported(&self) -> bool {
         self.reported.is_some()
     }
 
-    /// The content of the bucket is being weighed, and may be changing.
+    /// The content is weighed, and may be changing.
     pub fn is_open(&self) -> bool {
         self.weighed.as_ref().is_some_and(|weighed| weighed.open)
     }
 
-    /// Takes a payload for the rows to come; one that is not finite is ignored.
+    /// Sets the reported payload of the following rows; one that is not finite, or negative, is ignored.
     pub fn report(&mut self, payload: Option<Payload>) {
         if payload.is_none_or(|p| p.is_valid()) {
             self.reported = payload;
         }
     }
 
-    /// Takes what the lift pressure says of the next row. Where it begins to, or ceases, height and ratio mean another machine, with
-    /// its load or without: the centre of gravity that is known of that one.
+    /// Sets the weighed load of the next row. Where weighing begins or ends, the states change their meaning (machine without or with its
+    /// load): returns the prior of the new one.
     pub fn weigh(
         &mut self,
         weighed: Option<Carried>,
@@ -81,7 +80,7 @@ impl KnownLoad {
         ])
     }
 
-    /// A row has informed the ratio under a load, with this gain of its error.
+    /// Updates `left` with a row that has updated the ratio under a load; `gain`: share of the load's error in the ratio.
     pub fn learn(&mut self, gain: impl FnOnce() -> f64) {
         if let Some(weighed) = &self.weighed {
             let doubt = weighed.loading_std[0] / weighed.loading.share;
@@ -89,13 +88,13 @@ impl KnownLoad {
         }
     }
 
-    /// The one load that counts.
+    /// The load that counts.
     fn load(&self) -> Option<Load<'_>> {
         let reported = self.reported.as_ref().map(Load::Reported);
         self.weighed.as_ref().map(Load::Weighed).or(reported)
     }
 
-    /// What it adds to the empty machine.
+    /// Effect of the load on the empty machine.
     pub fn loading(&self, machine: &Machine) -> Loading {
         match self.load() {
             Some(Load::Weighed(weighed)) => weighed.loading,
@@ -104,7 +103,7 @@ impl KnownLoad {
         }
     }
 
-    /// Mass of the machine with it [kg].
+    /// Mass of the machine with its load [kg].
     pub fn mass(&self, machine: &Machine) -> Option<f64> {
         self.load().map(|load| match load {
             Load::Weighed(weighed) => weighed.mass,
@@ -112,7 +111,7 @@ impl KnownLoad {
         })
     }
 
-    /// Centre of gravity with it and standard deviations, from those of the states.
+    /// Centre of gravity with the load, and standard deviations, from those of the states.
     pub fn loaded(
         &self,
         machine: &Machine,
@@ -158,7 +157,7 @@ mod tests {
         height: 0.1,
     };
 
-    /// Half as heavy again as the machine, so that no report is near it.
+    /// A load of half the machine's mass, so that no report is near it.
     fn weighed(machine: &Machine) -> Carried {
         Carried {
             mass: 1.5 * machine.mass,
@@ -190,7 +189,7 @@ mod tests {
         assert_eq!(both.loading(&machine), alone.loading(&machine));
         let answers = [both, alone].map(|load| load.loaded(&machine, EMPTY, STD));
         assert_eq!(answers[0], answers[1]);
-        // The arm's signals are gone: what was reported still holds.
+        // The arm's signals are missing: the report still holds.
         both.weigh(None, &prior, empty);
         assert_eq!(both.mass(&machine), reported);
         assert_eq!(reported, Some(machine.mass + 1000.0));

@@ -1,4 +1,4 @@
-//! A load that is weighed: a step of the mass moves the centre of gravity at once.
+//! Shift of the centre of gravity by a step of the reported mass.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
@@ -9,24 +9,24 @@
 //! ```text
 //! lam+ = lam + (dm/M)(X - lam),   h+ = h + (dm/M)(h_p - h)
 //! ```
-//! A bucket holds its load some three quarters of its reach ahead of the front axle, so lam is known again to a few percent;
-//! its height is anything from the ground to above the machine, so h keeps its value and loses its certainty. Where nobody
-//! tells when the boom moves, the height of a loaded machine stays uncertain. When the mass comes back to that of the empty
-//! machine, so does its centre of gravity.
+//! A bucket holds its load some three quarters of its reach ahead of the front axle, so lam stays known to a few percent. The height of the
+//! load is between the ground and above the machine, so h retains its value and its deviation grows. Where motion of the boom is not
+//! reported, the height of a loaded machine stays uncertain. When the mass returns to that of the empty machine, its centre of gravity is
+//! restored.
 
 use crate::loader::keys::Prior;
 use crate::math::sqrt;
 
-/// Mean and standard deviation of the load's way ahead of the front axle, in bucket reaches.
+/// Mean and standard deviation of the load's distance ahead of the front axle, in bucket reaches.
 const ARM: f64 = 0.75;
 const ARM_STD: f64 = 0.2;
-/// Standard deviation of the load's height over that of the machine.
+/// Standard deviation of the load's height, as a share of the height of the machine's centre of gravity.
 pub const HEIGHT_SPREAD: f64 = 0.7;
-/// A change below this share of the mass is noise of the weighing.
+/// Share of the mass below which a change is noise of the weighing.
 const LEAST_STEP: f64 = 0.01;
-/// A load has come or gone when the mass has held for this long [s].
+/// Time of constant mass after which a step is complete [s].
 const SETTLED: f64 = 1.0;
-/// Within this share the mass is that of the empty machine again.
+/// Tolerance within which the mass is that of the empty machine, as a share.
 const SAME: f64 = 0.02;
 
 /// Centre of gravity of the empty machine: height, ratio, and their standard deviations.
@@ -42,34 +42,34 @@ impl Prior {
     }
 }
 
-/// Memory of the mass.
+/// State of the mass and its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Load {
-    /// The mass that counts, and when it became so [kg], [s].
+    /// Mass that counts [kg], and time for which it has been constant [s].
     anchor: Option<f64>,
     quiet: f64,
-    /// Mass before the step that goes on.
+    /// Mass before the present step [kg].
     from: f64,
-    /// Share of the mass that this step has moved so far.
+    /// Change of the mass by this step so far, as a share; 0 between steps.
     moved: f64,
-    /// The least mass that held: the empty machine.
+    /// Empty machine: least constant mass [kg], and its centre of gravity.
     empty: Option<(f64, Option<Centre>)>,
 }
 
-/// What a row's mass does to the estimate.
+/// Effect of a row's mass on the estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// dm/M.
     pub share: f64,
-    /// Variance that comes with it, in units of the squared errors of arm and height.
+    /// Variance of the shift, in units of the squared deviations of the load's distance and height.
     pub variance: f64,
-    /// The machine is empty again, as it was.
+    /// Centre of gravity of the empty machine, where the mass has returned to it.
     pub restored: Option<Centre>,
 }
 
 impl Load {
-    /// Takes the mass of a row, `dt` after the one before; `centre` is what is known of the centre of gravity.
+    /// Updates with the mass of a row, `dt` after the last; `centre`: present estimate of the centre of gravity.
     pub fn weigh(&mut self, mass: f64, centre: Centre, dt: f64) -> Option<Shift> {
         let anchor = *self.anchor.get_or_insert(mass);
         if (mass - anchor).abs() < LEAST_STEP * anchor {
@@ -81,7 +81,7 @@ impl Load {
         if self.moved == 0.0 {
             self.from = anchor;
             let (least, known) = self.empty.unwrap_or((anchor, None));
-            // What is known of the machine before it is loaded is worth remembering.
+            // The estimate of the empty machine is stored before it is loaded.
             if anchor <= (1.0 + SAME) * least {
                 self.empty = Some((anchor.min(least), Some(centre)));
             } else {
@@ -100,7 +100,7 @@ impl Load {
         })
     }
 
-    /// The step is over: the machine may be the empty one again.
+    /// Ends a step, and restores the centre of gravity of the empty machine where its mass has returned.
     fn settle(&mut self, mass: f64) -> Option<Shift> {
         self.moved = 0.0;
         let (least, known) = self.empty?;
@@ -115,7 +115,7 @@ impl Load {
         })
     }
 
-    /// Centre of gravity with this load, where nothing but that of the empty machine is known; `reach` in wheelbases.
+    /// Prior of the centre of gravity with this load, from that of the empty machine; `reach` of the bucket in wheelbases.
     pub fn expected(&self, [height, ratio]: Centre, reach: f64) -> Centre {
         let share = self.share();
         let loaded = |(centre, std): (f64, f64), load: f64, load_std: f64| {
@@ -129,12 +129,12 @@ impl Load {
         ]
     }
 
-    /// The machine is the empty one, and its mass has held.
+    /// The machine is empty, and no step is going on.
     pub fn is_empty(&self) -> bool {
         self.moved == 0.0 && self.share() <= SAME
     }
 
-    /// Share of the mass that is load.
+    /// Load over mass.
     pub fn share(&self) -> f64 {
         match (self.anchor, self.empty) {
             (Some(mass), Some((least, _))) => ((mass - least) / mass).max(0.0),
@@ -144,14 +144,14 @@ impl Load {
 }
 
 impl Shift {
-    /// The ratio after the shift, and the standard deviation that comes with it; `reach` is that of the bucket in wheelbases.
+    /// Ratio after the shift, and its added standard deviation; `reach` of the bucket in wheelbases.
     pub fn ratio(&self, ratio: f64, reach: f64) -> (f64, f64) {
         let arm = 1.0 + ARM * reach;
         let std = ARM_STD * reach * sqrt(self.variance);
         (ratio + self.share * (arm - ratio), std)
     }
 
-    /// Standard deviation that comes with the shift of the height.
+    /// Standard deviation added to the height.
     pub fn height_std(&self, height: f64) -> f64 {
         HEIGHT_SPREAD * height * sqrt(self.variance)
     }

@@ -1,14 +1,14 @@
-//! What the machine carries: known, or found in its mass and in its motion.
+//! Load of the machine: reported, weighed, or estimated from its mass and motion.
 //!
 //! | file | idea |
 //! |---|---|
 //! | [`payload`] | a load that is reported |
 //! | `known_load` | a load that is reported, or weighed by the lift pressure |
-//! | `mass_step` | a step of the mass moves the centre of gravity |
-//! | `inertia` | force over acceleration |
-//! | `axle_torque` | whether one axle's torque is off |
-//! | `stated_mass` | whether the machine is as heavy as stated |
-//! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
+//! | `mass_step` | shift of the centre of gravity by a step of the mass |
+//! | `inertia` | mass from force and acceleration |
+//! | `axle_torque` | probability that one axle's torque has a gain error |
+//! | `stated_mass` | test of the stated mass |
+//! | `unreported_load` | probability that the bucket has been filled or emptied |
 
 pub(super) mod axle_torque;
 pub(super) mod inertia;

@@ -1,10 +1,11 @@
-//! Payload that is known from weighing and from the boom's position: feed-forward of the loaded centre of gravity.
+//! Centre of gravity with a reported payload of known mass and place (feed-forward).
 //!
 //! ```text
 //! M = m_e + m_p,  a = m_e/M
 //! h = a h_0 + (m_p/M) h_p,   lam = a lam_0 + (m_p/M)(l + x_p)/l
 //! ```
-//! With it the states h, lam mean the empty machine, so taking up a load does not move them.
+//! m_e, h_0 and lam_0 are those of the empty machine, l is the wheelbase. With a reported payload the states h and lam are h_0 and lam_0,
+//! so taking up a load does not move them.
 
 use crate::loader::layout::Each;
 use crate::loader::physics::cg_model::Loading;
@@ -53,7 +54,7 @@ impl Payload {
         fields.iter().all(|x| x.is_finite()) && self.mass >= 0.0
     }
 
-    /// How it moves the centre of gravity of an empty machine.
+    /// Effect on the centre of gravity of an empty machine.
     pub(in crate::loader) fn loading(&self, empty_mass: f64, wheelbase: f64) -> Loading {
         let total = empty_mass + self.mass;
         let part = self.mass / total;

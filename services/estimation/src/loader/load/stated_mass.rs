@@ -1,46 +1,46 @@
-//! Whether the machine is as heavy as stated: force over acceleration by all rows, and by those in which the torques drive; and what
-//! that says of a load that nobody reports.
+//! Test of the stated mass against force over acceleration, and detection of unreported loads.
 //!
-//! Brakes that nobody tells make a machine look lighter while it brakes, and leave it as it is while it drives.
+//! It uses all rows, and those in which the torques drive. Unreported brakes make the machine look lighter while it brakes, and have no
+//! effect while it drives.
 
 use super::axle_torque::AxleTorque;
 use super::inertia::{Inertia, Push};
 use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
 
-/// A reported mass that changes by this share is weighed.
+/// Change of a reported mass beyond which it is weighed, as a share.
 const WEIGHS: f64 = 0.01;
 
-/// What is known of the mass.
+/// State of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StatedMass {
-    /// Mass of the first row [kg], and whether a reported one has changed since: then it is weighed, and not only stated.
+    /// Mass of the first row [kg]. A reported mass that has changed since is weighed, and not only stated.
     first: f64,
     is_weighed: bool,
-    /// By all rows, and by those in which the torques drive.
+    /// Estimates by all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
     pub axle_torque: AxleTorque,
     unreported_load: UnreportedLoad,
 }
 
-/// What holds in a row.
+/// Conditions of a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// The mass with its load is stated.
+    /// The row states the mass with its load.
     pub states_mass: bool,
     /// The torques alone move the machine.
     pub tells: bool,
-    /// They drive it.
+    /// The torques drive the machine.
     pub drives: bool,
-    /// Slower than this, stiction and the ground act.
+    /// The machine is so slow that stiction and the ground act.
     pub stands: bool,
-    /// Something pushes that the torques do not explain.
+    /// An external force acts that the torques do not explain.
     pub pushes: bool,
 }
 
 impl StatedMass {
-    /// Takes a row with the mass that is taken for true [kg].
+    /// Updates with a row and the mass that is used [kg].
     pub fn see(&mut self, mass: f64, row: &Push, kind: &Kind, dt: f64) {
         if self.first == 0.0 {
             self.first = mass;
@@ -68,9 +68,9 @@ impl StatedMass {
         }
     }
 
-    /// A load that nobody reports may come or go while the machine is idle.
+    /// Updates the probability of an unreported load, which may come or go while the machine is idle.
     fn expect_load(&mut self, row: &Push, kind: &Kind, dt: f64) {
-        // Who has carried a load that nobody reported may do so whenever it is slow.
+        // A machine that has carried an unreported load may take up another whenever it is slow.
         let carries = self.inertia.since_step().is_finite();
         let slow = row.speed.abs() < SLOW;
         let idle = kind.stands || slow && (kind.pushes || carries);
@@ -85,14 +85,14 @@ impl StatedMass {
         self.unreported_load.see(signals, known, idle, tells, dt);
     }
 
-    /// By how much the machine is lighter (or its torques larger) than stated, beyond tolerances and chance; negative where it is
-    /// heavier.
+    /// Excess of kappa over 1 beyond tolerances and chance: the machine is lighter (or its torques larger) than stated. Negative where it
+    /// is heavier.
     pub fn lighter(&self) -> f64 {
         let all = self.inertia.excess();
         all.min(self.driven.excess().max(0.0))
     }
 
-    /// By how much stated and true mass differ, as a share, whatever tolerances explain.
+    /// Difference of stated and true mass, as a share, without allowance for tolerances.
     pub fn off(&self) -> f64 {
         let by = if self.lighter() > 0.0 {
             &self.driven
@@ -102,23 +102,22 @@ impl StatedMass {
         (1.0 - by.gain()).abs()
     }
 
-    /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
+    /// Unreported load by force and acceleration, as a share of the loaded machine.
     pub fn carried(&self) -> f64 {
         (1.0 - self.inertia.gain()).max(0.0)
     }
 
-    /// A load came or went with this row, and nobody reported it.
+    /// An unreported load has come or gone with this row.
     pub fn load_stepped(&self) -> bool {
         self.inertia.stepped()
     }
 
-    /// By how much the load is another one than that under which the ratio was learnt, as a share of the machine,
-    /// as far as that is probable.
+    /// Root-mean-square difference of the load from the one under which the ratio was estimated, as a share of the machine.
     pub fn other_load(&self) -> f64 {
         self.unreported_load.share()
     }
 
-    /// Time since a load came or went that nobody reported [s].
+    /// Time since an unreported load has come or gone [s].
     pub fn since_load(&self) -> f64 {
         self.inertia.since_step()
     }

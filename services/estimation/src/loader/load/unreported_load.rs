@@ -1,52 +1,53 @@
-//! A load that nobody tells: how probable it is that the bucket holds another than the one under which the ratio was learnt.
+//! Probability that an unreported load has replaced the one under which the ratio was estimated.
 //!
-//! A loader fills and empties its bucket slowly, and force over acceleration tells of it as soon as its torques move it, at any speed.
-//! Two filters of kappa, c and z (`inertia`) go on from what was known before the machine was idle: one with the same load, one
-//! with another, which moves kappa by d. Bayes' rule weighs them (an interacting multiple model; Blom, Bar-Shalom 1988):
+//! A loader fills and empties its bucket slowly. Force over acceleration identifies the load as soon as the torques move the machine, at
+//! any speed. Two filters of kappa, c and z (`inertia`) start from the estimate before the machine was idle: one with the same load, one
+//! with another, which moves kappa by d. Bayes' rule weights them (an interacting multiple model; Blom, Bar-Shalom 1988):
 //! ```text
-//! idle:     q+ = q + (1 - q) dt/T,   and the other filter takes over as much of the first one's state, moved by d
+//! idle:     q+ = q + (1 - q) dt/T,   and the other filter mixes with the first one's state, moved by d, by that share of q
 //! moving:   q/(1 - q) *= N(y_other; 0, S_other)/N(y_same; 0, S_same)
 //! ```
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | q | `probability` | the load is another one | 1 |
-//! | T | `BETWEEN` | idle time between two changes: the machine stands, or slowly pushes against what its torques do not explain | s |
-//! | d | - | by how much another load would move kappa | 1 |
+//! | T | `BETWEEN` | idle time between two changes: the machine stands, or is slow while a force acts that the torques do not explain | s |
+//! | d | - | change of kappa by another load | 1 |
 //! | y, S | - | innovation of the acceleration in either filter, and its variance | m/s^2 |
 //!
-//! What neither filter knows (how the machine rolls backward, where the accelerometer's zero is) speaks for none of them.
+//! Both filters start with z unknown, so resistance in the other direction and the accelerometer's zero favour neither of them.
 
 use super::inertia::{Force, LARGEST};
 use crate::math::{exp, ln, sqrt};
 use crate::mixture::mix;
 
-/// Slower than this a bucket is filled against the ground: penetration of a V cycle [m/s].
+/// Speed below which a bucket may be filled against the ground [m/s]: penetration in a V cycle.
 pub const SLOW: f64 = 1.5;
-/// Idle time between two changes: a V cycle of 40 s has two, and is idle for half of it [s].
+/// Mean idle time between two changes [s]: a V cycle of 40 s has two, and is idle for half of it.
 pub const BETWEEN: f64 = 10.0;
-/// The same where each row states a mass that has never changed: one change in a hundred is not in it [s].
+/// The same where each row states a mass that has never changed [s]: one change in a hundred is not in it.
 pub const BETWEEN_STATED: f64 = 1000.0;
-/// Share of the loaded machine that a usual load is: rated payload over operating mass with it.
+/// Usual load, as a share of the loaded machine: rated payload over operating mass with it.
 const USUAL_LOAD: f64 = 0.22;
-/// From this share of it on the machine counts as loaded.
+/// Share of the usual load beyond which the machine counts as loaded.
 const HALF: f64 = 0.5;
-/// Standard deviation of what another load moves kappa by: from a third of a bucket to a heaped one.
+/// Standard deviation of d: from a third of a bucket to a heaped one.
 const OTHER_STD: f64 = 0.08;
-/// A probability below this is none, and none is nearer to 1: no row is as certain as its noise says.
+/// Probability below which another load is neglected, and least distance from 1: the noise model is not exact.
 const LEAST: f64 = 1e-3;
 
-/// Memory of what a bucket may hold.
+/// Probability of another load, and the two filters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UnreportedLoad {
+    /// q.
     probability: f64,
-    /// The same load, and another one; since the machine was idle.
+    /// Filters with the same load and with another, since the machine was idle.
     filters: Option<[Force; 2]>,
 }
 
 impl UnreportedLoad {
-    /// Takes a row; `known` is kappa after it, `signals` are smoothed. It is `idle` by this share of the time between two changes, and
-    /// `counts` where the torques alone move the machine.
+    /// Updates with a row of smoothed `signals`; `known`: kappa after it. `idle`: the row's idle time over the mean one between two changes;
+    /// it `counts` where the torques alone move the machine.
     pub fn see(&mut self, signals: [f64; 3], known: &Force, idle: f64, counts: bool, dt: f64) {
         if idle > 0.0 {
             self.idle(known, idle);
@@ -61,17 +62,17 @@ impl UnreportedLoad {
         if first[0].abs().min(second[0].abs()) < LARGEST {
             let unlikely = |[y, s]: [f64; 2]| y * y / s + ln(s);
             let likelier = 0.5 * (unlikely(first) - unlikely(second));
-            let kept = (1.0 - self.probability).max(LEAST) * exp(-likelier);
-            self.probability = (self.probability / (self.probability + kept)).min(1.0 - LEAST);
+            let unchanged = (1.0 - self.probability).max(LEAST) * exp(-likelier);
+            self.probability = (self.probability / (self.probability + unchanged)).min(1.0 - LEAST);
         }
-        // Neither a certain row nor a bad one leaves anything to learn.
+        // Once the probability is negligible, or not a number, the test ends.
         let least = LEAST * USUAL_LOAD * USUAL_LOAD;
         if self.probability.is_nan() || self.square() < least && idle == 0.0 {
             self.settle();
         }
     }
 
-    /// A share of the time between two changes passes.
+    /// Predicts over a share of the mean idle time between two changes.
     fn idle(&mut self, known: &Force, share: f64) {
         let changes = (1.0 - self.probability) * share;
         self.probability += changes;
@@ -83,23 +84,24 @@ impl UnreportedLoad {
         let loaded = same.state[0] < 1.0 - HALF * USUAL_LOAD;
         let by = if loaded { USUAL_LOAD } else { -USUAL_LOAD };
         let weight = changes / self.probability.max(f64::MIN_POSITIVE);
-        let mut anew = *same;
-        anew.state[0] += by;
-        anew.covariance[0][0] += OTHER_STD * OTHER_STD;
-        let anew = (&anew.state, &anew.covariance);
-        mix(&mut other.state, &mut other.covariance, anew, weight);
+        let mut moved = *same;
+        moved.state[0] += by;
+        moved.covariance[0][0] += OTHER_STD * OTHER_STD;
+        let moved = (&moved.state, &moved.covariance);
+        mix(&mut other.state, &mut other.covariance, moved, weight);
     }
 
-    /// What was learnt is of the load that is carried now.
+    /// Ends the test: the ratio is that of the present load.
     pub fn settle(&mut self) {
         *self = Self::default();
     }
 
-    /// By how much the load is another one, as a share of the machine: root of the mixture's mean square.
+    /// Root-mean-square change of the load by the mixture, as a share of the machine.
     pub fn share(&self) -> f64 {
         sqrt(self.square())
     }
 
+    /// Mean square of that change.
     fn square(&self) -> f64 {
         self.filters.map_or(0.0, |[same, other]| {
             let away = other.state[0] - same.state[0];
@@ -118,8 +120,8 @@ impl UnreportedLoad {
 mod tests {
     use super::*;
 
-    /// Stands for `slow` seconds, then drives with this kappa, at this speed and with this zero of the accelerometer; the probability
-    /// before and after.
+    /// Stands for `slow` seconds, then drives with this kappa, speed and zero of the accelerometer. Returns the probability before and after
+    /// driving.
     fn drive(slow: u32, kappa: f64, speed: f64, zero: f64) -> [f64; 2] {
         let mut known = Force::default();
         known.covariance[0][0] = 1e-4;
