@@ -1,6 +1,6 @@
 //! Detects a low bucket that the ground carries, where no torque is measured: grading and stripping drive on with the bucket in the ground.
 //!
-//! A bucket that does not turn loses nothing. So a low one that shows less than it held in the air lies on the ground, and the ground may
+//! A bucket that does not turn loses nothing. A low one that shows less than it held in the air therefore lies on the ground. The ground may
 //! carry it until the arm lifts it. A bucket turned up carries its load: its edge is out of the ground.
 
 use crate::Quantity;

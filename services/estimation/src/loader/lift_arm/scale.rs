@@ -70,7 +70,7 @@ pub(super) struct Scale {
     /// Smoothed innovation, and variance of the usual heaving, as shares of the moment.
     fast: f64,
     heaving: f64,
-    /// Variance of the present heaving, averaged over `ROCKING` beyond what is predicted, without `MOST_HEAVING`.
+    /// Variance of the present heaving, averaged over `ROCKING` beyond what is predicted, and not limited by `MOST_HEAVING`.
     rocking: f64,
     /// The smoothed innovation exceeds the usual heaving: the machine rocks, or the content has changed.
     swings: bool,

@@ -70,7 +70,7 @@ struct Sensors<'a> {
 fn none_lost(_: u32, _: &mut Sample) {}
 
 /// The same of a machine with the bucket turn `turn`; the machine file has `stated`.
-fn estimates(seconds: &[Second], turn: f64, stated: Option<f64>) -> Vec<Option<Weighed>> {
+fn estimates_with_turn(seconds: &[Second], turn: f64, stated: Option<f64>) -> Vec<Option<Weighed>> {
     let sensors = Sensors {
         shown: &|_, head| head,
         rod: Some(0.7e6),
@@ -127,7 +127,7 @@ fn estimates_with_sensors(
             };
             (sensors.lost)(row, &mut sample);
             row += 1;
-            estimates.push(witness.step(&sample, FRESH).map(|said| *said));
+            estimates.push(witness.step(&sample, FRESH).map(|estimate| *estimate));
         }
     }
     estimates.into_iter().skip(99).step_by(100).collect()
@@ -172,8 +172,8 @@ fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug
     work.extend((0..4).map(|_| Second(0.5, 0.75, 3600.0, 1.0)));
     work.push(Second(0.5, -0.75, 0.0, 1.0));
     work.extend((0..4).map(|_| Second(0.5, -0.75, 0.0, 1.0)));
-    let said = run(&work);
-    let at = |second: usize| said[second].expect("fresh");
+    let estimates = run(&work);
+    let at = |second: usize| estimates[second].expect("fresh");
     assert!(at(7).carried.open && at(7).payload.std > 1000.0);
     for (second, payload) in [(5, 0.0), (13, 3600.0), (21, 3600.0), (26, 0.0)] {
         let found = at(second);
@@ -215,9 +215,9 @@ fn loading(cycles: u32, [up, down]: [f64; 2]) -> (Vec<Second>, Vec<usize>) {
 fn a_tilt_cylinder_on_the_frame_carries_a_part_of_the_load() {
     let (work, carried) = loading(4, [0.15; 2]);
     let weighed = |stated| {
-        let said = estimates(&work, 0.15, stated);
+        let estimates = estimates_with_turn(&work, 0.15, stated);
         let last = *carried.last().expect("a load");
-        said[last].expect("fresh").payload
+        estimates[last].expect("fresh").payload
     };
     let by = weighed(Some(0.15));
     assert!((by.value - 3600.0).abs() < 60.0, "{by:?}");
@@ -234,9 +234,9 @@ fn a_tilt_cylinder_on_the_frame_carries_a_part_of_the_load() {
 fn where_a_hand_levels_the_bucket_the_interval_holds_both_cylinders() {
     let (work, carried) = loading(4, [0.0, 0.6]);
     for turn in [0.0, 0.2, 1.0] {
-        let said = estimates(&work, turn, None);
+        let estimates = estimates_with_turn(&work, turn, None);
         for second in &carried {
-            let payload = said[*second].expect("fresh").payload;
+            let payload = estimates[*second].expect("fresh").payload;
             let error = (payload.value - 3600.0).abs();
             assert!(error < 1.96 * payload.std, "{turn}: {payload:?}");
         }
@@ -253,8 +253,8 @@ fn lifted(shown: impl Fn(f64, f64) -> f64, rod: Option<f64>) -> Weighed {
         rod,
         lost: &none_lost,
     };
-    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
-    said[last].expect("fresh")
+    let estimates = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
+    estimates[last].expect("fresh")
 }
 
 #[test]
@@ -280,12 +280,12 @@ fn an_arm_that_rests_on_its_lower_stop_weighs_nothing_that_is_less_than_empty() 
         rod: Some(0.7e6),
         lost: &none_lost,
     };
-    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
-    let last = said[*carried.last().expect("a load")]
+    let estimates = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
+    let last = estimates[*carried.last().expect("a load")]
         .expect("fresh")
         .payload;
     assert!((last.value - 3600.0).abs() < 100.0, "{last:?}");
-    for (second, weighed) in said
+    for (second, weighed) in estimates
         .iter()
         .enumerate()
         .filter(|(_, w)| w.is_some_and(|w| !w.carried.open))
@@ -353,9 +353,9 @@ fn a_gain_that_is_wrong_for_loads_alone_is_in_doubt_until_it_is_calibrated() {
 #[test]
 fn a_pressure_that_is_stuck_while_the_machine_drives_is_not_used() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
-    let mut said = None;
+    let mut estimate = None;
     for k in 0..600 {
-        said = witness
+        estimate = witness
             .step(
                 &Sample {
                     time: 0.01 * f64::from(k),
@@ -368,16 +368,16 @@ fn a_pressure_that_is_stuck_while_the_machine_drives_is_not_used() {
                 },
                 FRESH,
             )
-            .map(|said| *said);
+            .map(|estimate| *estimate);
     }
-    assert_eq!(said, None);
+    assert_eq!(estimate, None);
 }
 
 #[test]
 fn an_arm_carried_in_an_odd_posture_at_first_weighs_once_it_is_carried_well() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut drive = |rows: core::ops::Range<u32>, tilt: f64| {
-        let mut said = None;
+        let mut estimate = None;
         for k in rows {
             let row = Sample {
                 time: 0.01 * f64::from(k),
@@ -388,9 +388,9 @@ fn an_arm_carried_in_an_odd_posture_at_first_weighs_once_it_is_carried_well() {
                 lift_rod_pressure: Some(1e6),
                 ..Sample::default()
             };
-            said = witness.step(&row, FRESH).map(|said| *said);
+            estimate = witness.step(&row, FRESH).map(|estimate| *estimate);
         }
-        said
+        estimate
     };
     assert_eq!(drive(0..300, -0.7), None, "turned over");
     assert!(drive(300..1000, 1.2).is_some(), "as others are");
@@ -412,9 +412,9 @@ fn a_row_whose_time_is_refused_changes_no_load() {
         };
         assert_eq!(b.step(&twice).status, Status::Refused);
     }
-    let (kept, other) = (a.step(&stands(300)), b.step(&stands(300)));
-    assert_eq!(kept.payload, other.payload);
-    assert_eq!(kept.cg_ratio, other.cg_ratio);
+    let (unchanged, other) = (a.step(&stands(300)), b.step(&stands(300)));
+    assert_eq!(unchanged.payload, other.payload);
+    assert_eq!(unchanged.cg_ratio, other.cg_ratio);
 }
 
 /// Row `k` of a standing machine, with a noisy pressure.
@@ -445,10 +445,10 @@ fn a_bucket_that_rests_on_the_ground_is_no_evidence_against_the_description() {
     let mut work: Vec<Second> = stays(20, [-0.66, 0.35], 0.0).collect();
     work.extend(stays(10, [-0.4, 0.35], 0.0));
     for part in [0.1, 0.5] {
-        let said = run_shown(&work, &|lift, head| {
+        let estimates = run_shown(&work, &|lift, head| {
             if lift < -0.64 { part * head } else { head }
         });
-        let at = |second: usize| said[second].expect("fresh");
+        let at = |second: usize| estimates[second].expect("fresh");
         assert!(part > 0.25 || at(15).carried.open, "{:?}", at(15));
         let after = at(29);
         assert!(!after.carried.open && !after.wrong, "{part}: {after:?}");
@@ -461,12 +461,12 @@ fn a_pressure_that_reads_nothing_is_no_weight() {
     let mut work: Vec<Second> = stays(8, [-0.5, 0.75], 3600.0).collect();
     work.extend(stays(20, [0.5, 0.75], 3600.0));
     let rows = core::cell::Cell::new(0);
-    let said = run_shown(&work, &|_, head| {
+    let estimates = run_shown(&work, &|_, head| {
         rows.set(rows.get() + 1);
         // .6 s each 5 s.
         if rows.get() % 500 < 60 { 0.0 } else { head }
     });
-    for weighed in said[7..].iter().flatten().filter(|w| !w.carried.open) {
+    for weighed in estimates[7..].iter().flatten().filter(|w| !w.carried.open) {
         let Weighed { payload, wrong, .. } = *weighed;
         let error = (payload.value - 3600.0).abs();
         assert!(error < 1.96 * payload.std && !wrong, "{payload:?}");
@@ -505,12 +505,12 @@ fn a_load_that_comes_or_goes_slowly_is_not_held_for_friction() {
     work.extend((1..=15).map(|k| Second(-0.5, 0.2, 240.0 * f64::from(k), -1.0)));
     work.extend(stays(8, [-0.5, 0.2], 3600.0));
     let mut open = 0;
-    for (second, (said, by)) in run(&work).iter().zip(&work).enumerate().skip(3) {
+    for (second, (estimate, by)) in run(&work).iter().zip(&work).enumerate().skip(3) {
         let Weighed {
             payload,
             carried: Carried { open: is_open, .. },
             ..
-        } = said.expect("fresh");
+        } = estimate.expect("fresh");
         open += usize::from(is_open);
         let error = (payload.value - by.2).abs();
         assert!(is_open || error < 500.0, "{second}: {payload:?} {}", by.2);
@@ -546,8 +546,8 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
     let shown: [&dyn Fn(f64, f64) -> f64; 2] = [&swings, &breaks_in];
     for shown in shown {
         rows.set(0);
-        let said = run_shown(&work, shown);
-        for (second, weighed) in said[8..]
+        let estimates = run_shown(&work, shown);
+        for (second, weighed) in estimates[8..]
             .iter()
             .flatten()
             .enumerate()
@@ -557,7 +557,7 @@ fn a_machine_that_rocks_after_a_stop_holds_the_same_load() {
             let error = (payload.value - 3600.0).abs();
             assert!(error < 1.96 * payload.std, "{second}: {payload:?}");
         }
-        let after = said[20].expect("fresh");
+        let after = estimates[20].expect("fresh");
         assert!(
             !after.carried.open && after.payload.std < 500.0,
             "{after:?}"
@@ -573,8 +573,8 @@ fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weigh
         rod: Some(0.7e6),
         lost: &lost,
     };
-    let said = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
-    work.into_iter().zip(said).collect()
+    let estimates = estimates_with_sensors(&work, 0.15, Some(0.15), &sensors);
+    work.into_iter().zip(estimates).collect()
 }
 
 /// Number of seconds that end with a known load; none of them may be wrong.
@@ -593,7 +593,7 @@ fn known_loads(said: &[(Second, Option<Weighed>)]) -> usize {
         );
         (!open && error < 100.0).then_some(())
     };
-    said.iter().filter_map(closed).count()
+    estimates.iter().filter_map(closed).count()
 }
 
 #[test]
@@ -618,8 +618,8 @@ fn a_cell_that_is_missing_now_and_then_is_the_last_one() {
             (sample.lift_angle, sample.tilt_angle) = (None, None);
         }
     });
-    for said in [tilt, rod, in_turn] {
-        let known = known_loads(&said);
+    for estimates in [tilt, rod, in_turn] {
+        let known = known_loads(&estimates);
         assert!(known + 2 >= all, "{known} of {all}");
     }
 }
@@ -631,14 +631,14 @@ fn an_angle_that_is_too_old_weighs_nothing() {
         |sample| sample.lift_angle = None,
     ];
     for lose in angles {
-        let said = weighed_without(|row, sample| {
+        let estimates = weighed_without(|row, sample| {
             if row >= 500 {
                 lose(sample);
             }
         });
-        assert!(said[4].1.is_some());
+        assert!(estimates[4].1.is_some());
         assert!(
-            said[5..]
+            estimates[5..]
                 .iter()
                 .all(|(_, weighed)| weighed.is_none_or(|w| w.carried.open))
         );
@@ -658,12 +658,12 @@ fn an_arm_whose_signals_are_missing_may_hold_another_load_elsewhere() {
     for lose in silent {
         // Silent from the first load on, which is carried, dumped, and followed by another.
         let from = 1200;
-        let said = weighed_without(|row, sample| {
+        let estimates = weighed_without(|row, sample| {
             if row >= from {
                 lose(sample);
             }
         });
-        for ((_, now), (_, sees)) in said.iter().zip(&all).skip(12) {
+        for ((_, now), (_, sees)) in estimates.iter().zip(&all).skip(12) {
             let (now, sees) = (now.expect("it was weighed"), sees.expect("fresh"));
             assert!(now.silent && now.carried.open && !sees.silent);
             for (may, is) in [
@@ -678,7 +678,7 @@ fn an_arm_whose_signals_are_missing_may_hold_another_load_elsewhere() {
             }
         }
         // The deviation grows with the age of the last weight.
-        let std = |second: usize| said[second].1.expect("weighed").payload.std;
+        let std = |second: usize| estimates[second].1.expect("weighed").payload.std;
         assert!(
             std(12) < std(16) && std(16) < std(24),
             "{} {} {}",
@@ -768,12 +768,15 @@ fn carried_twice(sensor: &dyn Fn(u32, f64) -> f64) -> Vec<Weighed> {
 fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_trusted() {
     // The first load is carried from the sixth to the tenth second on.
     for gain in [0.8, 1.25, 2.0] {
-        let said = carried_twice(&|row, head| if row > 820 { gain * head } else { head });
-        let (before, after) = (&said[7], &said[9]);
+        let estimates = carried_twice(&|row, head| if row > 820 { gain * head } else { head });
+        let (before, after) = (&estimates[7], &estimates[9]);
         assert!(!before.wrong && after.wrong, "{gain}");
         let away = (after.payload.value - 3600.0).abs();
         assert!(away < 1.96 * after.payload.std, "{gain}: {after:?}");
-        assert!(said[10..].iter().all(|said| said.wrong), "{gain}");
+        assert!(
+            estimates[10..].iter().all(|estimate| estimate.wrong),
+            "{gain}"
+        );
     }
     let blow = carried_twice(&|row, head| {
         if (820..830).contains(&row) {
@@ -782,5 +785,5 @@ fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_trusted() {
             head
         }
     });
-    assert!(blow.iter().all(|said| !said.wrong));
+    assert!(blow.iter().all(|estimate| !estimate.wrong));
 }
