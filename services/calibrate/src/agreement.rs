@@ -1,11 +1,11 @@
-//! Whether parts of the recordings tell the same machine.
+//! Tests whether parts of the recordings are consistent with one machine.
 //!
-//! A score test (Rao 1948): with gradient rows J and right side r at the maximum, the information C of everything and
-//! J_p, r_p of a part, parameter i of that part alone would differ from the common one by
+//! A score test (Rao 1948): with gradient rows J and right side r at the maximum, the information C of all blocks and
+//! J_p, r_p of a part, parameter i of that part alone would differ from the common value by
 //! ```text
 //! d = -j' r_p / V,   j = column i of J_p,   V = j'j - j'J_p C^-1 J_p'j,   variance 1/V
 //! ```
-//! Swings scatter by more than noise: z = d sqrt(V) is divided by the factor of the jackknife.
+//! Swings scatter by more than noise, so z = d sqrt(V) is divided by the factor of the jackknife.
 
 use faer::Mat;
 
@@ -13,20 +13,20 @@ use crate::algebra;
 use crate::fit::Fit;
 use crate::honesty::Uncertainty;
 
-/// A parameter that one part of the recordings has otherwise.
+/// A parameter with a deviating value in one part of the recordings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
     /// Number of the part.
     pub part: usize,
     /// The parameter.
     pub parameter: usize,
-    /// From the common value, in standard deviations of what was known.
+    /// Difference to the common value, in prior standard deviations.
     pub by: f64,
-    /// The same in standard deviations of its own.
+    /// The same in its own standard deviations.
     pub sizes: f64,
 }
 
-/// How each of these parameters differs in each part, the clearest first. A part is a set of blocks.
+/// Differences of these parameters in each part, the most significant first. A part is a set of blocks.
 pub fn differences(
     fit: &Fit,
     uncertainty: &Uncertainty,
@@ -58,7 +58,7 @@ pub fn differences(
             let shared = (across.transpose() * &covariance * &across)[(0, 0)];
             let own = product(&rows, i, i);
             let variance = own - shared;
-            // What only this part tells has no other to disagree with.
+            // A parameter that only this part determines cannot be compared.
             if variance > 1e-6 * own {
                 let by = -product(&rows, i, n) / variance;
                 let sizes = by * variance.sqrt() / uncertainty.widened;
@@ -79,7 +79,7 @@ pub fn differences(
 mod tests {
     use super::*;
 
-    /// Blocks that each measure one parameter once, with this error in their noise.
+    /// Blocks that each measure one parameter once, with this error in units of their noise.
     fn fit(errors: &[f64]) -> Fit {
         let block = |e: &f64| algebra::triangle(&Mat::from_fn(1, 2, |_, j| [10.0, *e][j]));
         Fit {
@@ -106,7 +106,7 @@ mod tests {
     fn halves_that_give_another_value_are_distinguished_and_equal_ones_are_not() {
         let same = clearest(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("two parts");
         assert!(same.sizes.abs() < 1e-9, "{same:?}");
-        // Four residuals of 3 each way: means that differ by 6 noises of 0.1, each known to 0.05.
+        // Four residuals of 3 in each direction: means that differ by 6 noises of 0.1, each known to 0.05.
         let other = clearest(&[3.0, 3.0, 3.0, 3.0, -3.0, -3.0, -3.0, -3.0]).expect("two parts");
         assert!((other.by.abs() - 0.6).abs() < 0.01, "{other:?}");
         assert!(

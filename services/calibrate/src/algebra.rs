@@ -1,10 +1,10 @@
-//! The dense algebra of a fit, on faer: triangular factors of tall matrices, least squares, singular
+//! Dense linear algebra of a fit, on faer: triangular factors of tall matrices, least squares, singular
 //! values, covariances.
 
 use faer::prelude::*;
 use faer::{Mat, Side};
 
-/// The triangular factor of the rows of `tall`, square; fewer rows than columns are filled with zeros.
+/// Square triangular factor of the rows of `tall`; missing rows are filled with zeros.
 pub fn triangle(tall: &Mat<f64>) -> Mat<f64> {
     let n = tall.ncols();
     if tall.nrows() < n {
@@ -20,7 +20,7 @@ pub fn triangle(tall: &Mat<f64>) -> Mat<f64> {
     tall.qr().thin_R().to_owned()
 }
 
-/// All the rows of some matrices with equally many columns.
+/// Stacks the rows of matrices with equal numbers of columns.
 pub fn stacked(parts: &[&Mat<f64>]) -> Mat<f64> {
     let columns = parts.first().map_or(0, |p| p.ncols());
     let rows = parts.iter().map(|p| p.nrows()).sum();
@@ -52,12 +52,12 @@ pub fn least_squares(matrix: &Mat<f64>, right: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Inverse of `root' root`.
+/// Inverse of `root' root`; `None` unless that is positive definite.
 pub fn covariance(root: &Mat<f64>) -> Option<Mat<f64>> {
     inverse(&(root.transpose() * root))
 }
 
-/// Inverse of a positive definite matrix.
+/// Inverse of a positive definite matrix; `None` for any other.
 pub fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let n = matrix.nrows();
     let factor = matrix.llt(Side::Lower).ok()?;
@@ -66,7 +66,7 @@ pub fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     finite.then_some(inverse)
 }
 
-/// `L^-1 matrix` where `covariance` is `L L'`; none unless it is positive definite.
+/// `L^-1 matrix` where `covariance` is `L L'`; `None` unless it is positive definite.
 pub fn whitened(covariance: &Mat<f64>, matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let factor = covariance.llt(Side::Lower).ok()?;
     let mut whitened = matrix.clone();

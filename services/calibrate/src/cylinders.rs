@@ -1,9 +1,9 @@
-//! Cylinders whose pressures weigh, of both machines: what a fit of their moments finds, and how it is written.
+//! Fit of cylinders whose pressures weigh, for both machines, and its keys in the description.
 //!
 //! ```text
 //! r F = (1 + s) tau + missed + r (z + F_c d + f)        tau: the moment of the described machine with the known load
 //! ```
-//! A description has no span: with its areas and its zero divided by 1 + s, the moment that the drawing misses is missed / (1 + s) more.
+//! A description has no span: its areas and its zero are divided by 1 + s, and the missed moment grows by missed / (1 + s).
 
 use config::Tables;
 use estimation::Quantity;
@@ -11,43 +11,43 @@ use estimation::Quantity;
 use crate::lasting::Solution;
 use crate::output::Pen;
 
-/// Places of the unknowns in an equation: span, zero, friction, then the moment that the drawing misses.
+/// Indices of the unknowns in an equation: span, zero, friction, then the moments missing in the drawing.
 pub const SPAN: usize = 0;
-/// The zero \[N\].
+/// Index of the zero \[N\].
 pub const ZERO: usize = 1;
-/// The friction of the seals \[N\].
+/// Index of the friction of the seals \[N\].
 pub const FRICTION: usize = 2;
-/// The first of the moments that the drawing misses [N m].
+/// Index of the first of the moments missing in the drawing [N m].
 pub const CURVE: usize = 3;
 
-/// Least time in which the load rises, and in which it sinks \[s\].
+/// Least duration of rising, and of sinking, of the load \[s\].
 pub const LEAST_MOTION: f64 = 3.0;
-/// What is known to more than this share of its description's tolerance has not been identified.
+/// Ratio of the standard deviation to its prior above which a quantity counts as not identified.
 pub const IDENTIFIED: f64 = 0.7;
-/// Slope of ground that is called level \[rad\].
+/// Standard deviation of the slope of ground that is called level \[rad\].
 pub const LEVEL: f64 = 0.01;
 /// Least standard deviation of a load \[kg\].
 pub const LEAST_STD: f64 = 1e-3;
 
-/// What was learnt of the cylinders of a machine, whose drawing misses `N` moments.
+/// Fit of the cylinders of a machine with `N` moments missing in the drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CylinderFit<const N: usize> {
-    /// Relative error of the moment as described.
+    /// Relative error of the described moment.
     pub span: Quantity,
-    /// Force that the pressures show too much \[N\].
+    /// Excess force of the pressures \[N\].
     pub zero: Quantity,
-    /// Correlation of the errors of the two.
+    /// Correlation of the errors of span and zero.
     pub correlation: f64,
     /// Friction of the seals \[N\].
     pub friction: Quantity,
-    /// Moments that the drawing misses, with cosine and sine of the angle of each link to the horizontal [N m].
+    /// Moments missing in the drawing, with cosine and sine of the angle of each link to the horizontal [N m].
     pub missed: [Quantity; N],
-    /// Force of all cylinders at the pressure at which friction is stated \[N\].
+    /// Force of all cylinders at the pressure for which friction is stated \[N\].
     full_force: f64,
 }
 
 impl<const N: usize> CylinderFit<N> {
-    /// The unknowns of a solution; its friction is what the described one \[N\] lacks.
+    /// Result of a solution; its friction is relative to the described one \[N\].
     pub(crate) fn of(
         solution: &Solution,
         before: &Solution,
@@ -68,7 +68,7 @@ impl<const N: usize> CylinderFit<N> {
         }
     }
 
-    /// The keys of the table that describes the cylinders, and of the moments that the drawing misses.
+    /// Writes the keys of the cylinders' table and of the moments missing in the drawing.
     pub(crate) fn write<D: Tables + Default>(
         &self,
         pen: &mut Pen<D>,
@@ -115,7 +115,7 @@ impl<const N: usize> CylinderFit<N> {
         }
     }
 
-    /// In words.
+    /// The fit as text.
     pub(crate) fn words(&self, cylinders: &str) -> String {
         let way = if self.span.value < 0.0 {
             "smaller"

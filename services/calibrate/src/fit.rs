@@ -1,12 +1,12 @@
-//! The maximum of likelihood times prior.
+//! Maximum a posteriori estimate: maximises likelihood times prior.
 //!
-//! With innovations nu of variance S and the parameters x in standard deviations from what was known,
+//! With innovations nu of variance S and the parameters x in prior standard deviations from the prior mean,
 //! ```text
 //! cost(x) = 1/2 sum [ rho(nu^2/S) + ln S ] + 1/2 sum x^2
 //! rho(u) = u up to the gate c^2, then 2 c sqrt(u) - c^2       (Huber, the estimators' gate)
 //! ```
-//! Scoring (Fisher 1925) takes the expected curvature, which is a product of first derivatives: with the
-//! weight w of an innovation (1 inside the gate, c/|z| outside), z = nu/sqrt(S), two rows each
+//! Scoring (Fisher 1925) uses the expected curvature, which is a product of first derivatives. With the
+//! weight w of an innovation (1 inside the gate, c/|z| outside) and z = nu/sqrt(S), two rows each
 //! ```text
 //! sqrt(w) dnu/dx / sqrt(S),   right side  sqrt(w) z
 //! dS/dx / (sqrt(2) S),        right side  (w z^2 - 1)(-1/sqrt(2))
@@ -23,52 +23,52 @@ use crate::algebra;
 use crate::model::{Innovation, Model};
 use crate::parallel;
 
-/// Innovations beyond this many standard deviations are weakened, as in the estimators.
+/// Gate in standard deviations: larger innovations have less weight, as in the estimators.
 pub const GATE: f64 = 4.0;
-/// Central differences reach so far, in standard deviations of what was known.
+/// Step of the central differences, in prior standard deviations.
 const DIFFERENCE: f64 = 1e-3;
-/// Steps at most.
+/// Largest number of steps.
 const STEPS: usize = 60;
-/// A fit to the last digit is over when the cost falls by less in a step.
+/// Least decrease of the cost per step of a fit to the last digit.
 pub const EXACT: f64 = 1e-5;
-/// One that is good to some hundredths of a standard deviation.
+/// The same of a fit that is accurate to some hundredths of a standard deviation.
 pub const GOOD: f64 = 1e-2;
 
-/// The information of one block: the triangle of its rows, the right side as last column.
+/// Information of one block: the triangular factor of its rows, with the right side as last column.
 pub type Information = Mat<f64>;
 
-/// Where a fit is.
+/// Progress of a fit.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
     /// Steps taken.
     pub step: usize,
-    /// Cost there.
+    /// Cost after them.
     pub cost: f64,
 }
 
-/// How a fit is to go.
+/// A fit to be made.
 pub struct Task<'a, M> {
-    /// What is fitted.
+    /// The model.
     pub model: &'a M,
-    /// The blocks that count.
+    /// The blocks that are used.
     pub blocks: &'a [usize],
-    /// Parameters that stay where they are, one flag each.
+    /// Flag of each parameter: it is held.
     pub fixed: &'a [bool],
-    /// The fit is over when the cost falls by less in a step.
+    /// The fit ends when the cost falls by less in a step.
     pub least_gain: f64,
-    /// Set it to stop: the best so far is the result.
+    /// Stop request: the result is the best place so far.
     pub stop: &'a AtomicBool,
-    /// Hears of every step.
+    /// Called at every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
-/// Of a fit that nobody stops.
+/// Stop request of a fit that is never stopped.
 pub static UNSTOPPED: AtomicBool = AtomicBool::new(false);
 
-/// What was found.
+/// Result of a fit.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// In standard deviations from what was known.
+    /// Place of the maximum, in prior standard deviations from the prior mean.
     pub place: Vec<f64>,
     /// Cost there.
     pub cost: f64,
@@ -79,7 +79,7 @@ pub struct Fit {
 }
 
 impl<M: Model> Task<'_, M> {
-    /// The maximum, from a start.
+    /// Returns the maximum, from a start.
     pub fn run(&self, start: &[f64]) -> Fit {
         let mut place = self.inside(start);
         let mut cost = self.cost(&place);
@@ -110,7 +110,7 @@ impl<M: Model> Task<'_, M> {
         }
     }
 
-    /// A better place, by steps that are damped more until one is.
+    /// A place of lower cost, by steps with increasing damping.
     fn improve(
         &self,
         place: &[f64],
@@ -131,7 +131,7 @@ impl<M: Model> Task<'_, M> {
         None
     }
 
-    /// Where the damped step leads; parameters at a limit that it would cross stay there.
+    /// Place after a damped step; parameters that would cross their limit stay there.
     fn step(&self, place: &[f64], rows: &Mat<f64>, damping: f64) -> Vec<f64> {
         let mut held = self.fixed.to_vec();
         loop {
@@ -196,7 +196,7 @@ impl<M: Model> Task<'_, M> {
     }
 }
 
-/// Twice the negative logarithm of an innovation's likelihood, without its constant.
+/// Twice the negative log-likelihood of an innovation, without its constant.
 fn contribution(innovation: &Innovation) -> f64 {
     let square = innovation.value * innovation.value / innovation.variance;
     let rho = if square > GATE * GATE {
@@ -249,7 +249,7 @@ fn information<M: Model>(model: &M, block: usize, place: &[f64], fixed: &[bool])
     algebra::triangle(&rows)
 }
 
-/// The step of the free parameters.
+/// Damped step of the free parameters.
 fn damped(place: &[f64], rows: &Mat<f64>, free: &[usize], damping: f64) -> Vec<f64> {
     let n = place.len();
     let (above, count) = (rows.nrows(), free.len());
@@ -283,7 +283,7 @@ mod tests {
     use super::*;
     use crate::parameter::{Law, Parameter, Source};
 
-    /// A straight line in white noise of unknown size.
+    /// A straight line in white noise of unknown variance.
     struct Line {
         parameters: Vec<Parameter>,
         points: Vec<(f64, f64)>,
@@ -304,7 +304,7 @@ mod tests {
 
     impl Line {
         fn new(outlier: f64) -> Self {
-            // Noise of standard deviation 0.1 whose sums with 1 and with t vanish nearly.
+            // Noise of standard deviation 0.1 whose sums with 1 and with t nearly vanish.
             let mut points: Vec<(f64, f64)> = (0..400)
                 .map(|i| {
                     let noise = 0.1 * [1.0, -1.0, -1.0, 1.0][i % 4];

@@ -1,14 +1,14 @@
-//! What a fit may claim.
+//! Identifiability and uncertainty of a fit.
 //!
 //! * **Directions that the data do not determine.** The singular values of the Jacobian, its columns in
-//!   standard deviations of what was known: below 1, the data say less about a direction than the
-//!   description did.
-//! * **Scatter between blocks.** Swings that disagree by more than their noise allows widen everything:
+//!   prior standard deviations: below 1, the data are less informative of a direction than the
+//!   description is.
+//! * **Scatter between blocks.** Swings that disagree by more than their noise allows widen all intervals:
 //!   the delete-one jackknife (Efron, Stein 1981), each fit without one block by one step from the whole
-//!   one. A swing gear, a slope, a boom that bends are no white noise.
-//! * **Held parameters** (not free, but with a tolerance) add what their errors would cause (Schmidt).
-//! * **Profiles**: along the two weakest parameters, the cost with all others fitted anew.
-//! * **Data not seen**: whiteness, size and coverage of the innovations of swings that took no part.
+//!   one. The errors of a swing gear, a slope, a boom that bends are not white noise.
+//! * **Held parameters** (not free, but with a tolerance) add the effect of their errors (Schmidt).
+//! * **Profiles**: along the two weakest parameters, the cost with all others fitted again.
+//! * **Unseen data**: whiteness, size and coverage of the innovations of swings that were not fitted.
 
 use estimation::HALF_WIDTH_95;
 use faer::Mat;
@@ -18,20 +18,20 @@ use crate::fit::{Fit, GOOD, Information, Task, values};
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source};
 
-/// A measured load is this much better than nothing: data, if only its own.
+/// Singular value of a measured load: it counts as data, for itself only.
 const STATED_WEIGHT: f64 = 2.0;
 
 /// A direction in the space of the parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
-    /// How much more the data say about it than what was known: 1 is as much.
+    /// Singular value: information of the data relative to the prior; 1 is as much.
     pub information: f64,
-    /// Share of each parameter, in standard deviations of what was known; length 1.
+    /// Share of each parameter, in prior standard deviations; length 1.
     pub shares: Vec<f64>,
 }
 
 impl Direction {
-    /// The parameters that make it up, the largest first.
+    /// The parameters with large shares, the largest first.
     pub fn members(&self) -> Vec<usize> {
         let largest = self.shares.iter().fold(0.0, |l: f64, s| l.max(s.abs()));
         let mut members: Vec<usize> = (0..self.shares.len())
@@ -41,7 +41,7 @@ impl Direction {
         members
     }
 
-    /// That it is not determined, and what to record.
+    /// Text that it is not determined, and what to record.
     pub fn undetermined(&self, parameters: &[Parameter], remedy: &str) -> String {
         let members = self.members();
         let names: Vec<&str> = members.iter().map(|&i| &*parameters[i].words).collect();
@@ -52,13 +52,13 @@ impl Direction {
             ),
             _ => format!("{} is not determined by these recordings", names.concat()),
         };
-        // Knowledge before and data add up as inverse variances.
+        // The inverse variances of prior and data add up.
         let narrowed = 100.0 / (1.0 + self.information * self.information).sqrt();
         format!("{what} (its uncertainty stays {narrowed:.0} % of that before); {remedy}")
     }
 }
 
-/// The directions about which the data say less than what was known, the weakest first. Measured loads
+/// The directions of which the data are less informative than the prior, the weakest first. Measured loads
 /// count as data.
 pub fn undetermined(
     information: &[Information],
@@ -98,7 +98,7 @@ pub fn undetermined(
     found
 }
 
-/// The triangle of all blocks, with the right side as last column.
+/// Triangular factor of all blocks, with the right side as last column.
 fn data(information: &[Information], parameters: usize) -> Mat<f64> {
     if information.is_empty() {
         return Mat::zeros(parameters + 1, parameters + 1);
@@ -106,19 +106,19 @@ fn data(information: &[Information], parameters: usize) -> Mat<f64> {
     algebra::triangle(&algebra::stacked(&information.iter().collect::<Vec<_>>()))
 }
 
-/// Joint uncertainty of the parameters, in standard deviations of what was known.
+/// Joint uncertainty of the parameters, in prior standard deviations.
 #[derive(Debug, Clone)]
 pub struct Uncertainty {
-    /// Covariance, widened; zero rows for what is held without a tolerance.
+    /// Widened covariance; zero rows for parameters that are held without a tolerance.
     pub covariance: Mat<f64>,
-    /// Standard deviations by noise alone.
+    /// Standard deviations from noise alone.
     pub noise: Vec<f64>,
-    /// How much wider the scatter between blocks made everything.
+    /// Factor by which the scatter between blocks widens the standard deviations.
     pub widened: f64,
 }
 
 impl Uncertainty {
-    /// Standard deviation of a parameter, in those of what was known.
+    /// Standard deviation of a parameter, in prior standard deviations.
     pub fn std(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
@@ -134,8 +134,8 @@ impl Uncertainty {
     }
 }
 
-/// The uncertainty of a fit; `held` says the tolerance of a parameter that was not free, in those of what
-/// was known (0 for none). None where the information is singular.
+/// The uncertainty of a fit; `held` is the tolerance of each parameter that was not free, in prior standard
+/// deviations (0 for none). `None` where the information is singular.
 pub fn uncertainty(
     fit: &Fit,
     parameters: &[Parameter],
@@ -155,7 +155,7 @@ pub fn uncertainty(
     let curvature = normal(&whole) + Mat::<f64>::identity(free.len(), free.len());
     let noise = algebra::inverse(&curvature)?;
     let left_out = jackknife(fit, &free, &curvature, &normal);
-    // Noises scatter by their own law, which says nothing of the machine.
+    // The scatter of noise parameters has another law and carries no information about the machine.
     let machine: Vec<usize> = (0..free.len())
         .filter(|&j| parameters[free[j]].law == Law::Linear)
         .collect();
@@ -187,7 +187,7 @@ pub fn uncertainty(
     })
 }
 
-/// How each fit without one block differs from the whole one.
+/// Difference of the fit without each block to the whole one.
 fn jackknife(
     fit: &Fit,
     free: &[usize],
@@ -209,8 +209,8 @@ fn jackknife(
         .collect()
 }
 
-/// The covariance, widened by the jackknife: by its mean ratio to the noise over all directions of these
-/// parameters, and further where one scatters by more than chance lets so few blocks.
+/// Widens the covariance by the jackknife: by its mean ratio to the noise over all directions of these
+/// parameters, and further where one parameter scatters by more than chance allows for this number of blocks.
 fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>], of: &[usize]) -> (Mat<f64>, f64) {
     let (n, count) = (noise.nrows(), left_out.len() as f64);
     if left_out.len() < 4 {
@@ -229,7 +229,7 @@ fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>], of: &[usize]) -> (Mat<f64>, f6
     let ratios: Vec<f64> = (0..n)
         .map(|i| scatter[(i, i)] / noise[(i, i)].max(f64::MIN_POSITIVE))
         .collect();
-    // A variance from n blocks is off by a share of sqrt(2/n).
+    // A variance from n blocks has a relative standard deviation of sqrt(2/n).
     let chance = 1.0 + 2.0 * (2.0 / count).sqrt();
     let part = Mat::from_fn(of.len(), of.len(), |i, j| noise[(of[i], of[j])]);
     let common = match algebra::inverse(&part) {
@@ -255,12 +255,12 @@ fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>], of: &[usize]) -> (Mat<f64>, f6
     (wide, common.sqrt())
 }
 
-/// The cost along one parameter, all others fitted anew: places and costs above the smallest.
+/// Cost along one parameter, all others fitted again: places, and costs above the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// The parameter.
     pub parameter: usize,
-    /// Place, in standard deviations of what was known, and cost above the smallest.
+    /// Place, in prior standard deviations, and cost above the minimum.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -279,7 +279,7 @@ pub fn profile<M: Model>(
         progress: &|_| {},
         ..*task
     };
-    // The others follow it as their errors do.
+    // Start of the other parameters: they follow by their correlation.
     let variance = uncertainty.covariance[(parameter, parameter)];
     let follows = |i: usize| uncertainty.covariance[(i, parameter)] / variance;
     let points = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
@@ -292,7 +292,7 @@ pub fn profile<M: Model>(
                 step * follows(i)
             };
         }
-        // Beyond the range of a parameter nothing is fitted.
+        // The place is limited to the range of the parameter.
         let place = task.inside(&place);
         let cost = if k == 0.0 {
             fit.cost
@@ -307,20 +307,20 @@ pub fn profile<M: Model>(
     }
 }
 
-/// How innovations agree with what the filter expects of them.
+/// Agreement of innovations with their predicted variance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Agreement {
     /// Number of innovations.
     pub count: usize,
-    /// Mean of their squares over the expected variances; 1 if the filter is right.
+    /// Mean of their squares over the predicted variances; 1 if the filter is right.
     pub nis: f64,
-    /// Correlation of each with the next; 0 if they are white.
+    /// Correlation of successive innovations; 0 if they are white.
     pub correlation: f64,
-    /// Share inside the 95 % interval.
+    /// Share inside the 95 % interval of the predicted variance.
     pub covered: f64,
 }
 
-/// The agreement over some blocks at a place. No truth is known here: what is inside are innovations, each by its own
+/// The agreement over some blocks at a place. The true parameters are unknown: coverage is that of the innovations, each by its own
 /// predicted variance.
 pub fn agreement<M: Model + ?Sized>(model: &M, blocks: &[usize], place: &[f64]) -> Agreement {
     let values = values(model, place);
@@ -369,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Blocks whose rows only see the sum of two parameters.
+    /// Blocks whose rows depend on the sum of two parameters only.
     fn of_the_sum(errors: &[f64]) -> Vec<Information> {
         let blocks = errors
             .iter()
@@ -387,7 +387,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].members().len(), 2);
         assert!(found[0].shares[0] * found[0].shares[1] < 0.0);
-        // One of them held, or measured: the other follows.
+        // With one of them held, or measured, the other is determined.
         assert!(undetermined(&of_the_sum(&[0.0; 4]), &both, &[false, true]).is_empty());
         let stated = [parameter(Source::Description), parameter(Source::Measured)];
         assert!(undetermined(&of_the_sum(&[0.0; 4]), &stated, &[false; 2]).is_empty());
@@ -411,7 +411,7 @@ mod tests {
         let quiet = std(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("information");
         let loud = std(&[5.0, -5.0, 5.0, -5.0, 5.0, -5.0, 5.0, -5.0]).expect("information");
         assert!((3.0..7.0).contains(&(loud / quiet)), "{loud} {quiet}");
-        // What is held with a tolerance of one counts fully: the sum is known, the other is not.
+        // A held tolerance of one counts fully: the sum is known, the other parameter is not.
         let held = uncertainty(&fit(&[0.0; 8]), &both, &fixed, &[0.0, 1.0]).expect("information");
         assert!((held.std(0) - 1.0).abs() < 0.1, "{}", held.std(0));
     }

@@ -1,7 +1,7 @@
-//! Least squares with priors, of equations whose errors last for some seconds: what lasts says the same again and again.
+//! Least squares with priors, for equations whose errors are correlated over some seconds.
 //!
-//! Differences of neighbouring equations would be white, but noise in the unknowns' factors weakens what differences say. So what lasts
-//! counts as what it is, one measurement in twice its time.
+//! Differencing neighbouring equations would whiten the errors, but noise in the regressors attenuates estimates from differences.
+//! A correlated error therefore counts as one measurement in twice its correlation time.
 
 use estimation::Quantity;
 use faer::Mat;
@@ -9,27 +9,27 @@ use faer::Mat;
 use crate::algebra;
 use crate::fit::GATE;
 
-/// A longer time between two equations ends what belongs together \[s\].
+/// Longest time between two equations that counts as their period \[s\].
 pub const GAP: f64 = 0.3;
-/// So often the fit leaves out the equations beyond its gate.
+/// Number of rounds in which the fit leaves out the equations beyond its gate.
 const ROUNDS: usize = 4;
 
-/// An equation of the unknowns.
+/// A linear equation of the unknowns.
 pub struct Equation {
-    /// Factors of the unknowns.
+    /// Regressors of the unknowns.
     pub row: Vec<f64>,
-    /// Their sum.
+    /// Their measured sum.
     pub value: f64,
-    /// Variance of what lasts.
+    /// Variance of the correlated error.
     pub rest: f64,
-    /// Variance of noise.
+    /// Variance of white noise.
     pub noise: f64,
-    /// Time since the one before \[s\].
+    /// Time since the previous equation \[s\].
     pub period: f64,
 }
 
 impl Equation {
-    /// What the unknowns leave of it.
+    /// Residual of the equation at these unknowns.
     fn residual(&self, unknowns: &Mat<f64>) -> f64 {
         let numbered = self.row.iter().enumerate();
         let stated: f64 = numbered.map(|(i, a)| a * unknowns[(i, 0)]).sum();
@@ -42,12 +42,12 @@ impl Equation {
 pub struct Solution {
     unknowns: Mat<f64>,
     covariance: Mat<f64>,
-    /// Scatter of the data over what is stated.
+    /// Scatter of the data relative to the stated variances, as a factor of standard deviations.
     widened: f64,
 }
 
 impl Solution {
-    /// Unknowns of 0 with these standard deviations, and the covariances of some.
+    /// Prior: unknowns of 0 with these standard deviations, and the given covariances.
     pub fn before(stds: &[f64], together: &[(usize, usize, f64)]) -> Self {
         let n = stds.len();
         let mut covariance = Mat::from_fn(n, n, |i, j| {
@@ -67,8 +67,8 @@ impl Solution {
         }
     }
 
-    /// With equations whose errors fade within this time \[s\], but those that lie far from the rest; `None` where they determine
-    /// nothing.
+    /// Posterior with these equations, whose errors have the correlation time `fading` \[s\]; outliers are left out. `None` where the
+    /// unknowns are not determined.
     pub fn after(&self, equations: &[Equation], fading: f64) -> Option<Self> {
         let mut solution = self.clone();
         for _ in 0..ROUNDS {
@@ -77,7 +77,7 @@ impl Solution {
         Some(solution)
     }
 
-    /// This with the equations that another solution does not contradict.
+    /// Posterior with the equations that are within the gate of another solution.
     fn with(&self, equations: &[Equation], other: &Self, fading: f64) -> Option<Self> {
         let mut information = algebra::inverse(&self.covariance)?;
         let n = information.nrows();
@@ -108,7 +108,7 @@ impl Solution {
         })
     }
 
-    /// Variance of a row of the unknowns.
+    /// Variance of a linear combination of the unknowns.
     pub fn variance(&self, row: &[f64]) -> f64 {
         let n = row.len();
         let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
@@ -117,7 +117,7 @@ impl Solution {
             .sum()
     }
 
-    /// An unknown, at most as uncertain as `before`.
+    /// An unknown, with at most the standard deviation that it has in `before`.
     pub fn quantity(&self, i: usize, before: &Self) -> Quantity {
         let std = |solution: &Self| solution.covariance[(i, i)].sqrt();
         Quantity {

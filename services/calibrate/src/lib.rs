@@ -1,25 +1,25 @@
-//! A machine's own parameters from recordings: `heft calibrate`.
+//! Identifies a machine's parameters from recordings: `heft calibrate`.
 //!
-//! The equation of motion is homogeneous: torques, damping, friction and inertia can all be larger by
-//! the same factor and the motion stays the same. Only something of known mass fixes the scale, and
-//! that is why a recording with a weighed load stands beside one without. Everything is found at once,
-//! as the maximum of the likelihood of the filter's innovations times what the description states
-//! with its tolerances.
+//! The equation of motion is homogeneous: if torques, damping, friction and inertia are all larger by
+//! the same factor the motion is the same. Only a known mass fixes the scale, so
+//! a recording with a weighed load is needed beside one without. All parameters are estimated jointly,
+//! as the maximum of the likelihood of the filter's innovations times the prior from the description
+//! and its tolerances.
 //!
 //! | file | what |
 //! |---|---|
-//! | [`parameter`] | a number to be found |
+//! | [`parameter`] | a parameter to be identified |
 //! | [`model`] | blocks of recordings that give innovations |
 //! | [`fit`] | the maximum, by scoring steps with the damping of Levenberg and Marquardt |
-//! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
-//! | [`agreement`] | whether parts of the recordings tell the same machine |
-//! | `lasting` | least squares of equations whose errors last |
+//! | [`honesty`] | undetermined directions, scatter between blocks, profiles, hold-out |
+//! | [`agreement`] | consistency of parts of the recordings with one machine |
+//! | `lasting` | least squares of equations with correlated errors |
 //! | [`cylinders`] | cylinders whose pressures weigh |
-//! | [`outcome`] | what came out, for any machine |
+//! | [`outcome`] | results, for any machine |
 //! | [`excavator`] | swings of an excavator |
 //! | [`loader`] | drives of a loader |
-//! | [`output`] | the description with its origin |
-//! | [`algebra`] | faer |
+//! | [`output`] | the calibrated description with its origin |
+//! | [`algebra`] | linear algebra |
 //! | [`parallel`] | blocks and seeds on all cores |
 
 pub mod agreement;

@@ -1,4 +1,4 @@
-//! What a calibration of any machine came to: the fit, what it may claim, and how to look at it.
+//! Result of a calibration of any machine: the fit, its uncertainty, and a summary for display.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -9,15 +9,15 @@ use crate::fit::{Fit, GOOD, Task};
 use crate::honesty::{self, Agreement, Profile, Uncertainty};
 use crate::model::Model;
 
-/// One of so many blocks is kept from the fit that is judged on it.
+/// One block in this number is held out of the fit that is judged on it.
 const HELD_OUT: usize = 4;
 
-/// What is said of a fit that was stopped.
+/// Remark on a fit that was stopped.
 pub const STOPPED: &str = "stopped before its end: the best so far";
-/// What is said of one that has no interval at all.
+/// Fault of a fit without any interval.
 pub const NOTHING: &str = "the recordings determine nothing";
 
-/// What is said of a key that is none of those that can be found.
+/// Error for a key that cannot be identified.
 pub fn no_such_key(key: &str, known: &[&str]) -> String {
     format!(
         "{key} cannot be found from recordings; these can: {}",
@@ -25,7 +25,7 @@ pub fn no_such_key(key: &str, known: &[&str]) -> String {
     )
 }
 
-/// A fit and what it may claim.
+/// A fit with its uncertainty.
 #[derive(Debug, Clone)]
 pub struct FitResult {
     /// The fit.
@@ -34,13 +34,13 @@ pub struct FitResult {
     pub uncertainty: Uncertainty,
     /// Profiles of the two weakest parameters.
     pub profiles: Vec<Profile>,
-    /// On blocks that took no part in a fit to the others: with the description, and with that fit.
+    /// Agreement on the blocks held out of a second fit: with the description, and with that fit.
     pub unseen: [Agreement; 2],
 }
 
 impl FitResult {
-    /// What the fit of a task may claim. `held` is the tolerance of each parameter that was not free, in standard
-    /// deviations of what was known; `minor` are those that no profile is worth. None where the data say nothing.
+    /// The result of a task. `held` is the tolerance of each parameter that was not free, in prior standard
+    /// deviations; `minor` are those without a profile. `None` where the data determine nothing.
     pub fn of<M: Model>(
         task: &Task<'_, M>,
         mut fit: Fit,
@@ -66,7 +66,7 @@ impl FitResult {
     }
 }
 
-/// Fits without one block in four, and asks those.
+/// Fits without one block in four, and returns the agreement on those.
 fn judge<M: Model>(task: &Task<'_, M>, whole: &Fit) -> [Agreement; 2] {
     let mut counted = vec![0; task.model.blocks()];
     let is_unseen = |block: usize, counted: &mut Vec<usize>| {
@@ -89,7 +89,7 @@ fn judge<M: Model>(task: &Task<'_, M>, whole: &Fit) -> [Agreement; 2] {
     [&before, &fit.place].map(|place| honesty::agreement(task.model, &unseen, place))
 }
 
-/// Profiles of the two parameters that the data narrowed least.
+/// Profiles of the two parameters that the data narrow least.
 fn weakest<M: Model>(
     task: &Task<'_, M>,
     fit: &Fit,
@@ -107,33 +107,33 @@ fn weakest<M: Model>(
         .collect()
 }
 
-/// A calibration of any machine, to look at.
+/// A calibration of any machine, for display.
 #[derive(Clone)]
 pub struct Summary<'a> {
-    /// The machine, in a title.
+    /// Name of the machine, for titles.
     pub machine: &'static str,
-    /// What a block is: "swing".
+    /// Name of a block: "swing".
     pub block: &'static str,
     /// Parameters and blocks.
     pub model: &'a dyn Model,
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// What each recording holds, in words.
+    /// Contents of each recording, as text.
     pub contents: Vec<String>,
-    /// Which parameters were held.
+    /// Flag of each parameter: it was held.
     pub fixed: &'a [bool],
-    /// Which parameters are of a recording rather than of the machine.
+    /// Flag of each parameter: it belongs to a recording and not to the machine.
     pub loads: Vec<bool>,
     /// The fit, if there is one.
     pub found: Option<&'a FitResult>,
-    /// Why the result must not be believed.
+    /// Why the result is not to be trusted.
     pub faults: &'a [String],
-    /// What the reader should know.
+    /// Remarks for the reader.
     pub remarks: &'a [String],
 }
 
 impl Summary<'_> {
-    /// A parameter: value and standard deviation.
+    /// Value and standard deviation of a parameter.
     pub fn quantity(&self, i: usize) -> Option<Quantity> {
         let found = self.found?;
         let parameter = &self.model.parameters()[i];
@@ -143,7 +143,7 @@ impl Summary<'_> {
         })
     }
 
-    /// The sum of some linear parameters.
+    /// Value and standard deviation of the sum of linear parameters.
     pub fn sum(&self, parameters: Range<usize>) -> Option<Quantity> {
         let found = self.found?;
         let all = self.model.parameters();
@@ -167,7 +167,7 @@ impl Summary<'_> {
             .collect()
     }
 
-    /// The joint uncertainty, as comments of a description, which has no place for correlations.
+    /// The correlations as comments of a description, which has no keys for them.
     pub fn joint(&self) -> String {
         let Some(found) = self.found else {
             return String::new();

@@ -1,4 +1,4 @@
-//! A calibrated description as text: only the keys that say something, with where they come from.
+//! A calibrated description as text: the relevant keys only, with their origin.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -8,10 +8,10 @@ use estimation::Quantity;
 
 use crate::outcome::Summary;
 
-/// What stands behind a value that was found, before its standard deviation.
+/// Comment behind an identified value, before its standard deviation.
 const CALIBRATED: &str = " # calibrated, ± ";
 
-/// Writes the keys of a calibrated description, and remembers what to say of them.
+/// Writes the keys of a calibrated description, with their comments.
 pub struct Pen<D> {
     /// The description so far.
     pub description: D,
@@ -19,7 +19,7 @@ pub struct Pen<D> {
 }
 
 impl<D: Tables + Default> Pen<D> {
-    /// Begins with what was described before.
+    /// Starts with the previous description.
     pub fn new(description: D) -> Self {
         Self {
             description,
@@ -27,7 +27,7 @@ impl<D: Tables + Default> Pen<D> {
         }
     }
 
-    /// A value with its accuracy.
+    /// Sets a value with its standard deviation.
     pub fn value(&mut self, key: &str, q: Quantity) {
         let was = self.description.number(key);
         if self.description.set_number(key, rounded(q.value, q.std)) {
@@ -39,14 +39,14 @@ impl<D: Tables + Default> Pen<D> {
         }
     }
 
-    /// A standard deviation.
+    /// Sets a standard deviation.
     pub fn std(&mut self, key: &str, std: f64) {
         if self.description.set_number(key, rounded(std, std)) {
             self.notes.insert(key.into(), " # calibrated".into());
         }
     }
 
-    /// A correlation, to three decimals.
+    /// Sets a correlation, to three decimals.
     pub fn correlation(&mut self, key: &str, correlation: f64) {
         if self.description.set_number(key, rounded(correlation, 1.0)) {
             self.notes.insert(key.into(), " # calibrated".into());
@@ -69,8 +69,8 @@ impl<D: Tables + Default> Pen<D> {
     }
 }
 
-/// The lines of a complete printed description ([`config::Tables::to_toml`]) under these two conditions:
-/// the key has a note, which stands behind it, or its value is another than in `default`.
+/// The lines of a complete printed description ([`config::Tables::to_toml`]) whose key has a note, which is
+/// appended, or whose value differs from that in `default`.
 pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> String {
     let usual: Vec<(String, String, String)> = assignments(default);
     let mut text = String::new();
@@ -93,7 +93,7 @@ pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> 
     text
 }
 
-/// What a calibrated description says was found: keys with their values.
+/// The identified keys of a calibrated description, with their values.
 pub fn found(text: &str) -> Vec<(String, Quantity)> {
     let quantity = |(table, name, value): (String, String, String)| {
         let (value, note) = value.split_once(CALIBRATED)?;
@@ -104,7 +104,7 @@ pub fn found(text: &str) -> Vec<(String, Quantity)> {
     assignments(text).into_iter().filter_map(quantity).collect()
 }
 
-/// Table, key and value of each line that assigns one.
+/// Table, key and value of each assignment.
 fn assignments(text: &str) -> Vec<(String, String, String)> {
     let mut table = String::new();
     let mut found = Vec::new();
@@ -124,14 +124,14 @@ fn assignments(text: &str) -> Vec<(String, String, String)> {
     found
 }
 
-/// A number with as many digits as its standard deviation allows, and three more for the next computer.
+/// Rounds to three digits below the standard deviation.
 pub fn rounded(value: f64, std: f64) -> f64 {
     if !(std > 0.0 && std.is_finite() && value.is_finite()) {
         return value;
     }
     let unit = 10_f64.powi((std.log10().floor() as i32 - 3).max(-300));
     let rounded = (value / unit).round() * unit;
-    // By its decimal form, so that 0.1 + 0.2 is not printed.
+    // By its decimal form, so that 0.30000000000000004 is not printed.
     let decimals = (-(unit.log10().round() as i32)).max(0) as usize;
     format!("{rounded:.decimals$}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! The same work for many things at once, on all cores.
+//! Runs the same work for many items on all cores.
 
 use std::cell::Cell;
 use std::panic::resume_unwind;
@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 thread_local! {
-    /// Whether this thread does a part of some work: parts of that part are done in turn.
+    /// Whether this thread already runs such work: work within it runs sequentially.
     static AT_WORK: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What `make` makes of 0 to `count`, in that order.
+/// Results of `make` for 0 to `count`, in that order.
 pub fn map<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let workers = workers.min(count);
@@ -27,7 +27,7 @@ pub fn map<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
         made
     };
     let mut all = thread::scope(|scope| {
-        // Where the system gives fewer threads, fewer of them do all.
+        // If the system grants fewer threads, the others do all the work.
         let other = |_| thread::Builder::new().spawn_scoped(scope, work).ok();
         let others: Vec<_> = (1..workers).filter_map(other).collect();
         let mut all = work();

@@ -1,6 +1,6 @@
-//! A number of the machine that is to be found: what is known of it beforehand, and its limits.
+//! A parameter to be identified: its prior and its limits.
 
-/// Over which scale a parameter is normal before the data.
+/// Scale on which the prior of a parameter is normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Law {
     /// The value itself.
@@ -9,12 +9,12 @@ pub enum Law {
     Logarithmic,
 }
 
-/// Who says what is known beforehand.
+/// Source of a prior.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// The description with its tolerances: what calibration is to improve on.
+    /// The description with its tolerances, which calibration is to improve.
     Description,
-    /// A measurement that belongs to the recordings, such as a weighed load: as good as data.
+    /// A measurement that belongs to the recordings, such as a weighed load: it counts as data.
     Measured,
 }
 
@@ -23,24 +23,24 @@ pub enum Source {
 pub struct Parameter {
     /// Key of the description, or a name of its own where it is not part of it.
     pub key: String,
-    /// In words, for sentences: "the torque gain".
+    /// Name in sentences: "the torque gain".
     pub words: String,
     /// SI unit.
     pub unit: &'static str,
-    /// Known beforehand.
+    /// Prior mean.
     pub mean: f64,
-    /// Standard deviation of that; of the logarithm under [`Law::Logarithmic`].
+    /// Prior standard deviation; of the logarithm under [`Law::Logarithmic`].
     pub std: f64,
     /// Smallest and largest value.
     pub range: (f64, f64),
-    /// Scale on which it is normal.
+    /// Scale on which the prior is normal.
     pub law: Law,
-    /// Who says so.
+    /// Source of the prior.
     pub source: Source,
 }
 
 impl Parameter {
-    /// What the description says of a key, with its tolerance.
+    /// A parameter with the described value of a key and its tolerance.
     pub(crate) fn described(
         key: &str,
         words: &str,
@@ -61,7 +61,7 @@ impl Parameter {
         }
     }
 
-    /// A noise, known by a factor: `std` of its logarithm.
+    /// A noise parameter; `std` is the standard deviation of its logarithm.
     pub(crate) fn noise(key: &str, words: &str, unit: &'static str, mean: f64, std: f64) -> Self {
         Self {
             law: Law::Logarithmic,
@@ -69,7 +69,7 @@ impl Parameter {
         }
     }
 
-    /// The value at `x` standard deviations from what was known, within the range.
+    /// The value at `x` prior standard deviations from the prior mean, within the range.
     pub fn value(&self, x: f64) -> f64 {
         let free = match self.law {
             Law::Linear => self.mean + self.std * x,
@@ -78,7 +78,7 @@ impl Parameter {
         free.clamp(self.range.0, self.range.1)
     }
 
-    /// Where a value lies, in standard deviations from what was known.
+    /// Place of a value, in prior standard deviations from the prior mean.
     pub fn place(&self, value: f64) -> f64 {
         let value = value.clamp(self.range.0, self.range.1);
         match self.law {
@@ -96,7 +96,7 @@ impl Parameter {
     }
 }
 
-/// What the description says of parameters, a row each: role, key, words, unit, mean, standard deviation, range.
+/// Described parameters, one row each: role, key, words, unit, mean, standard deviation, range.
 macro_rules! rows {
     ($( $role:expr, $key:expr, $words:expr, $unit:expr, $mean:expr, $std:expr, $range:expr; )*) => {
         [$( ($role, $crate::parameter::Parameter::described($key, $words, $unit, $mean, $std, $range)) ),*]

@@ -1,10 +1,10 @@
-//! Zero, span and friction of the boom's cylinders, from recordings with known loads.
+//! Identifies zero, span and friction of the boom's cylinders from recordings with known loads.
 //!
 //! ```text
 //! r F = (1 + s) tau + r (z + F_c d + f)        tau: the moment of the described machine with the known load
 //! ```
 //! (`estimation::excavator::Moment`) is linear in the span s, the zero z and the seals' friction F_c. Masses of the links and of the
-//! bucket, the loads and the slope are known to their tolerances, and f, the rest, is correlated over some seconds: one least-squares
+//! bucket, the loads and the slope are known to their tolerances, and the rest f is correlated over some seconds: one least-squares
 //! fit with priors ([`crate::lasting`]).
 
 use config::Excavator as Description;
@@ -23,15 +23,15 @@ use crate::output::Pen;
 
 /// Standard deviation of a link's centre of mass, along its line of pins and beside it, as a share of the moment that it carries.
 const CENTRE: f64 = 0.02;
-/// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
+/// Share of the stated load below which the bucket holds another content: it was dumped.
 const DUMPED: f64 = 0.5;
-/// Unknowns behind those of every cylinder and the six moments that the drawing misses: friction at rest, slopes, then the load of each
+/// Indices of the unknowns behind those of every cylinder and the six missed moments: friction at rest, slopes, then the load of each
 /// recording.
 const HELD: usize = CURVE + CURVES.len();
 const SLOPES: usize = HELD + 1;
 const LOADS: usize = SLOPES + 2;
 
-/// Keys of the moment that the drawing misses.
+/// Keys of the missed moment.
 const CURVES: [&str; 6] = [
     "machine.boom_cylinder.boom_cos",
     "machine.boom_cylinder.boom_sin",
@@ -41,16 +41,16 @@ const CURVES: [&str; 6] = [
     "machine.boom_cylinder.bucket_sin",
 ];
 
-/// What was learnt: the missed moments are those of boom, arm and bucket.
+/// Fit of the boom's cylinders: the missed moments are those of boom, arm and bucket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CylinderFit {
-    /// What the cylinders of every machine have.
+    /// Unknowns common to the cylinders of every machine.
     pub common: cylinders::CylinderFit<{ CURVES.len() }>,
-    /// Share of the friction that the seals keep at rest.
+    /// Share of the friction that the seals retain at rest.
     pub kept: Quantity,
 }
 
-/// What the recordings tell of the described cylinders, or why they do not; `None` where no cylinder is described or no pressure
+/// Fit of the described cylinders, or why there is none; `None` where no cylinder is described or no pressure
 /// measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let cylinder = Cylinder::of_boom(d)?;
@@ -88,7 +88,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
     Some(fit(d, &cylinder, &runs, &loads))
 }
 
-/// The moments of a recording, as if the seals kept all of their friction at rest, while the bucket is in the air with its load in it.
+/// The moments of a recording, as if the seals retained all of their friction at rest, while the bucket is in the air with its load.
 fn moments(geometry: &Geometry, cylinder: Cylinder, input: &Input, load: Quantity) -> Vec<Moment> {
     let mut lifts = Lifts::new(*geometry, cylinder);
     let moments = input.samples.iter().filter_map(|sample| lifts.step(sample));
@@ -119,7 +119,7 @@ fn fit(
             moments.iter().map(of)
         })
         .collect();
-    // What lies far from the first solution was on the ground.
+    // Equations far from the first solution belong to a bucket on the ground.
     let solution = before
         .after(&equations, FADING)
         .ok_or("the boom's cylinders are not determined")?;
@@ -139,7 +139,7 @@ fn fit(
     Ok(CylinderFit { common, kept })
 }
 
-/// Moments about the boom foot of what the angles of boom, arm and bucket carry, level [N m].
+/// Moments about the boom foot that depend on the angles of boom, arm and bucket, on level ground [N m].
 fn first_moments(g: &Attachment) -> [f64; 3] {
     let behind = [g.arm_mass + g.bucket_mass, g.bucket_mass, 0.0];
     [
@@ -150,8 +150,8 @@ fn first_moments(g: &Attachment) -> [f64; 3] {
     .map(|first| GRAVITY * first)
 }
 
-/// A moment as an equation of the unknowns, in newtons of the cylinders, with these frictions described, in motion and at rest \[N\]; the recording and
-/// its load \[kg\].
+/// A moment as an equation of the unknowns, in newtons of the cylinders. `frictions` are the described ones in motion and at rest \[N\];
+/// with the recording and its load \[kg\].
 fn equation(
     frictions: [f64; 2],
     m: &Moment,
@@ -184,7 +184,7 @@ fn equation(
     }
 }
 
-/// What is known before the data.
+/// Prior of the unknowns.
 fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution {
     let links = Settings::of(d)
         .doubts
@@ -203,7 +203,7 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
     Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
-/// The keys of the description.
+/// Writes the keys of the description.
 pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
     learnt
         .common
@@ -212,7 +212,7 @@ pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
     pen.std("machine.boom_cylinder.friction_kept_std", learnt.kept.std);
 }
 
-/// In words.
+/// The fit as text.
 pub fn words(learnt: &CylinderFit) -> String {
     let cylinders = learnt.common.words("the boom's cylinders");
     let [kept, std] = [learnt.kept.value, learnt.kept.std].map(|share| 100.0 * share);
@@ -238,7 +238,7 @@ mod tests {
         d
     }
 
-    /// A machine that stands and moves its boom between the angles that `boom` gives at each time, by statics and Coulomb's friction.
+    /// A machine that stands and moves its boom to the angle `boom` of each time, by statics and Coulomb friction.
     fn record(payload: f64, boom: impl Fn(f64) -> f64) -> Input {
         let rises = |time: f64| (boom(time + 0.01) - boom(time)).signum();
         record_with(payload, &boom, rises)
@@ -290,7 +290,7 @@ mod tests {
         }
     }
 
-    /// Mean of what the cylinders of a description weigh in a recording \[kg\].
+    /// Mean load of a recording under the cylinders of a description \[kg\].
     fn weighed(d: &Description, input: &Input) -> f64 {
         let cylinder = Cylinder::of_boom(d).expect("described");
         let mut lifts = Lifts::new(Geometry::of(d), cylinder);
@@ -331,7 +331,7 @@ mod tests {
         let written = Cylinder::of_boom(&pen.description).expect("described");
         assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.common.friction.std);
         assert!(written.friction[1] < cylinder.friction[1]);
-        // A third load, of which nothing was stated.
+        // A third load, which was not stated.
         let off = |d: &Description| weighed(d, &record(250.0, up_and_down)) - 250.0;
         assert!(off(&described()).abs() > 30.0, "{}", off(&described()));
         assert!(
@@ -341,7 +341,7 @@ mod tests {
         );
     }
 
-    /// Share that is found where the seals keep this share of their friction: the boom stands 2 s before each way of 4 s.
+    /// Identified share where the seals retain this share of their friction; the boom stands 2 s before each motion of 4 s.
     fn kept(share: f64) -> Quantity {
         let way = |time: f64| {
             if ((time / 6.0) as u32).is_multiple_of(2) {

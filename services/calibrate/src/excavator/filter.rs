@@ -1,20 +1,20 @@
-//! The innovations of one swing.
+//! Innovations of one swing.
 //!
-//! The state is the angle, the momentum p = J w, and the noise n of the last torque sample, which enters
-//! two steps by half. With the trapezoidal rule, exact for a momentum that posture changes without force:
+//! The state is the angle, the momentum p = J w, and the noise n of the last torque sample, half of which enters
+//! each of two steps. With the trapezoidal rule, exact for a momentum that posture changes without force:
 //! ```text
 //! p (1 + b dt/2J) = p_ (1 - b dt/2J_) + (eta I_d + I_b/eta - o ...)/gain - T_f s dt
 //!                   + g S (c cos psi + l sin psi) dt + k (n_ + n)
 //! angle = angle_ + dt/2 (p_/J_ + p/J);   y = p/J + v   or   y = angle + v
 //! ```
-//! The slope of the ground, across (c, left side low) and along the machine (l, nose up) where it stood at psi = 0,
-//! pulls at the first moment S of upper body, attachment and load. I_d and I_b are the torque's integrals while driving and braking ([`super::torque`]). The regressors'
-//! noise is in the model, as that of the torque in n and that of the velocity in v; that is why this
-//! likelihood has no bias where least squares has 2 %.
+//! The slope of the ground acts on the first moment S of upper body, attachment and load. It is given across (c, left side low) and
+//! along the machine (l, nose up) where it stood at psi = 0. I_d and I_b are the torque's integrals while driving and braking
+//! ([`super::torque`]). The model includes the regressors' noise, that of the torque in n and that of the velocity in v. This
+//! likelihood therefore has no bias where least squares has 2 %.
 //!
-//! Delays: a value stamped t was true at t - delay. The filter runs at the time of the velocity; the
-//! torque is read `delay` of velocity minus that of torque earlier, the posture likewise where the
-//! velocity is the late one.
+//! Delays: a value stamped t was true at t - delay. The filter runs at the time of the velocity. The
+//! torque is read earlier by the delay of velocity minus that of torque; the posture likewise, where the
+//! velocity is the delayed one.
 
 use estimation::excavator::GRAVITY;
 
@@ -24,24 +24,24 @@ use super::torque::Impulse;
 use crate::fit::GATE;
 use crate::model::Innovation;
 
-/// The machine and its sensors, as one guess.
+/// Machine, sensors and load at one place of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guess {
     /// Viscous damping b [N m s/rad].
     pub damping: f64,
     /// Coulomb friction T_f [N m].
     pub friction: f64,
-    /// Efficiency of the drive, driving eta, braking 1/eta.
+    /// Efficiency of the drive: eta while driving, 1/eta while braking.
     pub efficiency: f64,
-    /// Measured torque where there is none [N m].
+    /// Measured torque at zero true torque [N m].
     pub offset: f64,
     /// Measured over true torque.
     pub gain: f64,
     /// Inertia of the upper body [kg m^2].
     pub upper_inertia: f64,
-    /// Masses and inertias of boom, arm and bucket against the described ones.
+    /// Masses and inertias of boom, arm and bucket over the described ones.
     pub link_scale: f64,
-    /// Delay of the velocity, less that of the torque [s].
+    /// Delay of the velocity minus that of the torque [s].
     pub delay: f64,
     /// Noise of the velocity [rad/s], or of the angle [rad].
     pub motion_std: f64,
@@ -49,19 +49,19 @@ pub struct Guess {
     pub torque_std: f64,
     /// Load of the recording [kg].
     pub payload: f64,
-    /// Inertia of a load against the one that its place in the bucket, as described, gives it.
+    /// Inertia of a load over that from its described position in the bucket.
     pub lever: f64,
     /// Shares of the load that swing at each of the rates.
     pub swinging: [f64; RATES.len()],
-    /// True joint angles less the measured ones [rad].
+    /// True minus measured joint angles [rad].
     pub zeros: [f64; 3],
     /// First moment of the upper body [kg m].
     pub upper_moment: f64,
-    /// Slope of the ground across and along the machine at the beginning of the recording [rad].
+    /// Slope of the ground across and along the machine at the start of the recording [rad].
     pub slope: [f64; 2],
 }
 
-/// State and covariance, written out: angle a, momentum p, noise n of the last torque sample.
+/// State and covariance, element by element: angle a, momentum p, noise n of the last torque sample.
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
     angle: f64,
@@ -75,7 +75,7 @@ struct State {
     nn: f64,
 }
 
-/// Inertia at a time, by straight lines between the rows.
+/// Inertia at a time, by linear interpolation between the rows.
 struct Inertias<'a> {
     series: &'a Series,
     guess: &'a Guess,
@@ -95,7 +95,7 @@ impl Inertias<'_> {
         g.upper_inertia + g.link_scale * links + g.lever * self.payload * leverage
     }
 
-    /// What the swinging load takes of the momentum, as a velocity of the whole machine of inertia 1/`ease` [rad/s].
+    /// Relative momentum of the swinging load, divided by the inertia 1/`ease` of the whole machine [rad/s].
     fn dragged(&self, k: usize, ease: f64) -> f64 {
         if self.payload == 0.0 {
             return 0.0;
@@ -106,7 +106,7 @@ impl Inertias<'_> {
         g.lever * self.payload * s.leverage[k] * velocity * ease
     }
 
-    /// What a slope of the ground makes of the weight [N m].
+    /// Moment of gravity due to a slope of the ground [N m].
     fn pull(&self, k: usize) -> f64 {
         let (s, g) = (self.series, self.guess);
         let moment = g.upper_moment + g.link_scale * s.moment[k] + self.payload * s.radius[k];
@@ -114,7 +114,7 @@ impl Inertias<'_> {
         GRAVITY * moment * (g.slope[0] * cos + g.slope[1] * sin)
     }
 
-    /// At the time that the velocity of row `k` tells of.
+    /// Inertia at the true time of the velocity of row `k`.
     fn at(&self, k: usize) -> f64 {
         if self.late <= 0.0 {
             return self.row(k);
@@ -133,7 +133,7 @@ impl Inertias<'_> {
     }
 }
 
-/// Appends the innovations of a swing: one for every measured row but the first.
+/// Appends the innovations of a swing: one for each measured row except the first.
 pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<Innovation>) {
     let inertia = Inertias {
         series,
@@ -181,11 +181,11 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
     }
 }
 
-/// What a guess makes of the drive, for all rows of a swing.
+/// Properties of the drive for all rows of a swing.
 struct Drive {
     damping: f64,
     offset: f64,
-    /// What arrives of a measured impulse while driving, and while braking.
+    /// True over measured impulse while driving, and while braking.
     driving: f64,
     braking: f64,
     /// True over measured torque.
@@ -205,7 +205,7 @@ impl Drive {
         }
     }
 
-    /// What arrives of an impulse [N m s].
+    /// True impulse of a measured one [N m s].
     fn force(&self, step: &Impulse) -> f64 {
         let driving = step.driving - self.offset * step.driving_time;
         let braking = step.braking - self.offset * step.braking_time;
@@ -214,7 +214,7 @@ impl Drive {
 }
 
 impl State {
-    /// At the first measured row: what that row says, and no more.
+    /// State from the first measured row alone.
     fn start(series: &Series, guess: &Guess, first: usize, (inertia, dragged): (f64, f64)) -> Self {
         let (value, variance) = (series.value[first], guess.motion_std * guess.motion_std);
         let noise = Self {
@@ -241,13 +241,13 @@ impl State {
         }
     }
 
-    /// Over one step, by the equations above; `ease` is 1/J.
+    /// Predicts one step, by the equations above; `ease` is 1/J.
     fn predict(&mut self, drive: &Drive, force: f64, [ease_last, ease]: [f64; 2], dt: f64) {
         let half = 0.5 * dt;
         let drag = half * drive.damping;
         let through = 1.0 / (1.0 + drag * ease);
         let keep = (1.0 - drag * ease_last) * through;
-        // Of the noise of the torque, before and now, to momentum and angle.
+        // Factors of the torque noise, before and now, in momentum and angle.
         let noise = half * drive.scale * through;
         let (turn, kick) = (half * (ease_last + keep * ease), half * noise * ease);
         let s = drive.torque_variance;
@@ -287,8 +287,8 @@ impl State {
         self.correct(value - self.angle, across, self.aa + variance)
     }
 
-    /// With an innovation, its covariance with the state, and its variance. One beyond the gate corrects
-    /// as one at the gate would, of a larger variance.
+    /// Updates with an innovation, its covariance with the state, and its variance. One beyond the gate corrects
+    /// like one at the gate with a larger variance.
     fn correct(&mut self, innovation: f64, [a, p, n]: [f64; 3], expected: f64) -> Innovation {
         let used = expected.max(innovation * innovation / (GATE * GATE));
         let share = 1.0 / used;

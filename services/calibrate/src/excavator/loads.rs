@@ -1,5 +1,5 @@
-//! What is in the bucket: which swings of a loaded recording carry the load, and whether the stated loads
-//! fit together.
+//! Loads in the bucket: finds the swings of a loaded recording that carry the load, and checks the
+//! stated loads.
 
 use estimation::Quantity;
 use faer::Mat;
@@ -12,17 +12,17 @@ use crate::column::percentile;
 use crate::fit::{Task, values};
 use crate::model::Model;
 
-/// A swing with less than this share of the load is one with an empty bucket.
+/// Share of the load below which a swing has an empty bucket.
 const EMPTY: f64 = 0.35;
-/// Less than this share of the stated load is none: that it was stated is said later.
+/// Share of the stated load below which there is none; the contradiction is reported later.
 const NOTHING: f64 = 0.1;
-/// A load may differ by this share from the others and still be the same.
+/// Relative difference of a swing's load up to which it is the same load.
 const SAME: f64 = 0.25;
-/// More swings than this share with another load: the recording is not of one load.
+/// Share of swings with another load above which the recording has more than one load.
 const MIXED: f64 = 0.3;
 
-/// Finds the swings with an empty bucket in recordings of a load, such as the ways back from a dump, and
-/// takes out those with neither; `place` is a first guess of everything else. Says what is wrong.
+/// Finds the swings with an empty bucket in recordings of a load, such as the return from a dump, and
+/// removes those that are neither loaded nor empty. `place` is a first fit of all other parameters. Returns a fault.
 pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     let values = values(swings, place);
     for recording in 0..swings.series.len() {
@@ -67,8 +67,8 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     None
 }
 
-/// The load of each swing of a recording, from a guess: each swing has its own, and the ground one slope, which its
-/// prior leaves open. Each step is Gauss and Newton's with the loads eliminated.
+/// The load of each swing of a recording, starting at a guess. Each swing has its own load, and the ground one slope with its
+/// prior. Each step is a Gauss-Newton step with the loads eliminated.
 fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Quantity> {
     let slopes = [Role::Across(recording), Role::Along(recording)];
     let slopes = slopes.map(|role| swings.index(role));
@@ -81,7 +81,7 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
         let stated: Vec<[[f64; 4]; 3]> = each
             .map(|(&block, &load)| products(swings, block, &values, load, slopes))
             .collect();
-        // The slope, in standard deviations of what was known of it.
+        // The slope, in prior standard deviations.
         let place = slopes.map(|s| s.map_or(0.0, |s| swings.parameters[s].place(values[s])));
         let mut matrix = Mat::<f64>::identity(2, 2);
         let mut right = Mat::from_fn(2, 1, |i, _| -place[i]);
@@ -117,7 +117,7 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
     found.map(|(value, std)| Quantity { value, std }).collect()
 }
 
-/// Products of the derivatives of a swing's innovations by load and slope, one with the other and with the innovations.
+/// Products of the derivatives of a swing's innovations with respect to load and slope, with each other and with the innovations.
 fn products(
     swings: &Swings,
     block: usize,
@@ -165,7 +165,7 @@ fn products(
     sums
 }
 
-/// The loads that swings carry, of which at least two differ if they fix the scale [kg].
+/// Whether at least two loads of the swings differ, so that they fix the scale.
 #[must_use]
 pub fn differ(swings: &Swings) -> bool {
     let mut loads = Vec::new();
@@ -181,31 +181,31 @@ pub fn differ(swings: &Swings) -> bool {
     loads.iter().any(|load| far(load, &loads[0]))
 }
 
-/// The load of a recording by the description alone: stated, and found with all of it free.
+/// The load of a recording, as stated and as identified with the masses and torque of the description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Doubt {
     /// Name of the recording.
     pub name: String,
-    /// As stated \[kg\].
+    /// Stated load \[kg\].
     pub stated: Quantity,
-    /// As the description's masses and torque say \[kg\].
+    /// Load from the description's masses and torque \[kg\].
     pub found: Quantity,
 }
 
 impl Doubt {
-    /// How far the two are apart, in standard deviations.
+    /// Distance of the two, in standard deviations.
     #[must_use]
     pub fn distance(&self) -> f64 {
         distance(&self.stated, &self.found)
     }
 }
 
-/// How far two weights are apart, in standard deviations.
+/// Distance of two weights, in standard deviations.
 fn distance(a: &Quantity, b: &Quantity) -> f64 {
     (a.value - b.value).abs() / (a.std.powi(2) + b.std.powi(2)).sqrt()
 }
 
-/// The stated load that the description contradicts most, if it does clearly.
+/// The stated load that the description contradicts most, if it does so clearly.
 pub fn doubt(task: &Task<'_, Swings>) -> Option<Doubt> {
     let swings = task.model;
     let heaviest = swings
@@ -252,7 +252,7 @@ fn weigh_by_description(
         fixed.push(false);
     }
     fixed[at] = false;
-    // From the description, and not from where a wrong load has led.
+    // Starts at the description, instead of where a wrong load has led.
     let start = vec![0.0; fixed.len()];
     let released = Task {
         model: &open,

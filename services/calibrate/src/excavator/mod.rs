@@ -29,31 +29,31 @@ use crate::model::Model;
 use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
 use crate::parameter::Parameter;
 
-/// A recording and what is known of it.
+/// A recording and its stated load.
 #[derive(Debug, Clone)]
 pub struct Input {
     /// Its name, for sentences.
     pub name: String,
     /// Its rows.
     pub samples: Vec<Sample>,
-    /// Load in the bucket, as weighed \[kg\].
+    /// Weighed load in the bucket \[kg\].
     pub payload: Option<Quantity>,
 }
 
-/// How to calibrate.
+/// Settings of a calibration.
 pub struct Options<'a> {
-    /// What is known beforehand.
+    /// Prior description.
     pub description: &'a Description,
-    /// Keys to find; the usual ones if none.
+    /// Keys to identify; `None`: the usual ones.
     pub free: Option<&'a [String]>,
-    /// Set it to stop with the best so far.
+    /// Stop request: the result is the best place so far.
     pub stop: &'a AtomicBool,
-    /// Hears of every step.
+    /// Called at every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
 impl<'a> Options<'a> {
-    /// The usual keys, and a fit that nobody stops or hears of.
+    /// The usual keys, never stopped, without progress.
     #[must_use]
     pub fn of(description: &'a Description) -> Self {
         Self {
@@ -65,25 +65,26 @@ impl<'a> Options<'a> {
     }
 }
 
-/// What came out.
+/// Result of a calibration.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// Recordings, parameters, blocks.
     pub swings: Swings,
-    /// Which parameters were held.
+    /// Flag of each parameter: it was held.
     pub fixed: Vec<bool>,
-    /// The fit, from all swings; none if the recordings cannot be fitted at all.
+    /// The fit to all swings; `None` if the recordings cannot be fitted at all.
     pub found: Option<FitResult>,
-    /// Why the result must not be believed; empty if nothing speaks against it.
+    /// Why the result is not to be trusted; empty if it is.
     pub faults: Vec<String>,
-    /// What the reader should know.
+    /// Remarks for the reader.
     pub remarks: Vec<String>,
-    /// What pressures showed of the boom's cylinders.
+    /// Fit of the boom's cylinders.
     pub cylinder: Option<CylinderFit>,
 }
 
 impl Outcome {
-    /// To look at.
+    /// Summary for display.
+    /// Value and standard deviation of a parameter.
     #[must_use]
     pub fn summary(&self) -> Summary<'_> {
         let series = &self.swings.series;
@@ -114,10 +115,10 @@ impl Outcome {
     }
 }
 
-/// Finds the parameters.
+/// Identifies the parameters.
 ///
 /// # Errors
-/// A key of `free` that cannot be found, with those that can.
+/// A key of `free` that cannot be identified; the error names those that can.
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
     let geometry = Geometry::of(options.description);
     let series: Vec<Series> = inputs
@@ -147,7 +148,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.faults = words::alike(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
-    // By the masses that the swings have shown; not where only some keys are asked for.
+    // With the masses that the swings identify; not where only some keys are requested.
     if options.free.is_none()
         && outcome.faults.is_empty()
         && let Some((found, _)) = outcome.description(options.description, &[])
@@ -164,7 +165,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     Ok(outcome)
 }
 
-/// Which parameters stay as described.
+/// Parameters that stay as described.
 fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
         let is_lever = |role: &Role| *role == Role::Lever;
@@ -192,8 +193,8 @@ fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     Ok(fixed)
 }
 
-/// Whether a parameter answers to a key: its own, one of the masses that share a scale, one of the
-/// delays that are known as a difference only.
+/// Whether a key means this parameter: its own key, one of the masses that share a scale, or one of the
+/// delays of which only the difference is identified.
 fn answers(own: &str, key: &str) -> bool {
     own == key
         || match own {
@@ -237,7 +238,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if fit.interrupted {
         outcome.remarks.push(STOPPED.into());
     }
-    // What has been said need not be said again in the words of algebra.
+    // Faults that have been reported are not repeated as undetermined directions.
     let mut faults = outcome.faults.clone();
     if faults.is_empty() {
         faults = contradictions(&whole, &fit, free);
@@ -273,7 +274,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     }
 }
 
-/// What a fit and the description contradict each other in, or what the recordings leave open.
+/// Contradictions between fit and description, or directions that the recordings leave undetermined.
 fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<String> {
     let swings = task.model;
     let mut faults = words::far(swings, &fit.place, task.fixed);
@@ -291,8 +292,8 @@ fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<Stri
     faults
 }
 
-/// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
-/// not stopped: half of it would sort wrongly. Angles are as measured: they would take up what is wrong with a torque.
+/// Sorts the swings of loaded recordings into loaded and empty ones, from a first fit of the recordings with an empty bucket. This fit is
+/// not stopped: a part of it would sort wrongly. Zeros of angles are held: they would absorb faults of a torque.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
     let is_zero = |role: &Role| matches!(role, Role::Zero(_));
     let roles = swings.roles.iter().zip(fixed);
@@ -318,7 +319,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
     loads::sort(swings, &place)
 }
 
-/// What the description itself leaves open of a parameter that is held: only what it states.
+/// Stated tolerances of held parameters, in prior standard deviations.
 fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     let d = options.description;
     let stated = |role: &Role, p: &Parameter| match role {

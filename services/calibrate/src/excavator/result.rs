@@ -6,7 +6,7 @@ use estimation::Quantity;
 use super::{Outcome, Role, cylinder};
 use crate::output::Pen;
 
-/// Masses and inertias that share one scale.
+/// Masses and inertias that share one scale factor.
 const LINKS: [&str; 9] = [
     "machine.geometry.boom_mass",
     "machine.geometry.arm_mass",
@@ -19,13 +19,13 @@ const LINKS: [&str; 9] = [
     "machine.geometry.bucket_axial_inertia",
 ];
 
-/// How far the bucket may be from the factor that it shares with boom and arm: one that was calibrated is hardly another, but its share
-/// of the factor is not found.
+/// Relative deviation of the bucket from the scale factor that it shares with boom and arm: after a calibration it is hardly another
+/// bucket, but its own factor is not identified.
 const BUCKET_STD: f64 = 0.05;
 
 impl Outcome {
-    /// The description with what was found, and its text with `origin` as comments above; none where
-    /// nothing was.
+    /// The description with the identified values, and its text with `origin` as comments above; `None`
+    /// without a fit.
     #[must_use]
     pub fn description(
         &self,
@@ -78,7 +78,7 @@ impl Outcome {
             }
             Role::Inertia if self.swings.has_posture() => pen.value("machine.upper_inertia", q),
             Role::Inertia => {
-                // All of it: nothing is known of a posture.
+                // The whole inertia: no posture is measured.
                 pen.value("machine.upper_inertia", q);
                 pen.value("prior.inertia", q);
                 pen.std("prior.inertia_std", q.std);
@@ -125,7 +125,7 @@ impl Outcome {
         }
     }
 
-    /// How far masses and gain may be off, each by itself and together.
+    /// Writes the tolerances of masses and gain, and their correlations.
     fn together(&self, pen: &mut Pen<Description>) {
         let share = |role| {
             let i = self.swings.index(role).filter(|&i| !self.fixed[i])?;

@@ -1,5 +1,5 @@
-//! A recording made ready: time, velocity or angle, torque, what the posture makes of the inertia, and
-//! the swings in it.
+//! A prepared recording: time, velocity or angle, torque, inertia from the posture, and
+//! its swings.
 
 use std::ops::Range;
 
@@ -9,26 +9,26 @@ use super::swinging::{self, RATES};
 use super::torque::Torque;
 use crate::column::{increasing, moving_mean, percentile};
 
-/// Half the window in which the posture is smoothed, and the velocity to find the swings [s].
+/// Half width of the window that smooths the posture, and the velocity to find the swings [s].
 const WINDOW: f64 = 0.04;
-/// A swing is faster than this share of the fast ones.
+/// Share of the fast velocities above which the machine swings.
 const MOVING: f64 = 0.03;
-/// A swing is faster than this many standard deviations of the smoothed velocity.
+/// The same limit in standard deviations of the smoothed velocity.
 const NOISES: f64 = 6.0;
 /// Shortest swing [s].
 const SHORTEST: f64 = 0.3;
-/// Longest block; a longer swing is several [s].
+/// Longest block; a longer swing becomes several [s].
 const LONGEST: f64 = 4.0;
-/// A stand of this length shows the bias of the velocity [s].
+/// Least duration of a standstill that determines the bias of the velocity [s].
 const STAND: f64 = 0.5;
-/// A larger mean while it stands is motion [rad/s].
+/// Largest bias; a larger mean at standstill is motion [rad/s].
 const BIAS_MAX: f64 = 0.03;
-/// The bucket opens when its angle grows as fast as this [rad/s].
+/// Rate of the bucket angle above which the bucket opens [rad/s].
 const OPENING: f64 = 0.35;
-/// Time around an opening bucket in which the load is not known, before and after [s].
+/// Time before and after an opening of the bucket in which the load is unknown [s].
 const AROUND_OPENING: (f64, f64) = (0.1, 0.5);
 
-/// What the velocity is measured by.
+/// Measured signal of the swing motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measured {
     /// A velocity [rad/s].
@@ -37,38 +37,38 @@ pub enum Measured {
     Angle,
 }
 
-/// What is in the bucket during a swing.
+/// Content of the bucket during a swing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Load {
     /// The load of the recording.
     Stated,
-    /// Nothing.
+    /// Empty bucket.
     Empty,
 }
 
-/// One swing, or a piece of a long one.
+/// One swing, or a part of a long one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swing {
     /// Rows of the recording.
     pub rows: Range<usize>,
     /// 1 anticlockwise, -1 clockwise.
     pub direction: f64,
-    /// What is in the bucket.
+    /// Content of the bucket.
     pub load: Load,
 }
 
-/// A recording made ready.
+/// A prepared recording.
 #[derive(Debug, Clone)]
 pub struct Series {
     /// Its name, for sentences.
     pub name: String,
-    /// What the velocity is measured by.
+    /// Measured signal of the swing motion.
     pub measured: Measured,
     /// Whether all three joint angles are measured.
     pub has_posture: bool,
     /// Time of each row \[s\].
     pub time: Vec<f64>,
-    /// Velocity without its bias, or angle; NaN is missing.
+    /// Velocity without its bias, or angle; missing values are NaN.
     pub value: Vec<f64>,
     /// Smoothed velocity [rad/s].
     pub velocity: Vec<f64>,
@@ -76,15 +76,15 @@ pub struct Series {
     pub links: Vec<f64>,
     /// Inertia per kilogram of payload [m^2].
     pub leverage: Vec<f64>,
-    /// How both grow with each joint angle [kg m^2/rad, m^2/rad].
+    /// Derivatives of both with respect to each joint angle [kg m^2/rad, m^2/rad].
     pub per_angle: Vec<[[f64; 2]; 3]>,
     /// First moment of boom, arm and bucket as described [kg m].
     pub moment: Vec<f64>,
     /// The same per kilogram of payload \[m\].
     pub radius: Vec<f64>,
-    /// Cosine and sine of the angle swung since the beginning.
+    /// Cosine and sine of the angle swung since the start.
     pub heading: Vec<[f64; 2]>,
-    /// Velocity against the upper body of what would swing in the bucket [rad/s].
+    /// Relative velocity of a load swinging at each rate, against the upper body [rad/s].
     pub swinging: Vec<[f64; RATES.len()]>,
     /// Torque.
     pub torque: Torque,
@@ -92,11 +92,11 @@ pub struct Series {
     pub swings: Vec<Swing>,
     /// Share of the rows whose time did not increase.
     pub refused: f64,
-    /// Bias of the velocity that was taken off [rad/s].
+    /// Bias of the velocity that was removed [rad/s].
     pub bias: f64,
 }
 
-/// What was measured in each row; NaN is missing.
+/// Measured value of each row; missing values are NaN.
 fn values(samples: &[Sample], measured: Measured) -> Vec<f64> {
     let value = |s: &Sample| match measured {
         Measured::Velocity => s.velocity,
@@ -108,7 +108,7 @@ fn values(samples: &[Sample], measured: Measured) -> Vec<f64> {
         .collect()
 }
 
-/// The inertia of each row by its joint angles.
+/// The inertia of each row, from its joint angles.
 fn inertias(geometry: &Geometry, [boom, arm, bucket]: &[Vec<f64>; 3]) -> Vec<Inertia> {
     let angles = boom.iter().zip(arm).zip(bucket);
     angles
@@ -116,7 +116,7 @@ fn inertias(geometry: &Geometry, [boom, arm, bucket]: &[Vec<f64>; 3]) -> Vec<Ine
         .collect()
 }
 
-/// How inertia and leverage of each row grow with each joint angle [kg m^2/rad, m^2/rad].
+/// Derivatives of inertia and leverage of each row with respect to each joint angle [kg m^2/rad, m^2/rad].
 fn per_angle(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[[f64; 2]; 3]> {
     const STEP: f64 = 1e-3;
     let row = |k: usize| {
@@ -137,7 +137,7 @@ fn per_angle(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[[f64; 2]; 3]
 }
 
 impl Series {
-    /// Makes a recording ready. Rows whose time does not increase are left out.
+    /// Prepares a recording. Rows whose time does not increase are left out.
     #[must_use]
     pub fn new(name: &str, samples: &[Sample], geometry: &Geometry) -> Self {
         let rows = samples.len();
@@ -162,7 +162,7 @@ impl Series {
         };
         value.iter_mut().for_each(|v| *v -= bias);
         velocity.iter_mut().for_each(|v| *v -= bias);
-        // The noise of an angle would be one of the inertia, which the filter has not.
+        // Noise of an angle would become noise of the inertia, which the filter does not model.
         let postures: [Vec<f64>; 3] = std::array::from_fn(|i| {
             let angle = filled(&time, &samples, |s| s.posture[i].map(joint));
             moving_mean(&time, &angle, WINDOW)
@@ -170,7 +170,7 @@ impl Series {
         let inertias = if has_posture {
             inertias(geometry, &postures)
         } else {
-            // Nothing but a constant inertia.
+            // A constant inertia.
             let none = Inertia {
                 empty: geometry.upper_inertia,
                 ..Inertia::default()
@@ -217,21 +217,21 @@ impl Series {
         series
     }
 
-    /// Time between rows, in the middle \[s\].
+    /// Median time between rows \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);
         percentile(steps.collect(), 0.5)
     }
 
-    /// Time in swings of one direction \[s\].
+    /// Duration of the swings in one direction \[s\].
     #[must_use]
     pub fn moving_time(&self, direction: f64) -> f64 {
         let swings = self.swings.iter().filter(|s| s.direction == direction);
         swings.fold(0.0, |sum, s| sum + self.duration(s))
     }
 
-    /// Length of a swing \[s\].
+    /// Duration of a swing \[s\].
     #[must_use]
     pub fn duration(&self, swing: &Swing) -> f64 {
         let rows = &swing.rows;
@@ -262,10 +262,10 @@ impl Series {
         swings
     }
 
-    /// Cuts a long swing into blocks; leaves out what is short or has no torque.
+    /// Cuts a long swing into blocks; leaves out blocks that are short or without torque.
     fn add_pieces(&self, swings: &mut Vec<Swing>, rows: Range<usize>, longest_step: f64) {
         let length = self.time[rows.end - 1] - self.time[rows.start];
-        // Rows that are far apart are no more pieces than there are rows.
+        // At most as many pieces as rows, in case the rows are far apart.
         let pieces = ((length / LONGEST).ceil().max(1.0) as usize).min(rows.len());
         let share = rows.len() / pieces;
         for piece in 0..pieces {
@@ -292,7 +292,7 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|v| v.is_finite())
 }
 
-/// A column without holes: straight lines between its values.
+/// A column with its gaps interpolated linearly.
 fn filled(time: &[f64], samples: &[Sample], column: impl Fn(&Sample) -> Option<f64>) -> Vec<f64> {
     let known = samples
         .iter()
@@ -301,7 +301,7 @@ fn filled(time: &[f64], samples: &[Sample], column: impl Fn(&Sample) -> Option<f
     time.iter().map(|&t| at(&at_time, &values, t)).collect()
 }
 
-/// Integral of a velocity without holes.
+/// Integral of a velocity without gaps.
 fn turned(time: &[f64], velocity: &[f64]) -> Vec<f64> {
     let mut angle = 0.0;
     (0..time.len())
@@ -313,7 +313,7 @@ fn turned(time: &[f64], velocity: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Straight lines between points, constant outside; 0 of nothing.
+/// Linear interpolation between points, constant outside; 0 without points.
 #[must_use]
 pub fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
     let next = time.partition_point(|x| *x <= t);
@@ -332,7 +332,7 @@ fn smoothed(time: &[f64], values: &[f64], measured: Measured) -> Vec<f64> {
     match measured {
         Measured::Velocity => {
             let mean = moving_mean(time, values, WINDOW);
-            // A hole stands still.
+            // A gap counts as standstill.
             mean.into_iter()
                 .map(|v| if v.is_nan() { 0.0 } else { v })
                 .collect()
@@ -341,7 +341,7 @@ fn smoothed(time: &[f64], values: &[f64], measured: Measured) -> Vec<f64> {
     }
 }
 
-/// Slope of the straight line through the values around each time.
+/// Slope of the regression line through the values around each time.
 fn slopes(time: &[f64], values: &[f64]) -> Vec<f64> {
     let half = if time.len() > 1 {
         let period = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
@@ -374,14 +374,14 @@ fn slopes(time: &[f64], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The velocity above which the machine swings: a share of the fast ones, and above the noise of the
+/// The velocity above which the machine swings: a share of the fast velocities, and above the noise of the
 /// smoothed velocity.
 fn moving_limit(time: &[f64], value: &[f64], velocity: &[f64], measured: Measured) -> f64 {
     let sizes: Vec<f64> = velocity.iter().map(|v| v.abs()).collect();
     let steps = time.windows(2).map(|w| w[1] - w[0]).collect();
     let period = percentile(steps, 0.5).max(1e-9);
     let n = (2.0 * WINDOW / period).max(2.0);
-    // Median sizes of differences: 0.6745 standard deviations, of two or of 1, -2, 1 samples.
+    // Median magnitudes of differences: 0.6745 standard deviations, of two or of 1, -2, 1 samples.
     let noise = match measured {
         Measured::Velocity => {
             let steps = value.windows(2).map(|w| (w[1] - w[0]).abs());
@@ -396,7 +396,7 @@ fn moving_limit(time: &[f64], value: &[f64], velocity: &[f64], measured: Measure
     (MOVING * percentile(sizes, 0.98)).max(NOISES * noise)
 }
 
-/// Mean velocity while the machine stands; 0 where it never does.
+/// Mean velocity at standstill; 0 where the machine never stands.
 fn bias(time: &[f64], value: &[f64], velocity: &[f64], limit: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0_usize);
     let mut first = 0;
@@ -419,7 +419,7 @@ fn bias(time: &[f64], value: &[f64], velocity: &[f64], limit: f64) -> f64 {
     if count >= 50 { sum / count as f64 } else { 0.0 }
 }
 
-/// The rows in which the load may change, because the bucket opens.
+/// The rows in which the load may change because the bucket opens.
 fn openings(time: &[f64], bucket: &[f64]) -> Vec<bool> {
     let rate = slopes(time, bucket);
     let (before, after) = AROUND_OPENING;
@@ -436,7 +436,7 @@ fn openings(time: &[f64], bucket: &[f64]) -> Vec<bool> {
 mod tests {
     use super::*;
 
-    /// Two seconds of rest, a swing of two seconds there, rest, one back.
+    /// Two seconds of rest, a swing of two seconds, rest, a swing back.
     fn there_and_back(bias: f64) -> Vec<Sample> {
         (0..1200)
             .map(|k| {
@@ -464,7 +464,7 @@ mod tests {
         let series = Series::new("a", &there_and_back(0.01), &Geometry::default());
         let directions: Vec<f64> = series.swings.iter().map(|s| s.direction).collect();
         assert_eq!(directions, [1.0, -1.0]);
-        // The last hundredths before a swing are part of the stand.
+        // The last hundredths of a second before a swing belong to the standstill.
         assert!((series.bias - 0.01).abs() < 1e-4, "{}", series.bias);
         assert!((series.duration(&series.swings[0]) - 2.0).abs() < 0.1);
     }
@@ -517,7 +517,7 @@ mod tests {
             let each = off.iter().zip(measured.per_angle[0]);
             each.map(|(off, per)| off * per[part]).sum()
         };
-        // What is left is of second order: the square of .03.
+        // The remaining error is of second order: the square of .03.
         for (by, before, after) in [
             (by(0), measured.links[0], truth.links[0]),
             (by(1), measured.leverage[0], truth.leverage[0]),

@@ -1,7 +1,7 @@
-//! A start for the likelihood: equally filtered least squares (faer QR).
+//! Start of the likelihood fit: equally filtered least squares (faer QR).
 //!
 //! The equation of motion is weighted with smooth windows phi that vanish at their ends (Shinbrot's
-//! modulating functions), so that every signal is filtered alike and nothing is differentiated:
+//! modulating functions), so that every signal has the same filter and none is differentiated:
 //! ```text
 //! int phi' w dJ_u + s int phi' L w + m int phi' g w
 //!   + c_d int phi T_d + c_b int phi T_b - o int phi - b int phi w - T_f int phi sgn w = 0
@@ -22,13 +22,13 @@ use crate::model::Model;
 /// Length of a window and distance between them [s].
 const WINDOW: f64 = 0.4;
 const SHIFT: f64 = 0.15;
-/// The delays that are tried [s].
+/// Step and number of the delays that are tried, in either direction [s].
 const DELAY_STEP: f64 = 0.005;
 const DELAYS: i32 = 16;
-/// The unknowns of the equation, in their order.
+/// Number of the equation's unknowns.
 const UNKNOWNS: usize = 7;
 
-/// Where to begin, in standard deviations from what was known.
+/// Start of the fit, in prior standard deviations from the prior mean.
 #[must_use]
 pub fn start(swings: &Swings, blocks: &[usize], fixed: &[bool]) -> Vec<f64> {
     let mean: Vec<f64> = swings.parameters.iter().map(|p| p.mean).collect();
@@ -45,7 +45,7 @@ pub fn start(swings: &Swings, blocks: &[usize], fixed: &[bool]) -> Vec<f64> {
         .collect()
 }
 
-/// Sum of squares, what was known included, and values of the parameters with one delay.
+/// Sum of squares, prior included, and values of the parameters with one delay.
 fn solve(
     swings: &Swings,
     blocks: &[usize],
@@ -83,7 +83,7 @@ fn solve(
         Some((row, _)) => row[j] * known[j].1,
         None => f64::from(i - count == j),
     });
-    // Everything about what is known: the solution is the distance from it.
+    // All relative to the prior: the solution is the distance from it.
     let right: Vec<f64> = (0..count + UNKNOWNS)
         .map(|i| match rows.get(i) {
             Some((row, right)) => right - row.iter().zip(&known).map(|(r, k)| r * k.0).sum::<f64>(),
@@ -97,7 +97,7 @@ fn solve(
             (right[i] - fitted).powi(2).min(100.0)
         })
         .sum();
-    // All torques and masses near zero fit any motion: what is known counts, too.
+    // All torques and masses near zero fit any motion, so the prior counts too.
     let distance: f64 = found.iter().map(|x| x * x).sum();
     let at = |j: usize| known[j].0 + known[j].1 * found[j];
     let mut values = mean.to_vec();
@@ -129,7 +129,7 @@ fn set(swings: &Swings, values: &mut [f64], role: Role, value: f64) {
     }
 }
 
-/// What is known of an unknown: value and tolerance, 0 where it is held.
+/// Prior of an unknown: mean and standard deviation, 0 where it is held.
 fn prior(swings: &Swings, fixed: &[bool], role: Role) -> (f64, f64) {
     match swings.index(role) {
         Some(i) if fixed[i] => (swings.parameters[i].mean, 0.0),
@@ -138,7 +138,7 @@ fn prior(swings: &Swings, fixed: &[bool], role: Role) -> (f64, f64) {
     }
 }
 
-/// The same of c_d and c_b, whose tolerances are those of gain and efficiency.
+/// The same for c_d and c_b, whose standard deviations are those of gain and efficiency.
 fn drive(swings: &Swings, fixed: &[bool]) -> [(f64, f64); 2] {
     let one = |role| match swings.index(role) {
         Some(_) => prior(swings, fixed, role),
@@ -149,7 +149,7 @@ fn drive(swings: &Swings, fixed: &[bool]) -> [(f64, f64); 2] {
     [(efficiency / gain, std), (1.0 / (efficiency * gain), std)]
 }
 
-/// The equation over the windows of a swing, in units of its noise.
+/// The equation over the windows of a swing, divided by its noise.
 fn windows(series: &Series, swing: &Swing, guess: &Guess, rows: &mut Vec<([f64; UNKNOWNS], f64)>) {
     let time = &series.time;
     let end = time[swing.rows.end - 1];

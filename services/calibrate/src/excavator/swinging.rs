@@ -1,20 +1,20 @@
-//! What swings in the bucket: a part of the load that the upper body drags along.
+//! Swinging load: a part of the load that lags behind the upper body.
 //!
 //! ```text
 //! xi'' + 2 zeta W xi' + W^2 xi = -w'          p = J w + s L m xi'
 //! ```
-//! A share s of the load's inertia L m swings at the rate W behind the upper body by xi; p, the momentum of all of it, is what the torques
-//! change. Which rate a load has depends on how it hangs. So there is a share for each of [`RATES`], and one between two of them has
-//! a share of both.
+//! A share s of the load's inertia L m swings at the rate W behind the upper body by xi; p is the momentum of the whole machine, which the
+//! torques change. The rate of a load depends on its suspension. There is therefore a share for each of [`RATES`], and a load between two
+//! rates has a share of both.
 
-/// Rates at which loads swing, from 2.5 m below a hook to .25 m in a bucket, an eighth apart [rad/s].
+/// Rates of swinging loads, from 2.5 m below a hook to .25 m in a bucket, an eighth apart [rad/s].
 pub const RATES: [f64; 11] = [2.0, 2.24, 2.5, 2.8, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.3];
 /// Damping ratio of each.
 const DAMPING: f64 = 0.06;
-/// A longer step begins anew \[s\].
+/// A longer step resets the motion \[s\].
 const GAP: f64 = 0.1;
 
-/// Velocity of what swings at each rate against the upper body, from the velocity of that [rad/s].
+/// Velocity of a load at each rate relative to the upper body, from the velocity of the latter [rad/s].
 pub fn velocities(time: &[f64], velocity: &[f64]) -> Vec<[f64; RATES.len()]> {
     let mut angles = [0.0; RATES.len()];
     let mut rates = [0.0; RATES.len()];
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use estimation::excavator::{Geometry, Sample};
 
-    /// Part of the machine's inertia that swings, and all of it [kg m^2].
+    /// Swinging part of the machine's inertia, and the whole [kg m^2].
     const SHARE: f64 = 0.1;
     const INERTIA: f64 = 20e3;
 
@@ -60,7 +60,7 @@ mod tests {
         }
     }
 
-    /// A swing under a torque of 10 kN m for a second, of which the motion of a load in the bucket takes its part. The load swings at
+    /// A swing under a torque of 10 kN m for a second, in which a load in the bucket swings at
     /// this rate, with this damping ratio.
     fn swing((own, damping): (f64, f64)) -> Series {
         let (mut body, mut behind, mut angle) = (0.0, 0.0, 0.0);
@@ -88,7 +88,7 @@ mod tests {
         Series::new("a", &samples, &Geometry::default())
     }
 
-    /// Sum of the squares of the innovations, where these shares of the inertia swing.
+    /// Sum of the squared innovations with these swinging shares.
     fn squares(series: &Series, swinging: [f64; RATES.len()]) -> f64 {
         let payload = 100.0;
         let lever = INERTIA / (payload * series.leverage[0]);
@@ -135,7 +135,7 @@ mod tests {
             let rigid = squares(&series, swinging);
             (swinging[at], swinging[at + 1]) = (0.5 * SHARE, 0.5 * SHARE);
             let known = squares(&series, swinging);
-            // A quarter apart, .3 of it stays at the fastest.
+            // With the rates a quarter apart, .3 of it remains at the fastest.
             assert!(known < 0.14 * rigid, "{pair:?} {}", known / rigid);
         }
     }

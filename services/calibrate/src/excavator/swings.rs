@@ -1,4 +1,4 @@
-//! The swings of an excavator as a model: parameters, priors, blocks.
+//! Model of an excavator's swings: parameters, priors, blocks.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::column::percentile;
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source, rows};
 
-/// What a parameter is in the guess.
+/// Role of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Viscous damping.
@@ -26,11 +26,11 @@ pub enum Role {
     Offset,
     /// Gain of the torque.
     Gain,
-    /// Upper body, or all of it where no posture is measured.
+    /// Inertia of the upper body, or of the whole machine where no posture is measured.
     Inertia,
-    /// Boom, arm and bucket.
+    /// Masses and inertias of boom, arm and bucket.
     Links,
-    /// Delay of the velocity less that of the torque.
+    /// Delay of the velocity minus that of the torque.
     Delay,
     /// Noise of velocity or angle.
     MotionNoise,
@@ -38,7 +38,7 @@ pub enum Role {
     TorqueNoise,
     /// Load of a recording.
     Payload(usize),
-    /// Inertia of a load of known mass against the described one: lengths off, held within their tolerance.
+    /// Inertia of a load of known mass over the described one: errors of lengths, held within their tolerance.
     Lever,
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
@@ -53,19 +53,19 @@ pub enum Role {
 }
 
 impl Role {
-    /// Whether it is of a recording rather than of the machine.
+    /// Whether it belongs to a recording and not to the machine.
     #[must_use]
     pub fn is_load(&self) -> bool {
         matches!(self, Self::Payload(_) | Self::Across(_) | Self::Along(_))
     }
 
-    /// Whether it is a noise, or held as one knows lengths.
+    /// Whether it is a noise, or held with the tolerance of the lengths.
     #[must_use]
     pub fn is_noise(&self) -> bool {
         matches!(self, Self::MotionNoise | Self::TorqueNoise | Self::Lever)
     }
 
-    /// Whether it has no use beyond the fit: nobody must know it, and it is never held.
+    /// Whether it is a nuisance parameter: of no use beyond the fit, and never held.
     #[must_use]
     pub fn is_nuisance(&self) -> bool {
         matches!(
@@ -84,20 +84,20 @@ impl Role {
 pub struct Swings {
     /// The recordings.
     pub series: Vec<Series>,
-    /// Their loads as stated \[kg\].
+    /// Their stated loads \[kg\].
     pub stated: Vec<Option<Quantity>>,
-    /// What each parameter is.
+    /// Role of each parameter.
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// A load that the described machine may well carry \[kg\].
+    /// Upper bound of the usual loads of the described machine \[kg\].
     pub full_bucket: f64,
-    /// Recording and number of each block's swing.
+    /// Recording of each block, and number of its swing.
     blocks: Vec<(usize, usize)>,
 }
 
 impl Swings {
-    /// The model of recordings with their loads as stated, under a description.
+    /// The model of recordings with their stated loads, under a description.
     #[must_use]
     pub fn new(
         series: Vec<Series>,
@@ -119,7 +119,7 @@ impl Swings {
         swings
     }
 
-    /// To be called when swings have been taken out.
+    /// Numbers the blocks again; to be called after swings have been removed.
     pub fn count_blocks(&mut self) {
         let numbered = self.series.iter().enumerate();
         self.blocks = numbered
@@ -127,7 +127,7 @@ impl Swings {
             .collect();
     }
 
-    /// Opens the load of a recording: known only as this. Gives the index of its parameter, which is a
+    /// Makes the load of a recording a parameter with this prior. Returns the index of the parameter, which is a
     /// new last one where the load was exact.
     pub fn release(&mut self, recording: usize, load: Quantity) -> usize {
         let role = Role::Payload(recording);
@@ -170,7 +170,7 @@ impl Swings {
         (series, &series.swings[number])
     }
 
-    /// The guess that these values are, for one recording.
+    /// The guess from these values, for one recording.
     #[must_use]
     pub fn guess(&self, recording: usize, values: &[f64]) -> Guess {
         let mut guess = Guess {
@@ -254,7 +254,7 @@ impl Model for Swings {
     }
 }
 
-/// Tolerances where the description has none or states what only a calibration can know: gain of a torque
+/// Tolerances where the description states none, or ones too narrow before a calibration: gain of a torque
 /// sensor, efficiency of a swing gear, drawings against a machine, delays of a bus [s].
 const GAIN_STD: f64 = 0.05;
 const EFFICIENCY_STD: f64 = 0.05;
@@ -264,15 +264,16 @@ const DELAY_STD: f64 = 0.03;
 const DELAY_MAX: f64 = 0.2;
 const DAMPING_STD: f64 = 0.3;
 const FRICTION_STD: f64 = 0.5;
-/// Torque offset, as a share of the large torques.
+/// Standard deviation of the torque offset, as a share of the large torques.
 const OFFSET_STD: f64 = 0.03;
-/// Share of a load that swings, at all rates: nothing of what lies in a bucket, some of what slips in it or hangs.
+/// Standard deviation of the share of a load that swings, over all rates. A load that lies in a bucket does not swing; one that slips or
+/// hangs does in part.
 pub const SWINGING_STD: f64 = 0.15;
-/// Noises within a factor of e or so.
+/// Standard deviation of the logarithm of a noise.
 const NOISE_STD: f64 = 1.0;
 
-/// Relative standard deviation of the lengths that fix the radius of a load. By a guessed boom pin or centre of the load gain and masses
-/// err together, and an estimator that takes them for independent halves the variance: hence the 2.
+/// Relative standard deviation of the lengths that fix the radius of a load. An error of a guessed boom pin or load centre is common to
+/// gain and masses. An estimator that treats their errors as independent halves the variance: hence the 2.
 fn lengths(d: &Description) -> f64 {
     let tolerance = d.machine.geometry_tolerance;
     let (by_pin, by_centre) = (d.guessed_radius_std(), d.guessed_centre_std());
@@ -308,7 +309,7 @@ fn parameters(
     all
 }
 
-/// What acts on the swing; `torque` is a large one.
+/// Parameters of the forces on the swing; `torque` is a large one.
 fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
     let (m, p) = (&d.machine, &d.prior);
     let stated = |key| d.number(key).unwrap_or(0.0);
@@ -329,7 +330,7 @@ fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
     rows.into()
 }
 
-/// The machine, its drive and its torque sensor, where the posture is known.
+/// Parameters of the machine, its drive and its torque sensor, where the posture is measured.
 fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
     let upper = d.machine.upper_inertia;
     let stated = |key, otherwise| d.number(key).unwrap_or(otherwise);
@@ -348,7 +349,7 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
     rows.into()
 }
 
-/// One constant inertia: nothing of known mass is moved, and the torque is what it says it is.
+/// One constant inertia: no known mass is moved, so the torque is taken as measured.
 fn constant(d: &Description) -> Vec<(Role, Parameter)> {
     let (m, p) = (&d.machine, &d.prior);
     let inertia_std = p.inertia_std.max(UPPER_INERTIA_STD * p.inertia);
@@ -384,7 +385,7 @@ fn noises(series: &[Series], d: &Description) -> [(Role, Parameter); 2] {
     [(Role::MotionNoise, motion), (Role::TorqueNoise, torque)]
 }
 
-/// Slopes of the ground, and the moment that they pull at.
+/// Slopes of the ground, and the first moment that they act on.
 fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
     let std = d.machine.slope_std;
     if std <= 0.0 {
@@ -410,7 +411,7 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
     all
 }
 
-/// Shares of the load that swing.
+/// Swinging shares of the load.
 fn swinging() -> impl Iterator<Item = (Role, Parameter)> {
     RATES.into_iter().enumerate().map(|(i, rate)| {
         let key = format!("load that swings at {rate} rad/s");
@@ -421,7 +422,7 @@ fn swinging() -> impl Iterator<Item = (Role, Parameter)> {
     })
 }
 
-/// Zeros of the joint angles: with them radii err with the arm in otherwise than with the arm out.
+/// Zeros of the joint angles: their effect on the radii differs between arm in and arm out.
 fn zeros(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
     let std = d.sensors.angle_offset_std;
     let joints = ["boom", "arm", "bucket"].into_iter().enumerate();
@@ -435,7 +436,7 @@ fn zeros(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
     })
 }
 
-/// A load that is not known exactly.
+/// Parameter of a load that is not known exactly; `None` where it is.
 fn payload(name: &str, stated: Option<Quantity>, d: &Description) -> Option<Parameter> {
     let (load, source) = match stated {
         Some(load) if load.std <= 0.0 => return None,

@@ -1,24 +1,24 @@
-//! The swing torque between its samples: integrals over any stretch of time, apart for driving and
-//! braking, since a gear loses in both.
+//! Swing torque between its samples: integrals over any interval, separate for driving and
+//! braking, since a gear has losses in both.
 
-/// Half the window over which the sign of the power is judged [s].
+/// Half width of the window for the sign of the power [s].
 const WINDOW: f64 = 0.04;
 
-/// Integrals from the beginning of the recording.
+/// Integrals from the start of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Impulse {
-    /// Of the torque while it drives the motion [N m s].
+    /// Integral of the torque while it drives the motion [N m s].
     pub driving: f64,
-    /// Of the torque while it brakes [N m s].
+    /// Integral of the torque while it brakes [N m s].
     pub braking: f64,
-    /// Time of driving \[s\].
+    /// Duration of driving \[s\].
     pub driving_time: f64,
-    /// Time of braking \[s\].
+    /// Duration of braking \[s\].
     pub braking_time: f64,
 }
 
 impl Impulse {
-    /// What came in between.
+    /// Difference to an earlier time.
     #[must_use]
     pub fn since(&self, earlier: &Self) -> Self {
         Self {
@@ -42,19 +42,19 @@ impl Impulse {
     }
 }
 
-/// A torque of straight lines between its samples.
+/// A torque that is linear between its samples.
 #[derive(Debug, Clone, Default)]
 pub struct Torque {
     time: Vec<f64>,
     value: Vec<f64>,
-    /// Up to each sample.
+    /// Integrals up to each sample.
     sum: Vec<Impulse>,
-    /// Whether the stretch after each sample drives.
+    /// Whether the interval after each sample drives.
     drives: Vec<bool>,
 }
 
 impl Torque {
-    /// From samples `(time, torque)` of increasing time, with the velocity at any time.
+    /// Torque from samples `(time, torque)` of increasing time, with the velocity at any time.
     pub fn new(samples: &[(f64, f64)], velocity: impl Fn(f64) -> f64) -> Self {
         let (time, value): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
         let smooth = crate::column::moving_mean(&time, &value, WINDOW);
@@ -74,14 +74,14 @@ impl Torque {
         torque
     }
 
-    /// Where a cursor begins, for integrals from a time on.
+    /// Start of a cursor, for integrals from a time on.
     pub fn cursor(&self, time: f64) -> usize {
         let after = self.time.partition_point(|t| *t <= time);
         let last = self.time.len().saturating_sub(2);
         after.saturating_sub(1).min(last)
     }
 
-    /// The integrals up to a time; `cursor` remembers the place between calls of increasing time.
+    /// The integrals up to a time; `cursor` stores the place between calls of increasing time.
     pub fn until(&self, time: f64, cursor: &mut usize) -> Impulse {
         let last = self.time.len().saturating_sub(2);
         while *cursor < last && self.time[*cursor + 1] <= time {
@@ -99,7 +99,7 @@ impl Torque {
         self.sum[k].add(self.drives[k], s * (self.value[k] + 0.5 * s * slope), s)
     }
 
-    /// The largest distance between samples around a stretch of time \[s\]; infinite outside the samples.
+    /// The largest distance between samples around an interval \[s\]; infinite outside the samples.
     pub fn widest_gap(&self, from: f64, to: f64) -> f64 {
         let first = self.time.partition_point(|t| *t <= from);
         let last = self.time.partition_point(|t| *t < to);
@@ -132,7 +132,7 @@ mod tests {
             assert!((found.driving - integral).abs() < 1e-9, "{time}: {found:?}");
             assert!((found.driving_time - time).abs() < 1e-12);
         }
-        // Where a cursor begins changes nothing.
+        // The start of a cursor has no effect.
         for time in [-1.0, 0.0, 3.03, 9.85, 9.9, 12.0] {
             let far = torque.until(time, &mut 0);
             assert_eq!(far, torque.until(time, &mut torque.cursor(time)), "{time}");

@@ -1,4 +1,4 @@
-//! What is wrong with recordings, in sentences that say what to record.
+//! Texts about faults of an excavator's recordings, with what to record instead.
 
 use estimation::Quantity;
 
@@ -12,26 +12,27 @@ use crate::model::Model;
 use crate::outcome::FitResult;
 use crate::output::rounded;
 
-/// Least time of motion for a calibration [s].
+/// Least duration of motion for a calibration [s].
 const LEAST_MOTION: f64 = 8.0;
-/// Both directions have at least this share of the motion.
+/// Least share of each direction in the motion.
 const LEAST_SHARE: f64 = 0.1;
-/// The inertia of the attachment varies at least by this share of the whole.
+/// Least variation of the attachment's inertia, as a share of the whole.
 const LEAST_POSTURE: f64 = 0.04;
-/// A share of rows out of order that is no accident.
+/// Share of rows out of order above which the recording is faulty.
 const MANY_REFUSED: f64 = 0.1;
-/// What is found so many of its tolerances away from the description is another thing than what is described.
+/// Distance from the description above which a value is implausible, in prior standard deviations.
 const FAR: f64 = 4.0;
-/// Masses so many standard deviations from their description are other ones, or another load was in the bucket than stated.
+/// Distance of the masses from their description, in standard deviations, above which they are others, or another load was in the
+/// bucket than stated.
 const OTHER_MASSES: f64 = 3.0;
-/// A difference between recordings is clear beyond so many standard deviations, and matters beyond this share of what the
-/// description leaves open.
+/// Standard deviations above which a difference between recordings is clear, and share of the description's tolerance above which
+/// it is material.
 const CLEARLY: f64 = 4.0;
 const MATERIAL: f64 = 0.5;
-/// A smaller slope needs no word [rad].
+/// Least reported slope [rad].
 const CLEAR_SLOPE: f64 = 0.01;
 
-/// What a recording lacks before any fit.
+/// Faults and remarks of the recordings before any fit.
 #[must_use]
 pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
     let (mut faults, mut remarks) = (Vec::new(), Vec::new());
@@ -81,7 +82,7 @@ pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
     (faults, remarks)
 }
 
-/// Parameters that these recordings cannot tell apart, by what their swings are like.
+/// Faults of the recordings that make parameters indistinguishable.
 #[must_use]
 pub fn alike(swings: &Swings, free: &[Role]) -> Vec<String> {
     let mut faults = Vec::new();
@@ -121,12 +122,12 @@ fn still_posture(swings: &Swings) -> bool {
     high - low < LEAST_POSTURE * (upper + high)
 }
 
-/// What was found far from what the description lets expect.
+/// Values far from the description.
 #[must_use]
 pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
         let role = swings.roles[i];
-        // One of the shares of a load may be all of what swings.
+        // A single share of a load may be all of what swings.
         let is_share = matches!(role, Role::Swinging(_));
         let asked = !fixed[i] && !role.is_load() && !role.is_noise() && !is_share;
         asked && place[i].abs() > FAR
@@ -150,8 +151,8 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     all.chain(hangs).collect()
 }
 
-/// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was stated wrong is
-/// taken up by the gain of the torque and by them.
+/// Fault of masses far from the description, whose relative standard deviation is `tolerance`: the gain of the torque and
+/// the masses absorb a misstated load.
 #[must_use]
 pub fn masses(
     swings: &Swings,
@@ -174,8 +175,8 @@ pub fn masses(
     })
 }
 
-/// Halves of recordings that tell another machine than all together: a fault where the difference is large against
-/// what the description leaves open, a remark where it is only clear.
+/// Parts of recordings that are inconsistent with the whole: a fault where the difference is large relative to
+/// the description's tolerance, a remark where it is only clear.
 #[must_use]
 pub fn disagreement(
     swings: &Swings,
@@ -201,7 +202,7 @@ pub fn disagreement(
         }
     }
     let of_the_machine = |role: &Role| !role.is_load() && !role.is_nuisance() && !role.is_noise();
-    // At its limit a parameter is at no maximum, either.
+    // A parameter at its limit is not at a maximum either.
     let is_inside = |i: usize| {
         let p = &swings.parameters[i];
         let value = p.value(found.fit.place[i]);
@@ -242,10 +243,10 @@ pub fn disagreement(
     }
 }
 
-/// Why recordings disagree, and what to do.
+/// Possible causes of a disagreement, and the remedy.
 const OTHERWISE: &str = "another machine, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
 
-/// Ground that is inclined, which is taken out.
+/// Remark on inclined ground, which the fit compensates.
 #[must_use]
 pub fn ground(outcome: &Outcome) -> Vec<String> {
     let inclined = |(r, series): (usize, &Series)| {
@@ -265,13 +266,13 @@ pub fn ground(outcome: &Outcome) -> Vec<String> {
     series.filter_map(inclined).collect()
 }
 
-/// A length that decides, and nobody has stated.
+/// Fault: a decisive length is not stated.
 pub const GUESSED_PIN: &str = "the distance of the boom's foot from the swing axis is guessed from the operating mass, and a load of known mass fixes gain and masses only at a known radius; measure it with a tape and state machine.geometry.boom_pin";
 
-/// One load only.
+/// Fault: there is only one load.
 pub const ONE_LOAD: &str = "no two recordings have different stated loads: torque, damping, friction and masses could all be larger by one factor, and only a known mass fixes it. Record one run with an empty bucket and one with a weighed load, and state both: --payload FILE=0 --payload FILE=KG±KG";
 
-/// That a load weighs something else by the machine file.
+/// Fault: a stated load contradicts the machine file.
 pub fn misstated_load(d: &Doubt) -> String {
     format!(
         "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
@@ -279,7 +280,7 @@ pub fn misstated_load(d: &Doubt) -> String {
     )
 }
 
-/// Whether a direction is about what has no use beyond the fit.
+/// Whether a direction consists of nuisance parameters.
 #[must_use]
 pub fn is_nuisance(swings: &Swings, direction: &Direction) -> bool {
     let shares = swings.roles.iter().zip(&direction.shares);
@@ -287,7 +288,7 @@ pub fn is_nuisance(swings: &Swings, direction: &Direction) -> bool {
     nuisance.map(|(_, share)| share * share).sum::<f64>() > 0.5
 }
 
-/// A direction that the data do not determine, and what to record.
+/// Text about a direction that the data do not determine, with what to record.
 #[must_use]
 pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
     let members = direction.members();
@@ -332,7 +333,7 @@ mod tests {
             let place: Vec<f64> = swings.roles.iter().map(place).collect();
             far(&swings, &place, &fixed)
         };
-        // A quarter of the load at one rate, and three quarters of it at all.
+        // A quarter of the load at one rate, and three quarters of it in total.
         assert_eq!(
             far_at(&|i| if i == 5 { 5.5 } else { 0.0 }),
             Vec::<String>::new()

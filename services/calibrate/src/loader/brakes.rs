@@ -1,10 +1,10 @@
-//! Whether braking does what its torques say: friction brakes that nobody recorded show as a bend in the balance of force.
+//! Detects unrecorded friction brakes as a bend in the balance of force.
 //!
-//! The residuals of the balance at the fit, over the specific force P that the torques make, by least squares:
+//! Least squares of the residuals of the balance at the fit, on the specific force P of the torques:
 //! ```text
 //! residual = c_0 + c_1 P + c_2 |P|
 //! ```
-//! c_2 is half the difference between what braking and driving do per torque; gain and rolling resistance took the rest.
+//! -2 c_2 is the difference of braking and driving in force per torque; gain and rolling resistance absorb the rest.
 
 use faer::Mat;
 
@@ -14,11 +14,11 @@ use crate::algebra;
 use crate::fit::values;
 use crate::model::Model;
 
-/// Smallest difference between braking and driving that is worth a word, and in standard deviations.
+/// Smallest reported difference between braking and driving, relative and in standard deviations.
 const WORTH: f64 = 0.04;
 const SURE: f64 = 5.0;
 
-/// Says that braking and driving differ.
+/// Reports a difference between braking and driving.
 pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
     let points = points(model, place);
     let matrix = Mat::from_fn(points.len(), 3, |i, j| {
@@ -44,8 +44,8 @@ pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
     })
 }
 
-/// Specific force by the torques, and the residual of the balance [m/s^2], of every bin; without an accelerometer it is in the motion
-/// of every pair of windows.
+/// Specific force of the torques, and the residual of the balance [m/s^2], of every bin. Without an accelerometer the residual is that of
+/// the motion of every pair of windows.
 fn points(model: &Drives, place: &[f64]) -> Vec<(f64, f64)> {
     let values = values(model, place);
     let mut points = Vec::new();

@@ -1,16 +1,16 @@
-//! Whether the stated masses fit what torques and motion say.
+//! Checks the stated masses against torques and motion.
 
 use super::{Drives, Role};
 use crate::fit::{Fit, GOOD, Task};
 use crate::honesty;
 use crate::parameter::Source;
 
-/// A stated mass is wrong where it lies so many standard deviations from what the torques say.
+/// Distance of a stated mass from the identified one above which it counts as wrong, in standard deviations.
 const DOUBTFUL: f64 = 3.0;
-/// How free a mass is that is asked for, relative.
+/// Relative prior standard deviation of a mass that is checked.
 const ANY_MASS: f64 = 0.5;
 
-/// Stated masses that torques and motion contradict, each asked for with the torque gains as described.
+/// Stated masses that torques and motion contradict, each identified with the described torque gains.
 pub fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String> {
     let mut sentences = Vec::new();
     for load in 1..drives.loads.len() {

@@ -1,4 +1,4 @@
-//! A recording of a loader made ready: its rows, and the stretches of driving in it.
+//! A prepared recording of a loader: its rows, and its stretches of driving.
 
 use std::ops::Range;
 
@@ -6,31 +6,31 @@ use estimation::loader::Sample;
 
 use crate::column::{increasing, moving_mean, percentile};
 
-/// Length of a bin [s].
+/// Duration of a bin [s].
 pub const BIN: f64 = 0.5;
-/// Slower than this a slip says nothing [m/s].
+/// Speed below which slip carries no information [m/s].
 const SLOWEST: f64 = 0.7;
-/// Rows closer together than this are averaged [s].
+/// Period below which rows are averaged [s].
 const PERIOD: f64 = 0.05;
-/// Half the window that smooths torques and slope [s].
+/// Half width of the window that smooths torques and slope [s].
 const WINDOW: f64 = 0.011;
-/// Half the time over which torque and slope are differentiated [s].
+/// Half width of the window in which torque and slope are differentiated [s].
 const RATE: f64 = 0.051;
-/// Half the window that smooths the speed to find stretches [s].
+/// Half width of the window that smooths the speed to find stretches [s].
 const SPEED_WINDOW: f64 = 0.1;
-/// Length of a stretch, and the shortest [s].
+/// Longest duration of a stretch, and its least [s].
 const LENGTH: f64 = 5.05;
 const SHORTEST: f64 = 1.0;
-/// Longest hole in the rows of a stretch [s].
+/// Longest gap in the rows of a stretch [s].
 const HOLE: f64 = 0.1;
-/// A force on the bucket of this share of the weight is digging.
+/// Bucket force, as a share of the weight, above which the machine digs.
 const DIGGING: f64 = 0.01;
-/// A machine bent or turning by more drives a curve [rad].
+/// Articulation, or yaw per wheelbase, above which the machine drives a curve [rad].
 const BENT: f64 = 0.03;
-/// So much of both ends of a recording is left out: signals that come late are read there [s].
+/// Duration at both ends of a recording that is left out, because delayed signals are read there [s].
 const ENDS: f64 = 0.5;
 
-/// A recording made ready; NaN is missing.
+/// A prepared recording; missing values are NaN.
 #[derive(Debug, Clone)]
 pub struct Drive {
     /// Its name, for sentences.
@@ -41,17 +41,17 @@ pub struct Drive {
     pub speed: Vec<f64>,
     /// Wheel speeds, front and rear [rad/s].
     pub wheels: [Vec<f64>; 2],
-    /// Axle torques, smoothed, without holes, front and rear [N m].
+    /// Axle torques, smoothed, gaps filled, front and rear [N m].
     pub torques: [Vec<f64>; 2],
     /// Their rates [N m/s].
     pub torque_rates: [Vec<f64>; 2],
-    /// Slope as measured, smoothed, without holes \[rad\].
+    /// Measured slope, smoothed, gaps filled \[rad\].
     pub slope: Vec<f64>,
     /// Its rate [rad/s].
     pub slope_rates: Vec<f64>,
     /// Specific force [m/s^2].
     pub acceleration: Vec<f64>,
-    /// Mass as measured, in the middle; none without a column \[kg\].
+    /// Median of the measured mass; `None` without a column \[kg\].
     pub mass: Option<f64>,
     /// Stretches of driving.
     pub blocks: Vec<Range<usize>>,
@@ -60,7 +60,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Makes a recording ready; `weight` \[N\] tells what is digging, `wheelbase` \[m\] what is a curve.
+    /// Prepares a recording; `weight` \[N\] is the scale of digging forces, `wheelbase` \[m\] that of curves.
     pub fn new(name: &str, samples: &[Sample], weight: f64, wheelbase: f64) -> Self {
         let rows = averaged(&increasing(samples, |s| s.time));
         let column = |of: fn(&Sample) -> Option<f64>| -> Vec<f64> {
@@ -111,7 +111,7 @@ impl Drive {
         drive
     }
 
-    /// Time of driving \[s\].
+    /// Duration of driving \[s\].
     pub fn driving_time(&self) -> f64 {
         let blocks = self.blocks.iter();
         blocks
@@ -119,12 +119,12 @@ impl Drive {
             .sum()
     }
 
-    /// Fastest that it goes, but for a hundredth of the rows [m/s].
+    /// Speed that a hundredth of the rows exceed [m/s].
     pub fn fastest(&self) -> f64 {
         percentile(self.speed.iter().map(|v| v.abs()).collect(), 0.99)
     }
 
-    /// Where the time `late` after that of row `k` lies: the row before it, and how far on the way to the next.
+    /// Row before the time `late` after that of row `k`, and the share of the step from it to the next.
     pub fn place(&self, k: usize, late: f64) -> (usize, f64) {
         let (time, last) = (&self.time, self.time.len().saturating_sub(2));
         let wanted = time[k] + late;
@@ -177,7 +177,7 @@ impl Drive {
     }
 }
 
-/// Rows that come fast, averaged by so many: the noise is averaged with them, and a fit has less to do.
+/// Averages rows of a high rate: this reduces their noise, and the work of a fit.
 fn averaged(rows: &[Sample]) -> Vec<Sample> {
     let steps = rows.windows(2).map(|w| w[1].time - w[0].time).collect();
     let period = percentile(steps, 0.5);
@@ -191,7 +191,7 @@ fn averaged(rows: &[Sample]) -> Vec<Sample> {
         let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
         (count > 0.0).then(|| sum / count)
     };
-    // A chunk over a hole is none.
+    // A chunk with a gap is left out.
     let whole = |chunk: &&[Sample]| {
         chunk[chunk.len() - 1].time - chunk[0].time < 1.5 * period * chunk.len() as f64
     };
@@ -255,7 +255,7 @@ fn rates(time: &[f64], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Holes take the value before them, or 0.
+/// Fills gaps with the value before them, or 0.
 fn filled(mut values: Vec<f64>) -> Vec<f64> {
     let mut last = 0.0;
     for value in &mut values {
@@ -272,7 +272,7 @@ fn filled(mut values: Vec<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Twelve seconds at 2 m/s between two stands.
+    /// Twelve seconds at 2 m/s between two standstills.
     fn there(torque: impl Fn(f64) -> Option<f64>) -> Vec<Sample> {
         (0..1600)
             .map(|k| {

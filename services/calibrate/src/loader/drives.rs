@@ -1,4 +1,4 @@
-//! The drives of a loader as a model: parameters, what is known of them, blocks.
+//! Model of a loader's drives: parameters, priors, blocks.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use crate::parameter::Parameter;
 enum Block {
     /// Recording and number of a stretch of driving.
     Stretch(usize, usize),
-    /// Number of a way there and back and of its section.
+    /// Number of an out-and-back path, and of its section.
     Section(usize, usize),
 }
 
@@ -28,27 +28,27 @@ enum Block {
 pub struct Drives {
     /// The recordings.
     pub drives: Vec<Drive>,
-    /// The load of each.
+    /// Load of each recording.
     pub load_of: Vec<usize>,
-    /// What is stated of each load.
+    /// Stated values of each load.
     pub loads: Vec<StatedLoad>,
-    /// What each parameter is.
+    /// Role of each parameter.
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// The ways that were driven there and back.
+    /// The paths that were driven out and back.
     pub ways: Vec<Way>,
-    /// Stretches, and behind them sections of ways.
+    /// Stretches, followed by sections of paths.
     blocks: Vec<Block>,
-    /// What no parameter changes.
+    /// Values that no parameter changes.
     fixed: Guess,
 }
 
-/// A mass on board that differs by this share is another load.
+/// Relative difference of the measured mass above which a recording has another load.
 const OTHER_LOAD: f64 = 0.08;
 impl Drives {
-    /// The model of recordings under a description; `stated` is what is known of the load of each, and `empty`
-    /// what scales say of the machine as described.
+    /// The model of recordings under a description; `stated` is the stated load of each, and `empty`
+    /// the axle weights of the described machine.
     pub fn new(
         drives: Vec<Drive>,
         stated: &[StatedLoad],
@@ -78,7 +78,7 @@ impl Drives {
         self.roles.iter().position(|r| *r == role)
     }
 
-    /// The stretches of driving: the block, the recording, its rows.
+    /// The stretches of driving: block, recording, rows.
     pub fn stretches(&self) -> impl Iterator<Item = (usize, &Drive, &Range<usize>)> {
         let blocks = self.blocks.iter().enumerate();
         blocks.filter_map(|(block, of)| match *of {
@@ -90,11 +90,11 @@ impl Drives {
         })
     }
 
-    /// Matches two recordings of the same way at values of the parameters; their sections are blocks from then on, and their scatter and
-    /// the shift of the marks are parameters.
+    /// Matches two recordings of the same path at values of the parameters. Their sections become blocks; their scatter and
+    /// the offset of their marks become parameters.
     ///
     /// # Errors
-    /// Says why they are not the same way there and back.
+    /// Explains why they are not the same path out and back.
     pub fn join(&mut self, recordings: [usize; 2], values: &[f64]) -> Result<&Way, String> {
         let guess = self.guess(recordings[0], values);
         let way = Way::new(&self.drives, recordings, &guess)?;
@@ -113,12 +113,12 @@ impl Drives {
         Ok(&self.ways[number])
     }
 
-    /// Sum of the axle torques that would lift the described machine straight up [N m].
+    /// Sum of the axle torques that would lift the described machine vertically [N m].
     pub fn torque_of_weight(&self) -> f64 {
         self.fixed.mass * super::GRAVITY * self.fixed.radius
     }
 
-    /// Share in front and height of a machine of this mass whose load lies this far ahead of the front axle, or this high.
+    /// Front share and height of a machine of this mass whose load is `place` ahead of the front axle, or at that height.
     fn loaded(&self, mass: f64, values: &[f64], place: f64) -> (f64, f64) {
         let empty = |role: Role| self.index(role).map_or(0.0, |i| values[i]);
         let part = (empty(Role::Mass(0)) / mass).clamp(0.0, 1.0);
@@ -165,7 +165,7 @@ impl Drives {
                 Role::Height(l) if *l == load => g.height = value,
                 Role::Reach(l) if *l == load => g.ratio = self.loaded(g.mass, values, value).0,
                 Role::Lift(l) if *l == load => g.height = self.loaded(g.mass, values, value).1,
-                // Of another load, or of the slopes alone.
+                // Belongs to another load, or to the slopes only.
                 Role::Mass(_)
                 | Role::Ratio(_)
                 | Role::Height(_)
@@ -223,8 +223,8 @@ impl Model for Drives {
     }
 }
 
-/// The load of each recording and what is stated of the loads: recordings of which nothing is stated carry that of
-/// the description, unless the mass on board says otherwise.
+/// The load of each recording, and the stated values of the loads. A recording without stated values carries the load of
+/// the description, unless its measured mass differs.
 fn loads(
     drives: &[Drive],
     stated: &[StatedLoad],

@@ -1,4 +1,4 @@
-//! What is known of the parameters of a loader before its recordings.
+//! Priors of a loader's parameters.
 
 use config::Loader as Description;
 use estimation::Quantity;
@@ -9,22 +9,22 @@ use super::residuals::LONGEST_DELAY;
 use super::role::{Role, StatedLoad};
 use crate::parameter::{Parameter, Source, rows};
 
-/// Tolerances where the description states none, or less than what only a calibration can know.
+/// Tolerances where the description states none, or ones too narrow before a calibration.
 const GAIN_STD: f64 = 0.02;
 const SENSITIVITY_STD: f64 = 0.3;
 const ROLLING_STD: f64 = 0.3;
 const FRICTION_STD: f64 = 0.2;
 const TORQUE_DELAY_STD: f64 = 0.02;
 const RELAXATION_STD: f64 = 0.05;
-/// Mass of a machine against its data sheet, and against a mass that was measured on board.
+/// Relative standard deviation of the described mass, and of a mass that was measured on board.
 pub const MASS_STD: f64 = 0.02;
-/// Where a load lies ahead of the front axle, as a share of the way to the bucket's tip, and how high, as a share of the height of
+/// Position of a load ahead of the front axle, as a share of the distance to the bucket's tip, and its height, as a share of the height of
 /// the empty machine's centre of gravity: value and tolerance.
 const REACH: (f64, f64) = (0.75, 0.2);
 const LIFT: (f64, f64) = (0.8, 0.5);
-/// Of the shift at which two drives fit best [m].
+/// Standard deviation of the offset at which two drives match best [m].
 const MARK_STD: f64 = 0.5;
-/// Scatter within a factor of e^1.5 or so, and usual values.
+/// Standard deviation of the logarithm of a scatter, and usual values.
 const SCATTER_STD: f64 = 1.5;
 const SCATTER: Scatter = Scatter {
     wheels: 1e-3,
@@ -34,7 +34,7 @@ const SCATTER: Scatter = Scatter {
     way: 1e-3,
 };
 
-/// What no recording changes, and where the guesses begin.
+/// Values that no recording changes, and initial values of the others.
 pub fn described(d: &Description) -> Guess {
     let m = &d.machine;
     Guess {
@@ -68,7 +68,7 @@ pub fn described(d: &Description) -> Guess {
     }
 }
 
-/// Scatter of the slopes there and back.
+/// Scatter of the slopes out and back.
 pub fn way_scatter() -> Parameter {
     Parameter::noise(
         "scatter of the way",
@@ -79,7 +79,7 @@ pub fn way_scatter() -> Parameter {
     )
 }
 
-/// What is left of the shift between the marks of a way.
+/// Remaining offset between the marks of a path.
 pub fn mark(there: &str, back: &str) -> Parameter {
     Parameter::described(
         &format!("mark, {back}"),
@@ -91,7 +91,7 @@ pub fn mark(there: &str, back: &str) -> Parameter {
     )
 }
 
-/// The parameters of recordings with these loads: what each is, and what is known of it.
+/// The parameters of recordings with these loads: roles and priors.
 pub fn parameters(
     drives: &[Drive],
     loads: &[StatedLoad],
@@ -114,7 +114,7 @@ pub fn parameters(
     all
 }
 
-/// What every recording has of the machine and its sensors.
+/// Parameters of the machine and its sensors, for every recording.
 fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
     let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
     let gain_std = s.torque_gain_std.max(GAIN_STD);
@@ -162,7 +162,7 @@ fn noise(key: &str, words: &str, unit: &'static str, mean: f64) -> Parameter {
     Parameter::noise(key, words, unit, mean, SCATTER_STD)
 }
 
-/// The scatters that every recording has.
+/// Scatter parameters, for every recording.
 fn scatters() -> [(Role, Parameter); 3] {
     let (wheels, speed) = ("scatter of the wheels", "scatter of the speed");
     let motion = "scatter of the motion";
@@ -187,7 +187,7 @@ fn scatters() -> [(Role, Parameter); 3] {
     ]
 }
 
-/// What an accelerometer brings.
+/// Parameters of an accelerometer.
 fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
     let s = &d.sensors;
     let words = "the unmodelled force per mass";
@@ -202,7 +202,7 @@ fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
     all
 }
 
-/// What is stated of a parameter, where it is, as good as data.
+/// A parameter with its stated value, if there is one, which counts as data.
 fn measured(parameter: Parameter, stated: Option<Quantity>) -> Parameter {
     match stated {
         Some(q) => Parameter {
@@ -215,7 +215,7 @@ fn measured(parameter: Parameter, stated: Option<Quantity>) -> Parameter {
     }
 }
 
-/// The machine with load `l`: mass, share in front, height; or where the load lies, where no scales tell them.
+/// Parameters of the machine with load `l`: mass, front share, height; without axle weights the position of the load instead.
 fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter); 3] {
     let (m, p) = (&d.machine, &d.prior);
     let of = |empty: &str, what: &str| match l {

@@ -1,11 +1,11 @@
-//! Zero, span and friction of the lift cylinders, and the moment that the drawing of the arm misses, from slow lifts with known loads.
+//! Identifies zero, span and friction of the lift cylinders, and the moment missing in the arm's drawing, from slow lifts with known loads.
 //!
 //! ```text
 //! r F = (1 + s) tau + missed + r (z + F_c d + f)        tau: the moment of the described arm with the known load
 //! ```
 //! ([`LiftMoment`]) is linear in the span s, the zero z, the friction F_c and the missed moment, with cosine and sine of the angles of arm
-//! and bucket. Loads and slope are known to their tolerances, and f, the rest, lasts for some seconds: one least-squares fit with priors
-//! ([`crate::lasting`]). The place of the load in the bucket is taken as described: a load that lies elsewhere is a span.
+//! and bucket. Loads and slope are known to their tolerances, and the rest f is correlated over some seconds: one least-squares fit with
+//! priors ([`crate::lasting`]). The position of the load in the bucket is the described one: an error of it counts as a span.
 
 use config::Loader as Description;
 use estimation::Quantity;
@@ -21,26 +21,26 @@ use crate::cylinders::{
 use crate::lasting::{Equation, GAP, Solution};
 use crate::output::Pen;
 
-/// A friction known to this share of the full force, and a span known to this share, need no more.
+/// Standard deviations, as shares of the full force and of the span, below which friction and span count as identified in any case.
 const KNOWN_FRICTION: f64 = 0.003;
 const KNOWN_SPAN: f64 = 0.005;
-/// Least written deviation of the span: loads lie elsewhere, and oil warms.
+/// Least standard deviation of a written span: loads lie elsewhere, and oil warms.
 const SPAN_FLOOR: f64 = 0.01;
-/// What lies so many of its tolerances from the description is another thing than what is described.
+/// Distance of a recording from the description above which its load is contradicted, in standard deviations.
 const FAR: f64 = 4.0;
-/// Offset of a centre of mass from its line of pins, as a share of its distance: Z linkages, cylinders on the arm; and of the empty
-/// bucket from the line to the load.
+/// Offset of a centre of mass from its line of pins, as a share of its distance: Z linkages, cylinders on the arm. The same of the
+/// empty bucket from the line to the load.
 const CENTRE_BESIDE: f64 = 0.1;
 const BUCKET_BESIDE: f64 = 0.3;
-/// How long friction and drawing leave the same \[s\].
+/// Correlation time of the errors of friction and drawing \[s\].
 const FADING: f64 = 3.0;
-/// Tolerances of a drawing: of the arm's and the bucket's mass and of their distances, as `machine.lift_arm` has them.
+/// Tolerances of a drawing: masses of arm and bucket, and their distances, as in `machine.lift_arm`.
 const DRAWN: [f64; 4] = [0.05, 0.2, 0.05, 0.1];
 
-/// Unknowns behind those of every cylinder and the four moments that the drawing misses: for each recording its load and its slope.
+/// Index of the first unknown behind those of every cylinder and the four missed moments: for each recording its load and its slope.
 const LOADS: usize = CURVE + CURVES.len();
 
-/// Keys of the moment that the drawing misses.
+/// Keys of the missed moment.
 const CURVES: [&str; 4] = [
     "machine.lift_arm.arm_cos",
     "machine.lift_arm.arm_sin",
@@ -48,17 +48,17 @@ const CURVES: [&str; 4] = [
     "machine.lift_arm.bucket_sin",
 ];
 
-/// What was learnt: the missed moments are those of arm and bucket.
+/// Fit of the lift cylinders: the missed moments are those of arm and bucket.
 pub type CylinderFit = cylinders::CylinderFit<{ CURVES.len() }>;
 
-/// Moments of a recording whose load is known.
+/// Moments of a recording with a known load.
 struct Run<'a> {
     name: &'a str,
     load: Quantity,
     moments: Vec<LiftMoment>,
 }
 
-/// The moments of a recording: none where no arm is described, no pressure measured, or the arm never moves while the machine stands.
+/// The moments of a recording: none without a described arm or pressures, or if the arm never moves while the machine stands.
 pub fn moments(settings: &Settings, samples: &[Sample]) -> Vec<LiftMoment> {
     let Some(mut lifts) = Lifts::new(settings) else {
         return Vec::new();
@@ -66,7 +66,7 @@ pub fn moments(settings: &Settings, samples: &[Sample]) -> Vec<LiftMoment> {
     samples.iter().filter_map(|s| lifts.step(s)).collect()
 }
 
-/// How far the bucket turns with the arm, by the angles of all recordings; none where it is stated.
+/// Turn of the bucket per turn of the arm, from the angles of all recordings; `None` where it is stated.
 pub fn bucket_turn(d: &Description, inputs: &[Input]) -> Option<Quantity> {
     let mut lifts = Lifts::new(&Settings::of(d, Method::Full))?;
     for sample in inputs.iter().flat_map(|input| &input.samples) {
@@ -75,18 +75,18 @@ pub fn bucket_turn(d: &Description, inputs: &[Input]) -> Option<Quantity> {
     lifts.bucket_turn()
 }
 
-/// Time in which the arm rises (1) or sinks (-1) \[s\].
+/// Duration in which the arm rises (1) or sinks (-1) \[s\].
 fn moved<'a>(moments: impl Iterator<Item = &'a LiftMoment>, sign: f64) -> f64 {
     let these = moments.filter(|m| m.direction * sign > 0.0);
     these.map(|m| m.period.min(GAP)).sum()
 }
 
-/// Whether a recording lifts and lowers the arm long enough to tell something.
+/// Whether a recording lifts and lowers the arm for long enough.
 pub fn lifts(moments: &[LiftMoment]) -> bool {
     moved(moments.iter(), 1.0) >= LEAST_MOTION && moved(moments.iter(), -1.0) >= LEAST_MOTION
 }
 
-/// What the recordings tell of the described cylinders, or why they do not; `None` where no pressure is measured.
+/// Fit of the described cylinders, or why there is none; `None` where no pressure is measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let settings = Settings::of(d, Method::Full);
     let measured = |of: fn(&Sample) -> Option<f64>| {
@@ -131,15 +131,15 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
     Some(fit(d, &known, &runs))
 }
 
-/// What is said where there are pressures and no drawing.
+/// Fault: there are pressures and no drawing.
 const NO_ARM: &str = "lift pressures are recorded, but the machine file has no lift arm: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/lift-arm.md)";
-/// What is said where the arm hardly moves.
+/// Fault: the arm hardly moves.
 const NO_LIFTS: &str = "the lift cylinders keep the values of the machine file: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
-/// What is said where no load is known.
+/// Fault: no load is known.
 const NO_LOAD: &str = "the lift cylinders keep the values of the machine file: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
-/// Loads differ clearly beyond so many standard deviations.
+/// Difference of two loads above which they differ clearly, in standard deviations.
 const CLEARLY: f64 = 5.0;
-/// What is said where the span is not determined by the loads.
+/// Fault: the loads do not determine the span.
 fn one_load(runs: &[Run<'_>]) -> String {
     let loads: Vec<String> = runs
         .iter()
@@ -167,7 +167,7 @@ fn one_load(runs: &[Run<'_>]) -> String {
     )
 }
 
-/// Mass of the machine without load.
+/// Mass of the empty machine.
 fn empty(d: &Description) -> Quantity {
     let arm = &d.lift_arm;
     let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
@@ -178,7 +178,7 @@ fn empty(d: &Description) -> Quantity {
     }
 }
 
-/// The load of a recording: as stated, or by the mass of the machine.
+/// The load of a recording: as stated, or from the mass of the machine.
 fn load(d: &Description, input: &Input) -> Option<Quantity> {
     let by_mass = |mass: Quantity| Quantity {
         value: mass.value - empty(d).value,
@@ -187,7 +187,7 @@ fn load(d: &Description, input: &Input) -> Option<Quantity> {
     input.payload.or_else(|| input.stated.mass.map(by_mass))
 }
 
-/// What is stated of a recording that drives: a load in the bucket is a mass of the machine too.
+/// Stated values of a recording that drives: a load in the bucket adds to the mass of the machine.
 pub fn stated(d: &Description, input: &Input) -> StatedLoad {
     let with = |load: Quantity| Quantity {
         value: empty(d).value + load.value,
@@ -216,7 +216,7 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderF
     {
         return Err(contradicted(run));
     }
-    // What lies far from the first solution was on the ground.
+    // Equations far from the first solution belong to a bucket on the ground.
     let solution = before
         .after(&equations, FADING)
         .ok_or("the lift cylinders are not determined")?;
@@ -237,19 +237,19 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderF
     Ok(learnt)
 }
 
-/// What a moment weighs as described \[kg\].
+/// Load that a moment gives under the description \[kg\].
 fn weighed(m: &LiftMoment) -> f64 {
     (m.measured - m.empty) / m.per_load
 }
 
-/// The moment of a recording that weighs the median.
+/// The moment of a recording with the median load.
 fn middle<'a>(run: &'a Run<'_>) -> &'a LiftMoment {
     let mut order: Vec<&LiftMoment> = run.moments.iter().collect();
     order.sort_by(|a, b| weighed(a).total_cmp(&weighed(b)));
     order[order.len() / 2]
 }
 
-/// How far a recording is from its stated load, in deviations of what is described.
+/// Distance of a recording from its stated load, in standard deviations of the prior.
 fn doubt(run: &Run<'_>, before: &Solution, runs: usize) -> f64 {
     let load = run.load.value;
     let e = equation(middle(run), (0, load), LOADS + 2 * runs);
@@ -265,7 +265,7 @@ fn contradicted(run: &Run<'_>) -> String {
     )
 }
 
-/// A moment as an equation of the unknowns, in newtons of the cylinders; the recording and its load \[kg\].
+/// A moment as an equation of the unknowns, in newtons of the cylinders; with the recording and its load \[kg\].
 fn equation(m: &LiftMoment, (run, load): (usize, f64), unknowns: usize) -> Equation {
     let tau = m.empty + load * m.per_load;
     let mut row = vec![0.0; unknowns];
@@ -286,7 +286,7 @@ fn equation(m: &LiftMoment, (run, load): (usize, f64), unknowns: usize) -> Equat
     }
 }
 
-/// What is known before the data.
+/// Prior of the unknowns.
 fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
     let arm = &d.lift_arm;
     let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
@@ -316,18 +316,18 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
     Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
-/// Takes it into a description.
+/// Writes the turn of the bucket into a description.
 pub fn write_turn(turn: Quantity, pen: &mut Pen<Description>) {
     pen.value("machine.lift_arm.bucket_turn", turn);
     pen.std("machine.lift_arm.bucket_turn_std", turn.std);
 }
 
-/// The keys of the description.
+/// Writes the keys of the description.
 pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
     learnt.write(pen, "machine.lift_arm.cylinder", &CURVES, SPAN_FLOOR);
 }
 
-/// In words.
+/// The fit as text.
 pub fn words(learnt: &CylinderFit) -> String {
     learnt.words("the lift cylinders")
 }

@@ -1,4 +1,4 @@
-//! Lifts of an arm whose truth is known: statics, Coulomb's friction, zeros of the sensors, noise.
+//! Lifts of a simulated arm: statics, Coulomb friction, zeros of the sensors, noise.
 
 use config::Loader as Description;
 use estimation::Quantity;
@@ -26,13 +26,13 @@ fn described() -> Description {
     d
 }
 
-/// How far its bucket turns with its arm: a Z-bar.
+/// Turn of its bucket per turn of its arm: a Z-bar.
 const TURN: f64 = 0.15;
 
 /// A machine that differs from its drawing.
 #[derive(Debug, Clone, Copy)]
 struct Truth {
-    /// Relative error of the areas, force that the pressures show too much \[N\], friction \[N\].
+    /// Relative error of the areas, excess force of the pressures \[N\], friction \[N\].
     span: f64,
     zero: f64,
     friction: f64,
@@ -43,7 +43,7 @@ struct Truth {
 }
 
 impl Truth {
-    /// One of the machines that the drawing allows.
+    /// A machine within the tolerances of the drawing.
     fn of(seed: u64) -> Self {
         let mut state = 977 * seed + 5;
         let mut draw = |value: f64, std: f64| value + std * noise(&mut state);
@@ -58,7 +58,7 @@ impl Truth {
         }
     }
 
-    /// Samples at 50 Hz of a machine that stands and moves its arm as told, with this load \[kg\].
+    /// Samples at 50 Hz of a machine that stands and moves its arm by `lift`, with this load \[kg\].
     fn record(&self, load: f64, seed: u64, lift: impl Fn(f64) -> f64) -> Vec<Sample> {
         let d = described();
         let (a, c) = (&d.lift_arm, &d.lift_cylinder);
@@ -122,7 +122,7 @@ fn calibrated(learnt: &CylinderFit) -> Description {
     pen.description
 }
 
-/// What a description weighs at the end of a slow lift, after 22.4 s.
+/// Load under a description at the end of a slow lift, after 22.4 s.
 fn weighed(d: &Description, samples: &[Sample]) -> Quantity {
     let settings = Settings::of(d, Method::Full);
     let mut estimator =
@@ -145,7 +145,7 @@ fn machines_unlike_their_drawing_are_found_within_the_written_deviations() {
         let truth = Truth::of(seed);
         let found = learnt(&truth, 10 * seed);
         let z = |q: Quantity, truth: f64| (q.value - truth) / q.std;
-        // Another load, of which nothing was said.
+        // Another load, which was not stated.
         let other = truth.record(2000.0, 10 * seed + 2, up_and_down);
         let [before, after] = [described(), calibrated(&found)].map(|d| weighed(&d, &other));
         for (errors, z) in errors.iter_mut().zip([
@@ -186,7 +186,7 @@ fn a_recording_whose_rows_miss_cells_tells_as_much() {
     };
     let all = span(|_, _| {});
     let tilt = span(|row, sample| sample.tilt_angle = sample.tilt_angle.filter(|_| row % 10 != 3));
-    // Angles and pressures in rows of their own.
+    // Angles and pressures in separate rows.
     let in_turn = span(|row, sample| {
         if row % 2 == 0 {
             (sample.lift_head_pressure, sample.lift_rod_pressure) = (None, None);
@@ -243,7 +243,7 @@ fn what_cannot_be_told_apart_is_refused_in_words() {
         ..empty.clone()
     };
     assert!(said(&[untold]).contains("--payload"));
-    // Taken for one another.
+    // The loads are swapped.
     let mut mixed = [empty.clone(), truth.input(3200.0, 15.0, 2)];
     let [a, b] = &mut mixed;
     std::mem::swap(&mut a.payload, &mut b.payload);
@@ -274,7 +274,7 @@ fn a_machine_that_only_lifts_needs_no_wheels() {
     let (found, text) = outcome.description(&d, &[]).expect("a description");
     assert!(found.lift_cylinder.span_std > 0.0 && text.contains("only its lift cylinders"));
     assert_eq!(found.lift_arm.bucket_turn, Some(TURN));
-    // Where nobody states how far the bucket turns with the arm, the angles tell.
+    // Where the turn of the bucket is not stated, the angles determine it.
     let mut unstated = d.clone();
     unstated.lift_arm.bucket_turn = None;
     let outcome = calibrate(&inputs, &Options::of(&unstated)).expect("keys");

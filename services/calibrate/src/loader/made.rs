@@ -1,4 +1,4 @@
-//! Recordings of a machine that is exactly as the model has it, for tests.
+//! Recordings of a machine that follows the model exactly, for tests.
 
 use estimation::loader::Sample;
 
@@ -35,7 +35,7 @@ pub fn guess() -> Guess {
             speed: 4e-3,
             force: 0.01,
             motion: 5e-3,
-            way: 1e-3,
+            rolled: 1e-3,
         },
     }
 }
@@ -48,17 +48,17 @@ pub fn noise(state: &mut u64) -> f64 {
     ((*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
 }
 
-/// A machine that goes faster and slower over waves of the ground for 60 s, as the model has it; `split` shifts the torque to and fro.
+/// A machine with varying speed over waves of the ground for 60 s, as modelled; `split` shifts the torque between the axles.
 pub fn samples(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
     driven(g, split, seed, None, 1.0)
 }
 
-/// The same backwards, from the same mark away.
+/// The same in reverse, starting from the same mark.
 pub fn reversed(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
     driven(g, split, seed, None, -1.0)
 }
 
-/// The same, or `turned` round so far along the way [m], and driving back.
+/// The same, or `turned` round at this distance [m], and driving back.
 pub fn turned(g: &Guess, split: f64, seed: u64, turned: Option<f64>) -> Vec<Sample> {
     driven(g, split, seed, turned, 1.0)
 }
@@ -66,10 +66,10 @@ pub fn turned(g: &Guess, split: f64, seed: u64, turned: Option<f64>) -> Vec<Samp
 fn driven(g: &Guess, split: f64, seed: u64, turned: Option<f64>, gear: f64) -> Vec<Sample> {
     let (mut state, mut shown) = (seed, 0.0);
     let hills = |x: f64| 0.01 + 0.012 * (0.43 * x).sin() + 0.012 * (0.27 * x + 1.0).sin();
-    let way = |t: f64| {
+    let rolled = |t: f64| {
         gear * (3.0 * t + 1.2 / 0.9 * (1.0 - (0.9 * t).cos()) + 0.4 / 2.1 * (1.0 - (2.1 * t).cos()))
     };
-    let ground = |t: f64| turned.map_or_else(|| hills(way(t)), |at| -hills(at - way(t)));
+    let ground = |t: f64| turned.map_or_else(|| hills(rolled(t)), |at| -hills(at - rolled(t)));
     let speed = |t: f64| gear * (3.0 + 1.2 * (0.9 * t).sin() + 0.4 * (2.1 * t).sin());
     let rate = |t: f64| gear * (1.08 * (0.9 * t).cos() + 0.84 * (2.1 * t).cos());
     let force = |t: f64| rate(t) + GRAVITY * ground(t).sin();

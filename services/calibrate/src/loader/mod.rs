@@ -40,42 +40,42 @@ use crate::model::Model;
 use crate::outcome::{FitResult, NOTHING, STOPPED, Summary, no_such_key};
 use crate::output::Pen;
 
-/// The fit begins with scatters this much larger than usual, in their tolerances.
+/// Initial value of the scatter parameters, in prior standard deviations above their prior.
 const LARGE_SCATTER: f64 = 2.0;
 
-/// A recording and what is known of its load.
+/// A recording and the stated values of its load.
 #[derive(Debug, Clone)]
 pub struct Input {
     /// Its name, for sentences.
     pub name: String,
     /// Its rows.
     pub samples: Vec<Sample>,
-    /// What is stated of its load; nothing for the machine as described.
+    /// Stated values of its load; empty for the described machine.
     pub stated: StatedLoad,
-    /// What is in the bucket \[kg\], where it was weighed: for the lift cylinders.
+    /// Load in the bucket \[kg\], where it was weighed; for the lift cylinders.
     pub payload: Option<Quantity>,
 }
 
-/// How to calibrate.
+/// Settings of a calibration.
 pub struct Options<'a> {
-    /// What is known beforehand.
+    /// Prior description.
     pub description: &'a Description,
-    /// What axle scales say of the machine as described.
+    /// Axle weights of the described machine.
     pub weighed: StatedLoad,
-    /// Recordings of the same way, there and back with the machine turned round.
+    /// Pairs of recordings of the same path, out and back with the machine turned round.
     pub ways: &'a [[usize; 2]],
-    /// Whether slices of the likelihood are wanted; they take as long as the rest.
+    /// Whether profiles of the likelihood are computed; they take as long as the rest.
     pub slices: bool,
-    /// Keys to find; the usual ones if none.
+    /// Keys to identify; `None`: the usual ones.
     pub free: Option<&'a [String]>,
-    /// Set it to stop with the best so far.
+    /// Stop request: the result is the best place so far.
     pub stop: &'a AtomicBool,
-    /// Hears of every step.
+    /// Called at every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
 impl<'a> Options<'a> {
-    /// The usual keys of a machine that was not weighed, and a fit that nobody stops or hears of.
+    /// The usual keys of a machine without axle weights, never stopped, without progress.
     pub fn of(description: &'a Description) -> Self {
         Self {
             description,
@@ -89,31 +89,31 @@ impl<'a> Options<'a> {
     }
 }
 
-/// What came out.
+/// Result of a calibration.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// Recordings, parameters, blocks.
     pub drives: Drives,
-    /// Which parameters were held.
+    /// Flag of each parameter: it was held.
     pub fixed: Vec<bool>,
-    /// The fit; none if the recordings cannot be fitted at all.
+    /// The fit; `None` if the recordings cannot be fitted at all.
     pub found: Option<FitResult>,
     /// Noises of the sensors.
     pub noises: Vec<(&'static str, Quantity)>,
-    /// Why the result must not be believed; empty if nothing speaks against it.
+    /// Why the result is not to be trusted; empty if it is.
     pub faults: Vec<String>,
-    /// What the reader should know.
+    /// Remarks for the reader.
     pub remarks: Vec<String>,
-    /// What pressures showed of the lift cylinders.
+    /// Fit of the lift cylinders.
     pub lift: Option<CylinderFit>,
-    /// How far the bucket turns with the arm, where nobody stated it.
+    /// Turn of the bucket per turn of the arm, where it was not stated.
     turn: Option<Quantity>,
     /// Recordings in which the machine stands and lifts its arm.
     lifting: Vec<String>,
 }
 
 impl Outcome {
-    /// To look at.
+    /// Summary for display.
     pub fn summary(&self) -> Summary<'_> {
         let drives = &self.drives.drives;
         Summary {
@@ -141,16 +141,16 @@ impl Outcome {
         }
     }
 
-    /// A parameter: value and standard deviation.
+    /// Value and standard deviation of a parameter.
     pub fn quantity(&self, role: Role) -> Option<Quantity> {
         self.summary().quantity(self.drives.index(role)?)
     }
 }
 
-/// Finds the parameters.
+/// Identifies the parameters.
 ///
 /// # Errors
-/// A key of `free` that cannot be found, with those that can.
+/// A key of `free` that cannot be identified; the error names those that can.
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
     let machine = &options.description.machine;
     let weight = machine.mass * GRAVITY;
@@ -211,7 +211,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     if let Some(turn) = outcome.turn {
         lift::write_turn(turn, &mut linked);
     }
-    // Not where only some keys are asked for.
+    // Not where only some keys are requested.
     if options.free.is_none()
         && let Some(learnt) = lift::learn(&linked.description, inputs)
     {
@@ -229,8 +229,8 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     Ok(outcome)
 }
 
-/// Which parameters stay as described: of those that are not asked for all but the noises. A nuisance would take up what errors of
-/// the others do, as far as it goes; held, its tolerance counts as theirs do.
+/// Parameters that are held: those that are not requested, except the noises. A free nuisance parameter would absorb errors of
+/// the held ones; held, its tolerance counts as theirs do.
 fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
         return Ok(vec![false; drives.roles.len()]);
@@ -251,7 +251,7 @@ fn all(drives: &Drives) -> Vec<usize> {
     (0..drives.blocks()).collect()
 }
 
-/// The fit to all blocks.
+/// The fit to the given blocks.
 fn whole<'a>(
     model: &'a Drives,
     blocks: &'a [usize],
@@ -268,7 +268,7 @@ fn whole<'a>(
     }
 }
 
-/// Matches the ways that were stated, and says what came of it; whether there is one.
+/// Matches the stated paths, and adds remarks on the result; returns whether there is one.
 fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
     let drives = &mut outcome.drives;
     let values = values(drives, place);
@@ -289,19 +289,19 @@ fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
     !drives.ways.is_empty()
 }
 
-/// What the recordings leave open: of that what matters, and the rest.
+/// Texts about undetermined directions: those that matter, and the others.
 fn undetermined(task: &Task<'_, Drives>, fit: &Fit) -> (Vec<String>, Vec<String>) {
     let drives = task.model;
     let mut open = honesty::undetermined(&fit.information, &drives.parameters, task.fixed);
     open.retain(|d| !words::is_nuisance(drives, d));
     let (matters, others): (Vec<_>, Vec<_>) = open.iter().partition(|d| words::matters(drives, d));
-    let said = |directions: Vec<&Direction>| {
-        let said = directions
+    let sentences = |directions: Vec<&Direction>| {
+        let sentences = directions
             .into_iter()
             .map(|d| words::undetermined(drives, d));
-        said.collect()
+        sentences.collect()
     };
-    (said(matters), said(others))
+    (sentences(matters), sentences(others))
 }
 
 fn find(outcome: &mut Outcome, options: &Options<'_>) {
@@ -312,11 +312,11 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         .map(|(r, _)| *r)
         .collect();
     let mut faults = words::alike(drives, &free);
-    // Residuals that seem far too large for their scatter would all be weakened as outliers.
+    // Residuals far too large for their scatter would all be weighted as outliers.
     let large = |role: &Role| f64::from(role.is_noise()) * LARGE_SCATTER;
     let begin: Vec<f64> = drives.roles.iter().map(large).collect();
     let first = whole(drives, &all(drives), &outcome.fixed, options).run(&begin);
-    // What the slope sensor follows must be known before its slopes are compared.
+    // The sensitivity of the slope sensor must be known before its slopes are compared.
     let joined = join(outcome, &first.place, options.ways);
     let drives = &outcome.drives;
     let all = all(drives);
@@ -331,14 +331,14 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
     if fit.interrupted {
         outcome.remarks.push(STOPPED.into());
     }
-    // What has been said need not be said again in the words of algebra.
+    // Faults that have been reported are not repeated as undetermined directions.
     if faults.is_empty() {
         let (open, remarks) = undetermined(&task, &fit);
         faults = open;
         outcome.remarks.extend(remarks);
     }
     if !fit.interrupted {
-        // What follows from brakes would be said of other things.
+        // Unrecorded brakes would cause the other faults.
         if let Some(brakes) = brakes::differ(drives, &fit.place) {
             faults.push(brakes);
         } else {
@@ -353,7 +353,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
             faults.extend(doubts::doubts(drives, &task, &fit));
         }
     }
-    // What is held has the tolerance of the description, which the others carry.
+    // Held parameters have the tolerance of the description, which widens the others.
     let held = vec![1.0; drives.roles.len()];
     let minor: Vec<bool> = drives
         .roles

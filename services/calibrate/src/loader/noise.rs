@@ -1,8 +1,8 @@
-//! White noise of a loader's sensors: what is left of a signal when its course is taken out.
+//! White noise of a loader's sensors: the rest of a signal without its course.
 //!
-//! The third difference of a signal that is sampled fast is nearly all noise: motion at 2 Hz keeps a five-hundredth of
-//! its amplitude at 100 Hz. White noise is the same seen in successive rows, in every second and in every third; where
-//! it is not (a filtered sensor, a coarse one, a fast motion), what is described stays, and a sentence says so.
+//! The third difference of a fast-sampled signal is nearly all noise: motion at 2 Hz retains a five-hundredth of
+//! its amplitude at 100 Hz. White noise is equal in successive rows, in every second and in every third. Where
+//! it is not (a filtered sensor, a coarse one, a fast motion), the described value stays, with a remark.
 
 use config::{Loader as Description, Tables as _};
 use estimation::Quantity;
@@ -11,16 +11,16 @@ use estimation::loader::Sample;
 use super::Input;
 use crate::column::percentile;
 
-/// Rows between the terms of a difference.
+/// Number of rows between the terms of a difference.
 const STRIDES: [usize; 3] = [1, 2, 3];
-/// The noises seen with these may differ by this factor, and be of white noise.
+/// Largest ratio of the noises at these strides that still counts as white noise.
 const WHITE: f64 = 1.25;
-/// Fewer differences say nothing.
+/// Least number of differences.
 const FEWEST: usize = 1000;
-/// Steps of time within a difference may differ by this share.
+/// Largest relative deviation of a time step within a difference.
 const UNEVEN: f64 = 0.2;
 
-/// A channel: key of its noise, its name, and its values.
+/// A channel: key of its noise, its name, and its value.
 type Channel = (&'static str, &'static str, fn(&Sample) -> Option<f64>);
 const CHANNELS: [Channel; 5] = [
     ("sensors.speed_std", "speed", |s| s.speed),
@@ -36,12 +36,12 @@ const CHANNELS: [Channel; 5] = [
     }),
 ];
 
-/// What was found, and what is to be said of the rest.
+/// Identified noises, and remarks on the others.
 #[derive(Debug, Clone, Default)]
 pub struct Noises {
-    /// Keys with their values; the noisier of two wheels.
+    /// Keys with their values; of two wheels the larger one.
     pub found: Vec<(&'static str, Quantity)>,
-    /// Sentences.
+    /// Remarks.
     pub remarks: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ impl Noises {
                     seen[0].value, seen[2].value
                 ));
             }
-            // The same key of the other wheel.
+            // The key has a value from the other wheel.
             else if let Some((_, other)) = noises.found.iter_mut().find(|(k, _)| *k == key) {
                 if seen[0].value > other.value {
                     *other = seen[0];
@@ -71,14 +71,14 @@ impl Noises {
                 noises.found.push((key, seen[0]));
             }
         }
-        // One wheel that is not white speaks for both.
+        // One wheel whose noise is not white rejects both.
         let is_doubted = |key: &str| noises.remarks.iter().any(|r| r.contains(key));
         noises.found.retain(|(key, _)| !is_doubted(key));
         noises
     }
 }
 
-/// The noise of a channel at each stride; none of a channel that is not there.
+/// Noise of a channel at each stride; `None` for a missing channel.
 fn seen(inputs: &[&Input], of: fn(&Sample) -> Option<f64>) -> Option<[Quantity; 3]> {
     let at = |stride| {
         let inputs = inputs.iter();
@@ -91,7 +91,7 @@ fn seen(inputs: &[&Input], of: fn(&Sample) -> Option<f64>) -> Option<[Quantity; 
     Some([a?, b?, c?])
 }
 
-/// Sizes of the third differences of finite values at even times.
+/// Magnitudes of the third differences of finite values at equidistant times.
 fn differences(rows: &[Sample], of: fn(&Sample) -> Option<f64>, stride: usize) -> Vec<f64> {
     let steps = rows.windows(2).map(|w| w[1].time - w[0].time).collect();
     let step = percentile(steps, 0.5) * stride as f64;
@@ -109,8 +109,8 @@ fn differences(rows: &[Sample], of: fn(&Sample) -> Option<f64>, stride: usize) -
         .collect()
 }
 
-/// Standard deviation of a noise from the sizes of third differences: 1, 9, 9, 1 times its variance are in each. By their
-/// median, which outliers leave alone and which knows a normal deviation to 1.17 over the root of their number, of
+/// Standard deviation of the noise from the magnitudes of third differences, which contain 1, 9, 9, 1 times its variance. From their
+/// median, which is robust to outliers and determines a normal standard deviation to 1.17 over the root of their number, of
 /// which a quarter are independent.
 fn noise(sizes: &[f64]) -> Option<Quantity> {
     (sizes.len() >= FEWEST).then(|| {

@@ -1,26 +1,26 @@
 //! The residuals of one stretch of driving, in bins of half a second.
 //!
-//! What a wheel turns tells the speed once its slip s_i is known, and the slip follows from the torque ([`super::wheels`]):
+//! The wheel speed determines the speed once its slip s_i is known, and the slip follows from the torque ([`super::wheels`]):
 //! ```text
 //! u_i = (r_i w_i - L s_i') (1 - |s_i|) where the wheel drives, over (1 - |s_i|) where it brakes
 //! s + tau_s s' = b + th + kappa (a/g - th)
 //! ```
-//! with the specific force a of the accelerometer less its zero z, or of the torques without one, and what the slope sensor shows, s. A bin has
-//! the first three residuals, two seconds have the last:
+//! with the specific force a of the accelerometer minus its zero z, or of the torques without one, and the reading s of the slope
+//! sensor. A bin has the first three residuals, two seconds have the last:
 //!
-//! | residual | tells |
+//! | residual | determines |
 //! |---|---|
 //! | u_f - u_r, mean | radii, their load sensitivity, stiffness of the axles, loads |
 //! | speed - u(t - tau), mean | radii, stiffness, delay of the speed |
 //! | accelerometer - balance of force, mean | torque gains against the mass, z + c g forward and z - c g backward |
-//! | change of u from second to second - integral of a - g sin th | z - g b, delay of the slope sensor, what it follows of the acceleration |
+//! | change of u from second to second - integral of a - g sin th | z - g b, delay of the slope sensor, its sensitivity to acceleration |
 //!
-//! So driving forward alone leaves one sum of the zeros z and b and of the rolling resistance c open. It has the width of what is known
-//! of them, unless the machine drives in reverse too, or the same way there and back ([`super::way`]).
+//! Driving forward alone therefore leaves one sum of the zeros z and b and of the rolling resistance c undetermined. It retains the
+//! width of their priors, unless the machine also drives in reverse, or the same path out and back ([`super::way`]).
 //!
-//! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps make all of it noise of a few hertz: a filter
-//! that takes every row for white noise around this model is sure of what is wrong. Means over half a second of everything alike
-//! hold nearly without these lags, no regressor is noisy, and what scatter is left shows between the stretches.
+//! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps turn all of it into noise of a few hertz. A filter
+//! that treats every row as white noise around this model is overconfident in wrong values. Means of all signals over half a second
+//! nearly satisfy the model without these lags, their regressors have little noise, and the remaining scatter shows between stretches.
 
 use std::ops::Range;
 
@@ -29,19 +29,19 @@ use super::guess::Guess;
 use super::wheels::{Acting, Slipping, balance, slipping};
 use crate::model::Innovation;
 
-/// So many bins make a window over which motion and slope are averaged: the change of the slope must stand out of its noise, which
+/// Number of bins in a window over which motion and slope are averaged: the change of the slope must exceed its noise, which
 /// otherwise hides a part of its delay.
 const WINDOW: usize = 2;
-/// Longest delay of the speed: so much of the beginning of a stretch has none to compare with [s].
+/// Longest delay of the speed [s]: rows within it from the start of a stretch have no speed residual.
 pub const LONGEST_DELAY: f64 = 0.45;
 
-/// What a row shows under a guess; NaN where a signal is missing.
+/// Predicted signals of a row; NaN where a signal is missing.
 struct Expected {
-    /// Speeds that the wheels show [m/s].
+    /// Speeds from the wheels [m/s].
     speeds: [f64; 2],
-    /// Specific force that the torques make [m/s^2].
+    /// Specific force from the torques [m/s^2].
     balance: f64,
-    /// Rate of the speed by specific force and slope [m/s^2].
+    /// Rate of the speed, from specific force and slope [m/s^2].
     rate: f64,
 }
 
@@ -75,7 +75,7 @@ impl Expected {
     }
 }
 
-/// Appends the residuals of a stretch, equally many at any guess.
+/// Appends the residuals of a stretch: always the same number.
 pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<Innovation>) {
     let first = block.start;
     let shown: Vec<Expected> = block.clone().map(|k| Expected::of(drive, g, k)).collect();
@@ -124,14 +124,14 @@ pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<I
     }
 }
 
-/// Two windows that follow one another: the difference of the means of a signal is its rate, weighted by a triangle over both.
+/// Two successive windows: the difference of a signal's means is its rate, weighted by a triangle over both.
 pub struct Pair {
     before: Range<usize>,
     after: Range<usize>,
 }
 
 impl Pair {
-    /// Each step from a row to the next, by its first row, with its weight.
+    /// Each step to the next row, as its first row and its weight.
     pub fn steps(&self) -> impl Iterator<Item = (usize, f64)> {
         let (middle, end) = (self.after.start, self.after.end);
         let (up, down) = (self.before.len() as f64, self.after.len() as f64);
@@ -162,7 +162,7 @@ pub fn pairs(drive: &Drive, block: &Range<usize>) -> Vec<Pair> {
         .collect()
 }
 
-/// Mean of the finite ones of some values; NaN where they are not even half.
+/// Mean of the finite values; NaN where they are fewer than half.
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let all = values.len();
     let (sum, count) = values
@@ -175,7 +175,7 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     }
 }
 
-/// One that is missing says nothing, whatever the guess.
+/// A residual; a missing one is zero with variance 1, without information.
 fn residual(value: f64, std: f64) -> Innovation {
     if value.is_finite() {
         Innovation {
@@ -195,7 +195,7 @@ mod tests {
     use super::*;
     use crate::loader::made::{guess, samples};
 
-    /// Mean of the squares over their expectation.
+    /// Mean of the squares over the predicted variances.
     fn agreement(drive: &Drive, g: &Guess) -> f64 {
         let mut all = Vec::new();
         for block in &drive.blocks {

@@ -7,22 +7,22 @@ use super::{Outcome, Role, lift};
 use crate::output::Pen;
 use crate::parameter::Source;
 
-/// What is found once does not stay so well for ever: tyres wear and lose pressure, sensors warm up.
+/// Least written standard deviations, because these values drift: tyres wear and lose pressure, sensors warm up.
 const RADIUS_STD: f64 = 5e-4;
 const SLOPE_BIAS_STD: f64 = 2e-3;
 const OFFSET_STD: f64 = 0.01;
 const DELAY_STD: f64 = 2e-3;
-/// Gain of an accelerometer, which cannot be distinguished from what the slope sensor follows.
+/// The same of the slope's sensitivity: an error of the accelerometer's gain is indistinguishable from it.
 const FOLLOWS_STD: f64 = 0.01;
-/// The slip stiffness differs from ground to ground by this share.
+/// Relative variation of the slip stiffness between grounds.
 const GROUND: f64 = 0.05;
-/// What keeps more than this share of its tolerance stays as described.
+/// Ratio to the prior standard deviation above which a parameter stays as described.
 pub const NARROWED: f64 = 0.7;
-/// Share of the described width of the ratio that is left.
+/// Least written share of the described standard deviation of the ratio.
 const LOADED: f64 = 0.5;
 
 impl Outcome {
-    /// The description with what was found, and its text with `origin` as comments above; none where nothing was.
+    /// The description with the identified values, and its text with `origin` as comments above; `None` without a fit.
     pub fn description(
         &self,
         before: &Description,
@@ -50,7 +50,7 @@ impl Outcome {
         Some((pen.description, text))
     }
 
-    /// Whether the recordings say more of a parameter than the description did.
+    /// Whether the recordings determine a parameter better than the description does.
     fn is_found(&self, i: usize) -> bool {
         let measured = self.drives.parameters[i].source == Source::Measured;
         let std = self.found.as_ref().map(|f| f.uncertainty.std(i));
@@ -66,7 +66,7 @@ impl Outcome {
             Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => return,
             Role::Mass(_) | Role::Height(_) | Role::Rolling => None,
             Role::Stiffness => Some(("prior.slip_stiffness_std", q.std.max(GROUND * q.value))),
-            // What is in the bucket and on the machine changes: of the prior's width, only the spread between machines goes.
+            // Loads in the bucket and on the machine change: only the spread between machines is removed from the prior.
             Role::Ratio(_) => {
                 let left = LOADED * pen.description.prior.cg_ratio_std;
                 Some(("prior.cg_ratio_std", q.std.max(left)))
@@ -84,7 +84,7 @@ impl Outcome {
                 Some(("sensors.torque_gain_std", both))
             }
             Role::StiffnessRatio => {
-                // What counts for the ratio is the slip per measured torque, front against rear.
+                // The ratio depends on the slip per measured torque, front against rear.
                 let slip = [
                     (Role::StiffnessRatio, 1.0),
                     (Role::FrontGain, 1.0),
@@ -103,7 +103,7 @@ impl Outcome {
                 Some((key, q.std.max(FOLLOWS_STD)))
             }
             Role::SpeedDelay => Some(("sensors.speed_delay_std", q.std.max(DELAY_STD))),
-            // Of a recording, or of the fit alone.
+            // Belongs to a recording, or to the fit only.
             Role::Friction
             | Role::TorqueDelay
             | Role::Relaxation
@@ -126,7 +126,7 @@ impl Outcome {
         self.quantity(role).map_or(0.0, |q| q.std)
     }
 
-    /// Standard deviation of a sum of parameters, their errors correlated as found.
+    /// Standard deviation of a weighted sum of parameters, with their correlations.
     fn mixed(&self, parts: &[(Role, f64)]) -> f64 {
         let Some(found) = &self.found else {
             return 0.0;

@@ -1,9 +1,9 @@
-//! What the parameters of a loader are, and what is known of its loads.
+//! Roles of a loader's parameters, and stated values of its loads.
 
 use estimation::Quantity;
 use estimation::loader::weigh::Reference;
 
-/// What a parameter is in the guess; a load is numbered, 0 is the machine as described.
+/// Role of a parameter; loads are numbered, 0 is the described machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Relative error of the front rolling radius.
@@ -12,17 +12,17 @@ pub enum Role {
     RearRadius,
     /// Load sensitivity of the radii.
     LoadSensitivity,
-    /// Measured over true torque in front.
+    /// Measured over true front torque.
     FrontGain,
-    /// Measured over true torque behind.
+    /// Measured over true rear torque.
     RearGain,
     /// Slip stiffness.
     Stiffness,
-    /// Slip stiffness in front over that behind.
+    /// Front over rear slip stiffness.
     StiffnessRatio,
-    /// How the stiffness falls with the load.
+    /// Exponent by which the stiffness falls with the load.
     LoadExponent,
-    /// Limit of friction.
+    /// Friction coefficient.
     Friction,
     /// Rolling resistance.
     Rolling,
@@ -32,7 +32,7 @@ pub enum Role {
     AccelerationOffset,
     /// Delay of the slope.
     SlopeDelay,
-    /// Share of the acceleration that the slope sensor follows.
+    /// Sensitivity of the slope sensor to acceleration.
     SlopeFollows,
     /// Delay of the speed.
     SpeedDelay,
@@ -48,24 +48,24 @@ pub enum Role {
     ForceScatter,
     /// Scatter of the motion.
     MotionScatter,
-    /// Scatter of the slopes there and back.
+    /// Scatter of the slopes out and back.
     WayScatter,
-    /// What is left of the shift between the marks of a way.
+    /// Remaining offset between the marks of a path.
     Mark(usize),
     /// Mass with a load.
     Mass(usize),
-    /// Share in front with a load.
+    /// Front share with a load.
     Ratio(usize),
     /// Height of the centre of gravity with a load.
     Height(usize),
-    /// How far a load lies ahead of the front axle, where no scales tell the share.
+    /// Distance of a load ahead of the front axle, where no axle weights determine the share.
     Reach(usize),
-    /// Height of a load, where no scales tell that of the centre of gravity.
+    /// Height of a load, where no axle weights determine that of the centre of gravity.
     Lift(usize),
 }
 
 impl Role {
-    /// The load it belongs to, if it does.
+    /// The load that it belongs to, if any.
     pub fn load(self) -> Option<usize> {
         match self {
             Self::Mass(load)
@@ -77,7 +77,7 @@ impl Role {
         }
     }
 
-    /// Whether it is only about noise.
+    /// Whether it is a noise.
     pub fn is_noise(self) -> bool {
         use Role::{ForceScatter, MotionScatter, SpeedScatter, WayScatter, WheelScatter};
         matches!(
@@ -86,7 +86,7 @@ impl Role {
         )
     }
 
-    /// Whether it is about what the slope sensor shows.
+    /// Whether it acts on the slope residuals of a path.
     pub(super) fn is_of_slope(self) -> bool {
         use Role::{AccelerationOffset, SlopeBias, SlopeDelay, SlopeFollows, WayScatter};
         matches!(
@@ -95,8 +95,8 @@ impl Role {
         )
     }
 
-    /// Whether it only takes part with what is known of it, so that its tolerance counts in the others: lags and limits that
-    /// means over half a second hardly show, where the load lies, and the marks of a way.
+    /// Whether it is estimated only to propagate its tolerance to the others: lags and limits that
+    /// means over half a second hardly determine, the position of the load, and the marks of a path.
     pub fn is_nuisance(self) -> bool {
         use Role::{Friction, Lift, Mark, Reach, Relaxation, TorqueDelay};
         matches!(
@@ -106,19 +106,19 @@ impl Role {
     }
 }
 
-/// What is known of a load before.
+/// Stated values of a load.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StatedLoad {
     /// Mass of the whole machine \[kg\].
     pub mass: Option<Quantity>,
-    /// Share of the weight in front, from axle scales.
+    /// Front share of the weight, from axle scales.
     pub ratio: Option<Quantity>,
     /// Height of the centre of gravity, from axle scales on a slope \[m\].
     pub height: Option<Quantity>,
 }
 
 impl StatedLoad {
-    /// What axle scales say; `scale_std` is the accuracy of one, relative, and it may be common to all readings.
+    /// Values from axle scales; `scale_std` is the relative standard deviation of one, which may be common to all readings.
     pub fn weighed(reference: &Reference, scale_std: f64) -> Self {
         let ratio = reference.cg_ratio;
         let common = core::f64::consts::SQRT_2 * scale_std * ratio.value * (1.0 - ratio.value);

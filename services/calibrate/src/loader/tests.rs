@@ -1,4 +1,4 @@
-//! Calibration of recordings that are exactly as the model has them, and of bad ones.
+//! Calibration of recordings that follow the model exactly, and of bad ones.
 
 use super::*;
 use config::Tables;
@@ -83,7 +83,7 @@ fn a_machine_that_differs_from_its_description_is_found() {
     assert_eq!(Description::parse(&text, "t"), Ok(description));
 }
 
-/// The sentences of a run from changed recordings.
+/// The faults of a run with changed recordings.
 fn faults(change: impl Fn(&mut Sample), stated: f64, weighed: StatedLoad) -> String {
     let mut inputs = inputs(stated);
     for input in &mut inputs {
@@ -152,7 +152,7 @@ fn equal_torques_leave_the_gains_undetermined_and_as_described() {
     assert!(!wide(Role::FrontRadius) && after.prior.front_radius_error != 0.0);
 }
 
-/// An accelerometer whose zero is off by as much as usual ones are.
+/// A machine whose accelerometer has a zero of the usual size.
 fn askew() -> guess::Guess {
     guess::Guess {
         acceleration_offset: 0.05,
@@ -160,7 +160,7 @@ fn askew() -> guess::Guess {
     }
 }
 
-/// Two recordings of the empty machine, the second set out on `turned` [m] along the way, and one with a load.
+/// Two recordings of the empty machine, the second starting `turned` [m] along the path, and one with a load.
 fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
     let back = made::turned(&g, 0.0, 8, turned);
     let load = samples(&loaded(g), 0.2, 9);
@@ -181,7 +181,7 @@ fn run_with_way(inputs: &[Input]) -> Outcome {
     calibrate(inputs, &options).expect("keys")
 }
 
-/// Zeros of slope sensor and accelerometer and the rolling resistance: each inside its interval; their standard deviations.
+/// Zeros of slope sensor and accelerometer and the rolling resistance, each inside its interval; returns their standard deviations.
 fn zeros(outcome: &Outcome, g: &guess::Guess) -> [f64; 3] {
     [
         (Role::SlopeBias, g.slope_bias),
@@ -201,7 +201,7 @@ fn driving_forward_alone_leaves_the_zeros_open_and_says_so() {
     let g = askew();
     let outcome = run(&there_and_back(g, None), SCALES);
     let [slope, acceleration, rolling] = zeros(&outcome, &g);
-    // What the tolerances of 10 mrad, 0.05 m/s^2 and 0.006 leave of their sum.
+    // Standard deviations that the tolerances of 10 mrad, 0.05 m/s^2 and 0.006 leave, as only their sum is determined.
     assert!(slope > 3e-3 && acceleration > 0.03 && rolling > 3e-3);
     let said = outcome.remarks.join("\n");
     assert!(said.contains("the same path out and back"), "{said}");
@@ -227,7 +227,7 @@ fn the_same_way_there_and_back_tells_the_zeros() {
 
 #[test]
 fn a_limit_that_is_reached_is_said() {
-    // Tyres that grow under their load.
+    // Tyres whose radius grows with their load.
     let g = guess::Guess {
         load_sensitivity: -0.002,
         ..guess()
@@ -255,7 +255,7 @@ fn driving_in_reverse_tells_the_zeros_too() {
 #[test]
 fn another_way_stated_as_the_same_is_not_used() {
     let g = askew();
-    // The same way in the same direction, another one, and one that is half as long.
+    // The same path in the same direction, another path, and one that is half as long.
     let mut short = there_and_back(g, Some(181.0));
     short[1].samples.truncate(1500);
     for (inputs, why) in [

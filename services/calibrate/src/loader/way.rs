@@ -1,14 +1,14 @@
-//! The same way there and back: places that the machine passes in both directions.
+//! The same path out and back: places that the machine passes in both directions.
 //!
-//! Turned round it stands on every place the other way: what went up goes down, and the zero of the slope sensor stays,
+//! Turned round, the machine has the opposite slope in every place, and the zero of the slope sensor stays:
 //! ```text
 //! th_there(x) + th_back(x) = 0,   th = (s + tau_s s' - b - kappa (a/g))/(1 - kappa)
 //! ```
-//! So the mean over a section of the way tells the zero b, whatever the road is like; the motion then tells that of the accelerometer,
+//! The mean over a section of the path therefore determines the zero b, for any road. The motion then determines that of the accelerometer,
 //! and the balance of force the rolling resistance. Places are matched by the distance that the wheels roll. The tracks are not
-//! the same ones exactly, and the marks are met within some metres: the shift is the one at which the slopes mirror each other best, and
-//! where they do not, it is not the same way. What is left of the shift looks like a delay of the sensor (0.1 m at 3 m/s is 17 ms), so it
-//! is a parameter too.
+//! exactly the same, and the marks are met within some metres. The offset is the one at which the slopes mirror each other best; where
+//! they do not, it is not the same path. The rest of the offset resembles a delay of the sensor (0.1 m at 3 m/s is 17 ms), so it
+//! is also a parameter.
 
 use std::collections::BTreeMap;
 
@@ -16,47 +16,47 @@ use super::drive::Drive;
 use super::guess::Guess;
 use crate::model::Innovation;
 
-/// Length of a cell, over which slopes are compared, and the step of the shift [m].
+/// Length of a cell, over which slopes are compared, and the step of the offset [m].
 const CELL: f64 = 2.0;
 const STEP: f64 = 0.5;
-/// So many cells make a section.
+/// Number of cells in a section.
 const CELLS: i64 = 5;
-/// Marks are met within this [m], and distances agree within it or this share.
+/// Distance within which marks are met [m]; the lengths out and back agree within it or within this share.
 const MARK: f64 = 10.0;
 const SHARE: f64 = 0.05;
-/// Fewer cells that both drives pass say nothing.
+/// Least number of cells that both drives pass.
 const FEWEST: usize = 50;
-/// Correlation of the slopes from which on it is the same way.
+/// Least correlation of the slopes on the same path.
 const SAME: f64 = 0.9;
 
-/// Rows of a drive with their weights, which sum up to 1.
+/// Rows of a drive with their weights, whose sum is 1.
 type Rows = Vec<(usize, f64)>;
 
-/// A piece of the way.
+/// A section of the path.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// Its rows, there and back.
+    /// Its rows, out and back.
     rows: [Rows; 2],
-    /// Change of the slope there per distance [rad/m].
+    /// Gradient of the outward slope [rad/m].
     gradient: f64,
 }
 
-/// Two recordings of the same way.
+/// Two recordings of the same path.
 #[derive(Debug, Clone)]
 pub struct Way {
-    /// There and back.
+    /// Out and back.
     pub recordings: [usize; 2],
     /// Its sections.
     pub sections: Vec<Section>,
-    /// Correlation of the slope there with the opposite of that back.
+    /// Correlation of the slope out with the negative slope back.
     pub correlation: f64,
 }
 
 impl Way {
-    /// Two drives matched under a guess of the sensors.
+    /// Matches two drives under values of the sensors.
     ///
     /// # Errors
-    /// Says why they are not the same way there and back.
+    /// Explains why they are not the same path out and back.
     pub fn new(drives: &[Drive], recordings: [usize; 2], g: &Guess) -> Result<Self, String> {
         let [there, back] = recordings.map(|r| &drives[r]);
         let [out, home] = [there, back].map(|drive| distances(drive, g.radius));
@@ -103,7 +103,7 @@ impl Way {
         })
     }
 
-    /// The residual of a section under the guesses of both drives, the second set out this far `ahead` of what was matched [m].
+    /// The residual of a section under the values of both drives, the second starting this far `ahead` of the match [m].
     pub fn residual(
         &self,
         drives: &[Drive],
@@ -125,19 +125,19 @@ impl Way {
         }
     }
 
-    /// Length of what both drives pass [m].
+    /// Length that both drives pass [m].
     pub fn length(&self) -> f64 {
         CELL * CELLS as f64 * self.sections.len() as f64
     }
 }
 
-/// Slope of the road by the sensor in a row.
+/// Slope of the road from the sensor in a row.
 fn slope(drive: &Drive, g: &Guess, k: usize) -> f64 {
     let prompt = drive.slope[k] + g.slope_delay * drive.slope_rates[k];
     g.prompt_slope(prompt, g.force(drive, k))
 }
 
-/// How far the wheels have rolled at each row, forward positive [m].
+/// Distance that the wheels have rolled at each row, forward positive [m].
 fn distances(drive: &Drive, radius: f64) -> Vec<f64> {
     let (mut way, mut speed) = (0.0, 0.0);
     let mut last = drive.time.first().copied().unwrap_or(0.0);
@@ -152,7 +152,7 @@ fn distances(drive: &Drive, radius: f64) -> Vec<f64> {
     .collect()
 }
 
-/// The rows of straight driving in each cell of the way.
+/// The rows of straight driving in each cell of the path.
 fn cells(drive: &Drive, way: &[f64], place: impl Fn(f64) -> f64) -> BTreeMap<i64, Vec<usize>> {
     let mut cells: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     let is_whole = |k: &usize| !drive.has_acceleration || drive.acceleration[*k].is_finite();
@@ -174,7 +174,7 @@ fn slopes(drive: &Drive, cells: &BTreeMap<i64, Vec<usize>>, g: &Guess) -> BTreeM
         .collect()
 }
 
-/// Correlation of slopes with the opposite of others in the cells that both have, and their number.
+/// Correlation of the slopes out with the negative slopes back in the common cells, and their number.
 fn mirrored(there: &BTreeMap<i64, f64>, back: &BTreeMap<i64, f64>) -> (f64, usize) {
     let both: Vec<(f64, f64)> = there
         .iter()
@@ -196,7 +196,7 @@ fn mirrored(there: &BTreeMap<i64, f64>, back: &BTreeMap<i64, f64>) -> (f64, usiz
     (correlation, both.len())
 }
 
-/// The rows of sections of which both drives pass every cell.
+/// The sections of which both drives pass every cell.
 fn sections(
     there: &BTreeMap<i64, Vec<usize>>,
     back: &BTreeMap<i64, Vec<usize>>,

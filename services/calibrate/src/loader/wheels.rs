@@ -1,4 +1,4 @@
-//! Axle loads, radii, slips and the balance of force under a guess:
+//! Axle loads, radii, slips and the balance of force:
 //! ```text
 //! s_i = mu/K_i atanh(F_i/(mu F_zi)),  F_i = (T_i/g_i - I v'/r)/r
 //! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
@@ -10,12 +10,12 @@ use super::GRAVITY;
 use super::drive::Drive;
 use super::guess::Guess;
 
-/// An axle carries at least this share of the weight.
+/// Least load of an axle, as a share of the weight.
 const LEAST_LOAD: f64 = 0.02;
-/// A tyre uses at most this share of its friction.
+/// Largest used share of a tyre's friction.
 const MOST_FRICTION: f64 = 0.98;
 
-/// What acts at one time.
+/// Torques and gravity at one time.
 #[derive(Clone, Copy)]
 pub struct Acting {
     /// True torques [N m] and their rates [N m/s].
@@ -26,7 +26,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// In row `k`.
+    /// The same in row `k`.
     pub fn at(drive: &Drive, g: &Guess, k: usize) -> Self {
         let (row, share) = drive.place(k, g.torque_delay);
         let mixed = |column: &[f64]| column[row] + share * (column[row + 1] - column[row]);
@@ -50,13 +50,13 @@ pub fn load(g: &Guess, i: usize, a: f64) -> f64 {
     load.max(LEAST_LOAD * weight)
 }
 
-/// Rolling radius of an axle under its load [m].
+/// Rolling radius of an axle under a load [m].
 pub fn radius(g: &Guess, i: usize, load: f64) -> f64 {
     let excess = load / (0.5 * g.empty_mass * GRAVITY) - 1.0;
     g.radius * (1.0 + g.radius_errors[i]) * (1.0 - g.load_sensitivity * excess)
 }
 
-/// The specific force that the torques make [m/s^2].
+/// Specific force from the torques [m/s^2].
 pub fn balance(g: &Guess, acting: &Acting, forward: f64, a: f64) -> f64 {
     let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
     let pull: f64 = (0..2)
@@ -66,17 +66,17 @@ pub fn balance(g: &Guess, acting: &Acting, forward: f64, a: f64) -> f64 {
     (pull - rolling + spin * acting.along) / (g.mass + spin)
 }
 
-/// An axle under its torque.
+/// State of an axle under its torque.
 pub struct Slipping {
     /// Rolling radius [m].
     pub radius: f64,
     /// Rim speed over road speed.
     pub faster: f64,
-    /// Rim speed that winds the tyre up [m/s].
+    /// Rim speed from the winding of the tyre [m/s].
     pub wound: f64,
 }
 
-/// Under what acts at one time and a specific force.
+/// State of axle `i` under these torques and a specific force `a`.
 pub fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> Slipping {
     let load = load(g, i, a);
     let relative = load / (0.5 * g.empty_mass * GRAVITY);

@@ -1,4 +1,4 @@
-//! What is wrong with the recordings of a loader, in sentences that say what to record.
+//! Texts about faults of a loader's recordings, with what to record instead.
 
 use super::drive::Drive;
 use super::drives::Drives;
@@ -8,26 +8,26 @@ use crate::honesty::Direction;
 
 /// Least time of driving in a recording [s].
 const LEAST_DRIVING: f64 = 20.0;
-/// A machine that is never faster stands [m/s].
+/// Largest speed of a machine that stands [m/s].
 const STANDS: f64 = 0.2;
-/// Strongest driving and braking differ at least by this share of the weight, and each is at least a fourth of it.
+/// Least difference of strongest driving and braking, as a share of the weight; each is at least a fourth of it.
 const LEAST_PULL: f64 = 0.05;
-/// What is found so many of its tolerances away from the description is another thing than what is described.
+/// Distance from the description above which a value is implausible, in prior standard deviations.
 const FAR: f64 = 4.0;
 
-/// What is said where no recording drives.
+/// Remark: no recording drives.
 pub const ONLY_LIFTS: &str = "the machine stands in all recordings, or has no wheel speeds: only its lift cylinders were calibrated";
 
 fn has_wheels(drive: &Drive) -> bool {
     drive.wheels.iter().flatten().any(|w| w.is_finite())
 }
 
-/// Whether a recording says nothing of driving: the machine stands, or its wheels are not measured.
+/// Whether a recording carries no information about driving: the machine stands, or its wheels are not measured.
 pub fn stands(drive: &Drive) -> bool {
     !has_wheels(drive) || drive.fastest() < STANDS
 }
 
-/// What the recordings lack before any fit.
+/// Faults of the recordings before any fit.
 pub fn before(model: &Drives) -> Vec<String> {
     let mut faults = Vec::new();
     for drive in &model.drives {
@@ -52,7 +52,7 @@ pub fn before(model: &Drives) -> Vec<String> {
     faults
 }
 
-/// What these recordings cannot tell, by what their drives are like.
+/// Faults of the recordings that make parameters indistinguishable.
 pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
     let mut faults = Vec::new();
     if model.loads.len() < 2 && free.contains(&Role::LoadSensitivity) {
@@ -77,10 +77,10 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
     faults
 }
 
-/// What was found far from what the description lets expect.
+/// Values far from the description.
 pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
-        // Stated masses are asked for one by one.
+        // Stated masses are checked one by one.
         let judged =
             !model.roles[i].is_noise() && !matches!(model.roles[i], Role::Mass(l) if l > 0);
         judged && !fixed[i] && place[i].abs() > FAR
@@ -100,7 +100,7 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
         .collect()
 }
 
-/// What was found at the limit of its range, and whether it is written: there its interval means nothing.
+/// Values at the limit of their range, where the interval is meaningless, and whether each is written.
 pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, bool)> {
     let found = (0..place.len()).filter(|&i| !fixed[i]);
     found
@@ -119,10 +119,10 @@ pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, b
         .collect()
 }
 
-/// All recordings carry the same load.
+/// Fault: all recordings carry the same load.
 pub const ONE_LOAD: &str = "all recordings carry the same load, as far as it is stated: rolling radii and their load sensitivity, torque gains and masses cannot be distinguished; record one run with the bucket empty and one with a weighed load, and state the mass of the machine: --mass FILE=KG±KG";
 
-/// Strongest braking and driving, as shares of the weight.
+/// Strongest braking and driving torques, as shares of the weight.
 fn pulls(model: &Drives) -> [f64; 2] {
     let mut pulls = Vec::new();
     for drive in &model.drives {
@@ -134,8 +134,8 @@ fn pulls(model: &Drives) -> [f64; 2] {
     [0.03, 0.97].map(|share| percentile(pulls.clone(), share))
 }
 
-/// Whether a direction that the data leave open makes the result one not to be believed; what the estimator's own
-/// tolerances carry does not.
+/// Whether an undetermined direction invalidates the result; a direction that the estimator's own
+/// tolerances cover does not.
 pub fn matters(model: &Drives, direction: &Direction) -> bool {
     share(model, direction, |role| {
         matches!(
@@ -154,29 +154,29 @@ pub fn matters(model: &Drives, direction: &Direction) -> bool {
     }) > 0.5
 }
 
-/// Whether a direction is about what has no use beyond the fit.
+/// Whether a direction consists of nuisance parameters.
 pub fn is_nuisance(model: &Drives, direction: &Direction) -> bool {
     share(model, direction, Role::is_nuisance) > 0.5
 }
 
-/// Share of some parameters in a direction.
+/// Share of the selected parameters in a direction.
 fn share(model: &Drives, direction: &Direction, of: impl Fn(Role) -> bool) -> f64 {
     let shares = model.roles.iter().zip(&direction.shares);
     let chosen = shares.filter(|(role, _)| of(**role));
     chosen.map(|(_, share)| share * share).sum()
 }
 
-/// What tells the torque gains apart.
+/// Remedy that makes the torque gains distinguishable.
 const EACH_AXLE: &str = "drive for a while with the torque on one axle, and then on the other";
 
-/// A direction that the data do not determine, and what to record.
+/// Text about a direction that the data do not determine, with what to record.
 pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     let members = direction.members();
     let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));
     let place = |r| matches!(r, Role::Ratio(_) | Role::Reach(_) | Role::Lift(_));
     let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
     let gain = |r| matches!(r, Role::FrontGain | Role::RearGain);
-    // What leads a direction is what it is about.
+    // The leading parameter decides the remedy.
     let zero = |r| {
         matches!(
             r,
