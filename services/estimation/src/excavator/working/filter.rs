@@ -1,4 +1,4 @@
-//! Extended Kalman filter of the swing with everything that a described machine may differ by.
+//! Extended Kalman filter of the swing. Its states include every constant in which a described machine may differ.
 //!
 //! ```text
 //! J w' = (1 + k) [T - l |T| th - T_f th + d - b w] - Jd w + g0 M (p cos psi - q sin psi)
@@ -17,20 +17,20 @@
 //! | T_f | [`FRICTION`] | Coulomb friction | N m |
 //! | p, q | [`SLOPE`], [`SLOPE`] + 1 | slope of the ground, sin(beta) times sine and cosine of its direction | - |
 //! | S | [`MOMENT`] | first moment of the upper body | kg m |
-//! | tau | [`DELAY`] | how much later the velocity comes than the torque | s |
+//! | tau | [`DELAY`] | delay of the velocity behind the torque | s |
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket, with what sticks in it, beyond the described one | kg |
-//! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
+//! | e | [`LINKS`] | masses of boom and arm over the described ones, minus 1 | - |
 //! | s, z, f, h | [`SPAN`], [`ZERO`], [`REST`], [`HELD`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N, N |
 //!
-//! What the motion weighs, it weighs in units of the measured torque: masses and torque grow together, and no motion tells. Payload,
-//! friction, damping and offset are therefore over 1 + k. What the motion leaves open is then the same direction of the states whatever
-//! their values, and no linearisation tells of it (unlike in coordinates where it turns: Huang, Mourikis, Roumeliotis 2010).
+//! No motion identifies the common scale of torque and masses. Payload, friction, damping and offset are therefore over 1 + k: in units
+//! of the measured torque. The unobservable direction of the states then does not depend on their values, so that linearisation adds no
+//! information along it. In coordinates where that direction turns, it does (Huang, Mourikis, Roumeliotis 2010).
 //!
-//! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
-//! identity, in the states before [`ACTING`], so a step costs two passes over the covariance. It lies column by column: the sums
-//! along all its rows run side by side, each in its order. What the states from [`SEEN`] on have in common with those before lies in the
-//! columns of the former alone.
+//! All states but w and m are constants of the machine and its place. Only row W of the transition differs from the identity, in the
+//! states before [`ACTING`]. A step therefore costs two passes over the covariance. It is stored by columns: the sums along its rows run
+//! side by side, each in a fixed order. Covariances of the states from [`SEEN`] on with those before are stored in the columns of the
+//! former only.
 
 use super::super::geometry::Inertia;
 pub(super) use super::states::*;
@@ -41,32 +41,32 @@ use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 use crate::mixture::mix;
 
-/// A state that keeps more than this share of the variance that it began with has not been informed.
+/// Share of the prior variance above which a content counts as not informed.
 const INFORMED: f64 = 0.5;
 
-/// What acts during one step.
+/// Inputs of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Input {
     /// Length of the step [s].
     pub(super) period: f64,
     /// Measured torque, mean over the step [N m].
     pub(super) torque: f64,
-    /// Inertia, mean over the step, and its rate.
+    /// Inertia: mean over the step, and rate.
     pub(super) inertia: Inertia,
     pub(super) rate: Inertia,
-    /// Now: the first moments count.
+    /// Inertia at the end of the step, for the first moments.
     pub(super) now: Inertia,
     /// Sine and cosine of the swing angle.
     pub(super) turn: (f64, f64),
-    /// Variance of the torque that the model leaves out [(N m)^2].
+    /// Variance of the torque beyond the model [(N m)^2].
     pub(super) torque_variance: f64,
     /// Share of the payload that leaves during the step.
     pub(super) leaving: f64,
-    /// Variance that the payload gains during the step [kg^2].
+    /// Process noise of the payload over the step [kg^2].
     pub(super) payload_variance: f64,
 }
 
-/// What the states say of a measurement: how it depends on them, its covariances with them, and its variance without noise.
+/// Predicted measurement: its row, its covariances with the states, and its variance without measurement noise.
 pub(super) struct Measured<const K: usize> {
     row: [(usize, f64); K],
     column: Vector,
@@ -88,14 +88,14 @@ impl<const K: usize> Measured<K> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter {
     pub(super) x: Vector,
-    /// Covariance, column by column; symmetric but for rounding, and for `p[i][j]` with i < [`SEEN`] <= j, which is not kept.
+    /// Covariance by columns, symmetric to rounding. `p[i][j]` with i < [`SEEN`] <= j is not stored.
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
 }
 
 impl Filter {
-    /// With independent states.
+    /// Starts with independent states.
     pub(super) fn new(x: Vector, std: &Vector) -> Self {
         let mut p = [[0.0; N]; N];
         for (i, std) in std.iter().enumerate() {
@@ -108,7 +108,8 @@ impl Filter {
         }
     }
 
-    /// Predicts over one step; `width` of the friction's sign [rad/s], least inertia [kg m^2].
+    /// Predicts over one step. `width`: velocity over which friction changes its sign [rad/s]; `least`: lower limit of the inertia
+    /// [kg m^2].
     pub(super) fn predict(
         &mut self,
         input: &Input,
@@ -140,7 +141,7 @@ impl Filter {
         let steep = dissipated.max(0.0) * (1.0 - direction * direction) / width;
 
         let step = dt / inertia;
-        // The noise is that of the measured torque.
+        // The process noise acts like the measured torque.
         let of_torque = step * gain;
         let mut row = [0.0; ACTING];
         row[W] = exp(-step * (gain * (x[DAMPING] + steep) + rate));
@@ -178,25 +179,25 @@ impl Filter {
         self.leave(input, trail);
     }
 
-    /// Part of the payload leaves, and more or less of it than thought.
+    /// Removes the share of the payload that leaves, and adds the process noise of the payload.
     pub(super) fn leave(&mut self, input: &Input, trail: &mut Option<Trail>) {
         if input.leaving > 0.0 {
-            let kept = 1.0 - input.leaving;
+            let remaining = 1.0 - input.leaving;
             if let Some(trail) = trail {
                 let mut row = [0.0; N];
-                row[M] = kept;
+                row[M] = remaining;
                 trail.row(M, &row);
             }
-            self.x[M] *= kept;
+            self.x[M] *= remaining;
             for i in 0..N {
-                self.p[M][i] *= kept;
-                self.p[i][M] *= kept;
+                self.p[M][i] *= remaining;
+                self.p[i][M] *= remaining;
             }
         }
         self.p[M][M] += input.payload_variance;
     }
 
-    /// A velocity that was measured while it grew with this acceleration is late by the delay.
+    /// Adds the delay times this acceleration to the velocity: it was measured during that acceleration, and lags.
     pub(super) fn lag(&mut self, acceleration: f64, trail: &mut Option<Trail>) {
         let of_delay = self.with(DELAY);
         let (x, p) = (&mut self.x, &mut self.p);
@@ -214,8 +215,8 @@ impl Filter {
         p[W][W] = variance + acceleration * acceleration * of_delay[DELAY];
     }
 
-    /// Takes in a velocity of this variance; innovations beyond `gate` standard deviations are weakened. The
-    /// innovation is that before the gate.
+    /// Updates with a velocity of this variance. Innovations beyond `gate` standard deviations are weakened. Returns the innovation
+    /// before the gate.
     pub(super) fn correct(
         &mut self,
         velocity: f64,
@@ -228,7 +229,7 @@ impl Filter {
         self.measure(row, value, variance, gate, trail)
     }
 
-    /// A scalar measurement of `row x`, a row of few entries, that differs by `value` from what is expected.
+    /// Updates with a scalar measurement of the sparse `row x`; `value`: measured minus predicted.
     pub(super) fn measure<const K: usize>(
         &mut self,
         row: [(usize, f64); K],
@@ -246,7 +247,7 @@ impl Filter {
         innovation
     }
 
-    /// What the states say of a measurement of `row x`.
+    /// Predicts a measurement of `row x`.
     #[inline(always)]
     pub(super) fn measured<const K: usize>(&self, row: [(usize, f64); K]) -> Measured<K> {
         let column = self.along(row.into_iter());
@@ -259,7 +260,7 @@ impl Filter {
         }
     }
 
-    /// Takes in what was measured, with this innovation.
+    /// Updates with a predicted measurement and its innovation.
     #[inline(always)]
     pub(super) fn absorb<const K: usize>(
         &mut self,
@@ -278,8 +279,8 @@ impl Filter {
         self.take(&gain, value, &measured.column);
     }
 
-    /// Takes back what was known of the load beforehand, value and variance: it tells nothing of the other states any more. What has
-    /// hardly been informed since is left.
+    /// Removes the prior of the load (value, variance), so that it no longer informs other states. A load that has hardly been informed
+    /// since is left unchanged.
     #[inline]
     pub(super) fn take_back(
         &mut self,
@@ -295,7 +296,7 @@ impl Filter {
         }
     }
 
-    /// How the content depends on the states: as a true mass, or as the motion weighs it.
+    /// Row of the content: as a true mass, or in units of the measured torque.
     fn content_row(&self, true_mass: bool) -> [(usize, f64); 2] {
         if true_mass {
             self.load_row()
@@ -304,7 +305,7 @@ impl Filter {
         }
     }
 
-    /// The inverse of a measurement that differed by `value` from what is expected: one with a negative variance.
+    /// Inverse of a measurement that differed by `value` from its prediction: an update with a negative variance.
     #[inline(never)]
     pub(super) fn without<const K: usize>(
         &mut self,
@@ -321,7 +322,7 @@ impl Filter {
         self.take(&gain, value, &measured.column);
     }
 
-    /// The bucket holds something else: value and variance of it, as a true mass, or as the motion weighs it.
+    /// Sets another content of the bucket: value and variance, as a true mass, or in units of the measured torque.
     pub(super) fn hold(
         &mut self,
         (value, variance): (f64, f64),
@@ -348,8 +349,8 @@ impl Filter {
         self.p[M][M] = share * share * variance + per_gain * per_gain * of_gain[GAIN];
     }
 
-    /// The load has been told as a true mass, and was `before`: what is open of the gain does not concern that mass, so it concerns
-    /// what the motion weighs, where the load is now and not where it was.
+    /// Relinearises the content after a measurement of its true mass; `before`: the content prior to that measurement. A gain error leaves
+    /// a true mass unchanged. The covariance of content and gain must therefore correspond to the present content.
     pub(super) fn weighs_true_mass(&mut self, before: f64, trail: &mut Option<Trail>) {
         let per_gain = (before - self.x[M]) / (1.0 + self.x[GAIN]);
         if let Some(trail) = trail {
@@ -366,7 +367,7 @@ impl Filter {
         self.p[M][M] = own;
     }
 
-    /// States and covariance by a gain, an innovation, and the covariances with what is measured.
+    /// Updates states and covariance by a gain, an innovation, and the covariances with the measurement.
     #[inline(always)]
     fn take(&mut self, gain: &Vector, value: f64, column: &Vector) {
         for (x, g) in self.x.iter_mut().zip(gain) {
@@ -385,7 +386,7 @@ impl Filter {
         }
     }
 
-    /// Covariance of every state with a combination of some of them.
+    /// Covariances of all states with a linear combination of some.
     #[inline(always)]
     pub(super) fn along(&self, entries: impl Iterator<Item = (usize, f64)>) -> Vector {
         let mut sums = [0.0; N];
@@ -398,7 +399,7 @@ impl Filter {
         sums
     }
 
-    /// The same of the states before [`ACTING`].
+    /// The same for a combination of the states before [`ACTING`].
     #[inline(always)]
     fn along_motion(&self, row: &[f64; ACTING]) -> Vector {
         let mut sums = [0.0; N];
@@ -413,14 +414,14 @@ impl Filter {
         sums
     }
 
-    /// What the states make of the inertia at a posture, with that of a payload [kg m^2].
+    /// Estimated inertia at a posture, with this payload [kg m^2].
     pub(super) fn inertia(&self, now: &Inertia, payload: f64) -> f64 {
         let x = &self.x;
         let beside = x[UPPER] + x[BUCKET] * now.per_bucket + x[LINKS] * now.links;
         now.with_payload(payload) + beside
     }
 
-    /// Value and variance of a combination of few states.
+    /// Value and variance of a linear combination of few states.
     #[inline(always)]
     pub(super) fn combination<const K: usize>(&self, row: &[(usize, f64); K]) -> (f64, f64) {
         let (mut value, mut variance) = (0.0, 0.0);
@@ -433,7 +434,7 @@ impl Filter {
         (value, variance.max(0.0))
     }
 
-    /// What the bucket holds beyond what sticks in it [kg].
+    /// Content of the bucket beyond what sticks in it, as a true mass [kg].
     pub(super) fn load(&self) -> f64 {
         (1.0 + self.x[GAIN]) * self.x[M]
     }
@@ -443,7 +444,7 @@ impl Filter {
         self.load() + sticks.of(self.x[BUCKET])
     }
 
-    /// What the states leave open of the payload [kg^2], and of the inertia at a posture [(kg m^2)^2].
+    /// Variances of the payload [kg^2] and of the inertia at a posture [(kg m^2)^2].
     pub(super) fn variances(&self, now: &Inertia, sticks: &Sticking) -> [f64; 2] {
         let (p, share) = (&self.p, sticks.share);
         let (per_load, per_bucket, links) = (now.per_payload, now.per_bucket, now.links);
@@ -461,18 +462,18 @@ impl Filter {
         [payload.max(0.0), inertia.max(0.0)]
     }
 
-    /// How the payload depends on the states.
+    /// Row of the payload.
     pub(super) fn payload_row(&self, sticks: &Sticking) -> [(usize, f64); 3] {
         let [load, gain] = self.load_row();
         [load, gain, (BUCKET, sticks.share)]
     }
 
-    /// How the load depends on the states.
+    /// Row of the load.
     pub(super) fn load_row(&self) -> [(usize, f64); 2] {
         [(M, 1.0 + self.x[GAIN]), (GAIN, self.x[M])]
     }
 
-    /// How the inertia at a posture depends on the states.
+    /// Row of the inertia at a posture.
     #[inline]
     pub(super) fn inertia_row(&self, now: &Inertia) -> [(usize, f64); 5] {
         let per_payload = now.per_payload;
@@ -498,7 +499,7 @@ impl Filter {
         covariances
     }
 
-    /// State `i` takes a new value with a variance, independent of all others.
+    /// Sets state `i` to a value with a variance, independent of all other states.
     pub(super) fn set(&mut self, i: usize, value: f64, variance: f64, trail: &mut Option<Trail>) {
         if let Some(trail) = trail {
             trail.set(i);
@@ -511,32 +512,32 @@ impl Filter {
         self.p[i][i] = variance;
     }
 
-    /// Mean and covariance of the mixture with another filter of this probability.
+    /// Returns mean and covariance of the mixture with another filter of this probability.
     pub(super) fn mixed(mut self, other: &Self, probability: f64) -> Self {
         mix(&mut self.x, &mut self.p, (&other.x, &other.p), probability);
         self
     }
 
-    /// Whether every state and variance is a number.
+    /// Returns whether all states and variances are finite.
     pub(super) fn is_finite(&self) -> bool {
-        // What is not finite beside the diagonal shows in the states with the next motion, that of the pressures with their next moment.
+        // A covariance that is not finite reaches the states with the next motion; one of the pressures with their next moment.
         let variances: f64 = (0..N).map(|i| self.p[i][i]).sum();
         (self.sum() + variances).is_finite()
     }
 
-    /// The same, and no variance is negative.
+    /// Returns whether the same holds, and no variance is negative.
     pub(super) fn is_sound(&self) -> bool {
         let (mut variances, mut least) = (0.0, 0.0);
         for i in 0..N {
             let variance = self.p[i][i];
             variances += variance;
-            // One instruction; one that is no number shows in the sum.
+            // One instruction; NaN shows in the sum.
             least = if least < variance { least } else { variance };
         }
         least == 0.0 && (self.sum() + variances).is_finite()
     }
 
-    /// Of all states, two at a time.
+    /// Sum of all states, two at a time.
     fn sum(&self) -> f64 {
         let pairs = self.x.as_chunks::<2>();
         let add = |[a, b]: [f64; 2], pair: &[f64; 2]| [a + pair[0], b + pair[1]];
@@ -584,7 +585,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_back_was_never_said() {
+    fn removing_a_prior_restores_the_other_states() {
         let (prior, known) = ((200.0, 160.0 * 160.0), 30.0 * 30.0);
         let measured = |prior: (f64, f64)| {
             let mut filter = Filter::new([0.0; N], &[0.0; N]);
@@ -599,7 +600,7 @@ mod tests {
         filter.take_back(prior, false, &mut None);
         assert!(filter.x[BUCKET].abs() < 1e-9, "{}", filter.x[BUCKET]);
         assert!((filter.p[BUCKET][BUCKET] / known - 1.0).abs() < 1e-9);
-        // A content of which nothing was known says the same.
+        // A flat prior gives the same content.
         let flat = measured((prior.0, 1e12));
         assert!((filter.x[M] - flat.x[M]).abs() < 1e-4, "{}", filter.x[M]);
         assert!((filter.p[M][M] / flat.p[M][M] - 1.0).abs() < 1e-4);
@@ -629,8 +630,7 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_heavier_by_a_factor_with_a_torque_larger_by_it_moves_alike_whatever_it_carries_and_loses()
-     {
+    fn a_common_factor_of_masses_and_torque_leaves_the_motion_unchanged_at_any_load_and_loss() {
         let input = Input {
             rate: Inertia {
                 per_payload: 2.0,
@@ -674,7 +674,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_as_a_true_mass_says_nothing_of_the_gain() {
+    fn a_content_held_as_a_true_mass_does_not_inform_the_gain() {
         let mut std = [0.0; N];
         std[GAIN] = 0.05;
         let mut x = [0.0; N];
@@ -685,7 +685,7 @@ mod tests {
         assert!((filter.load() - 200.0).abs() < 1e-9);
         let row = filter.load_row();
         assert!((filter.combination(&row).1 / prior.1 - 1.0).abs() < 1e-9);
-        // A scale says 600 kg; then what was expected is taken back.
+        // A scale shows 600 kg; then the prior is removed.
         let before = filter.x[M];
         filter.measure(row, 400.0, 100.0, 1e9, &mut None);
         filter.weighs_true_mass(before, &mut None);
@@ -695,7 +695,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_kept_of_the_covariance_is_not_asked_for() {
+    fn covariances_that_are_not_stored_are_not_read() {
         let all: [(usize, f64); N] = core::array::from_fn(|i| (i, 1.0 - 0.1 * i as f64));
         let done = |not_kept: f64| {
             let mut filter = Filter::new([0.5; N], &[1.0; N]);

@@ -1,10 +1,10 @@
-//! Torque and posture on a machine that nobody has calibrated: the default of mode D.
+//! Default estimator of mode D: swing torque and joint angles, on a machine that is not calibrated.
 //!
-//! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
-//! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
-//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`parallel`]),
-//! and then the load is that of the pressures alone, where there are any ([`scale`]);
-//! the interval and the reasons are in [`verdict`].
+//! An extended Kalman filter estimates velocity, payload and every constant in which the machine may differ from its description
+//! ([`filter`]). The variances of torque and velocity adapt until the innovations are white ([`noise`]). The payload returns to its prior
+//! as soon as the bucket's content may have changed ([`bucket`], [`tare`]). Faulty sensors are detected as contradictions
+//! ([`contradiction`], [`parallel`]). Then the pressures alone determine the load, where there are any ([`scale`]). Interval and reasons:
+//! [`verdict`].
 
 mod agreement;
 mod attachment;
@@ -59,41 +59,45 @@ use crate::consistency::Cusum;
 use crate::kalman::Innovation;
 use crate::math::{exp, norm, sin_cos};
 
-/// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
+/// Random walk of the torque gain [1/sqrt(s)]: emptied buckets, as weights of zero, share one error, which must not average out.
 const GAIN_DRIFT: f64 = 0.001;
-/// Weighed loads tell the gain no closer than their own inertia is known: span and drawing 1 % each, the load's centre 1.3 %, lengths
-/// 1 %. Those are the same in all loads, and must not average out.
+/// Least standard deviation of the torque gain beside weighed loads. It is that of their own inertia: span and drawing 1 % each, the
+/// load's centre 1.3 %, lengths 1 %. These errors are common to all loads and must not average out.
 const WEIGHED_GAIN: f64 = 0.022;
-/// So far may it have walked in 100 s of motion, however closely it was calibrated: that is no fault.
+/// Standard deviation of the gain's random walk in 100 s of motion. Such a drift is no fault, however closely the gain was calibrated.
 const GAIN_WALK: f64 = 10.0 * GAIN_DRIFT;
-/// Friction and damping wander by their standard deviations in this time of motion: oil warms up, a brake drags [s].
+/// Time of motion in which friction and damping wander by their stated standard deviations [s]: oil warms up, a brake drags.
 const WARMING: f64 = 60.0;
-/// Noise of a sample of the inclinometer, and its mounting error [rad].
+/// Standard deviation of an inclinometer sample [rad].
 const INCLINOMETER: f64 = 0.03;
+/// Mounting error of the inclinometer [rad].
 const MOUNTING: f64 = 0.004;
-/// In a stand longer than this the machine may have moved to other ground on its tracks [s].
+/// Time of standing after which the machine may have travelled to other ground on its tracks [s].
 const TRAVEL: f64 = 2.0;
-/// How often it does, per further second [1/s].
+/// Probability of such travel per further second [1/s].
 const TRAVELS: f64 = 0.02;
-/// A torque within so many standard deviations of its noise may be none.
+/// Torque beyond friction that may still be none [standard deviations of its noise].
 const NONE: f64 = 3.0;
-/// While tracks turn the upper body it is under way: the ground is another one within this time [s].
+/// Time within which the slope's variance returns to the stated one, while tracks turn the upper body [s]: the machine is travelling.
 const UNDER_WAY: f64 = 2.0;
-/// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
+/// Threshold of the CUSUM of normalised innovations: the payload has changed without a joint motion.
 const CHANGE: f64 = 10.0;
+/// Level of the same sum above which the payload may have changed.
 const SUSPICIOUS: f64 = 4.0;
 /// Time constant of the smoothed torque and angles [s].
 const SMOOTHING: f64 = 0.05;
-/// An upper body slower than this for so long may be digging [rad/s, s].
+/// Velocity below which an upper body creeps, and may be digging [rad/s].
 const CREEPING: f64 = 0.05;
+/// Time of creeping after which the bucket counts as digging, and for which the ground's force is constant [s].
 const CREPT: f64 = 0.3;
-/// Time constant of what it gains of velocity, twice that of the torque: the torque of one that is held gains nothing [s].
+/// Time constant of the smoothed acceleration [s], twice that of the torque. The acceleration is that of the estimated velocity, since a
+/// torque on a held upper body accelerates nothing.
 const GAINS: f64 = 2.0 * SMOOTHING;
-/// Below this velocity a holding brake, one that opens late, or oil shut in may take any part of the torque [rad/s], the same for so
-/// long [s].
+/// Velocity below which a holding brake, a brake that opens late, or trapped oil may carry any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
+/// Time for which that part is constant [s].
 const BRAKE_LASTS: f64 = 0.1;
-/// Only a faster motion tells another gain from a brake [rad/s].
+/// Least velocity at which a gain error is distinguishable from a dragging brake [rad/s].
 const FREE: f64 = 0.1;
 
 /// The default estimator with torque and posture.
@@ -101,18 +105,19 @@ const FREE: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Working {
     filter: Filter,
-    /// Of the doubts: what the model leaves out of the torque, of the inertia and of all loads, as shares.
+    /// Stated doubts (uncertainties that the model includes): unmodelled torque and inertia as shares, and the errors common to all
+    /// loads.
     torque_share: f64,
     form_share: f64,
     loads: CommonError,
-    /// Mass of the bucket, as described [kg].
+    /// Described mass of the bucket [kg].
     described_bucket: f64,
-    /// The states as described (the slopes as an inclinometer shows them), and their standard deviations.
+    /// Described states (slopes: as an inclinometer shows them), and their stated standard deviations.
     described: Vector,
     stated: Vector,
-    /// One over the variances of those, see [`Self::per_stated`].
+    /// Inverse of the stated variances, see [`Self::per_stated`].
     per_stated: Vector,
-    /// The torque's gain where pressures weigh too: its standard deviation.
+    /// Standard deviation of the torque gain where pressures weigh too.
     weighed_gain: f64,
     noise: Noise,
     sway: Sway,
@@ -120,55 +125,55 @@ pub(super) struct Working {
     bucket: Bucket,
     /// Rated payload [kg].
     rated: f64,
-    /// Swing angle since the start [rad], its sine and cosine.
+    /// Swing angle since the start [rad]; its sine and cosine.
     angle: f64,
     turn: (f64, f64),
-    /// Smoothed torque, and the largest that it has reached [N m].
+    /// Smoothed torque, and its largest magnitude so far [N m].
     torque: f64,
     largest: f64,
-    /// Sums of the innovations: a payload that changes and that no joint announces.
+    /// CUSUM of the innovations: detects a payload that changes without a joint motion.
     change: Cusum,
-    /// They have reached their limit in this swing: its value is not believed any more.
+    /// That sum has reached its threshold in this swing: the payload is not trusted.
     changed: bool,
-    /// What does so is no payload: something pushes the upper body until it stands.
+    /// The change is no payload: something pushes the upper body until it stands.
     pushed: bool,
-    /// Its tracks turn it while no torque acts: that motion says nothing of what turns.
+    /// Tracks turn the machine while no swing torque acts: this motion carries no information about the inertia.
     rides: bool,
-    /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
+    /// Log likelihood ratio of another gain, from an emptied bucket that seems to weigh something.
     weighed_something: f64,
-    /// The content is believed to be what is expected of any, beside what weighed it.
+    /// The content still includes the prior of an unknown content, which must be removed when the content is over.
     expected: bool,
-    /// As a true mass: what pressures weigh; and not as the motion weighs it.
+    /// The content was set as a true mass, since pressures weigh it; else in units of the measured torque.
     true_mass: bool,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
-    /// What sticks in it, the same in all of them.
+    /// Soil that sticks in the bucket, common to all contents.
     sticks: Sticking,
-    /// What the bucket weighed before it was emptied [kg].
+    /// Content before the bucket was emptied [kg].
     carried: Option<f64>,
-    /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
+    /// Hypothesis that a sensor is wrong by a factor since the machine stood.
     parallel: ParallelFilter,
     contradiction: Contradiction,
     recall: Recall,
-    /// A gain that is off, beside pressures.
+    /// Hypothesis that the gain is off, beside pressures.
     tail: Tail,
-    /// Another bucket.
+    /// Hypothesis that another bucket is attached.
     attachment: Attachment,
-    /// The boom's cylinders, where they are described.
+    /// Measurement by the boom cylinders, where they are described.
     weigh: Option<Weigh>,
-    /// The load by them alone.
+    /// Load by the pressures alone.
     scale: Scale,
-    /// Time in motion since what was told of the constants has faded \[s\].
+    /// Time in motion since the constants last faded \[s\].
     unfaded: f64,
-    /// The upper body hardly moves for this time [s]; its velocity a tick ago [rad/s] and what it gains, smoothed [rad/s^2].
+    /// Time for which the upper body has hardly moved [s]; its velocity a tick ago [rad/s]; its smoothed acceleration [rad/s^2].
     slow_for: f64,
     before: f64,
     gaining: f64,
-    /// The last period, and what is kept of the smoothed torque in it.
+    /// Last sampling period [s], and the decay factor of the smoothed acceleration over it.
     smoothing: (f64, f64),
-    /// Ticks, for what not each of them asks.
+    /// Number of ticks, for checks that do not run in each of them.
     ticks: u32,
-    /// What each tick does is kept; the next one is the first.
+    /// The operations of each tick are recorded in a trail. The next tick is the first one of a restarted filter.
     trailing: bool,
     anew: bool,
 }
@@ -255,7 +260,7 @@ impl Working {
         }
     }
 
-    /// One tick; what it does goes into the trail, where that is kept.
+    /// Processes one tick, and records its operations in the trail where one is requested.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
@@ -268,18 +273,19 @@ impl Working {
             *trail = Some(Trail::NOTHING);
         }
         self.ticks = self.ticks.wrapping_add(1);
-        let kept = self.kept_in(drive.period);
-        let share = 1.0 - kept * kept;
+        let decay = self.decay(drive.period);
+        let share = 1.0 - decay * decay;
         let gained = (self.filter.x[W] - self.before) / drive.period;
         self.before = self.filter.x[W];
-        self.gaining += (1.0 - kept) * (gained - self.gaining);
+        self.gaining += (1.0 - decay) * (gained - self.gaining);
         let reached = self.filter.x[W].abs() + CREPT * self.gaining.abs();
         self.slow_for = if standing || reached < CREEPING {
             self.slow_for + drive.period
         } else {
             0.0
         };
-        // Who digs is pushed by the ground, and creeps. Who rides on turning tracks stands on them.
+        // The ground pushes a digging bucket, and the upper body creeps. A machine on turning tracks stands on them.
+        // Both count as standing for the content.
         let stands = standing || self.slow_for > CREPT || self.rides;
         let weighs = self.weigh.as_ref().filter(|weigh| weigh.is_there());
         let digs = weighs.map(Weigh::digs);
@@ -315,11 +321,11 @@ impl Working {
         };
         self.attachment.wait(drive.period);
         self.doubt_gain(drive);
-        let anew = core::mem::take(&mut self.anew);
+        let restarted = core::mem::take(&mut self.anew);
         let state = self.state(settings, drive, innovation, standing);
         if let Some(trail) = trail {
             trail.finish(&self.filter, &self.sticks, &drive.now);
-            trail.anew = anew;
+            trail.anew = restarted;
             trail.contradicted = self.is_contradicted();
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
@@ -330,18 +336,18 @@ impl Working {
         state
     }
 
-    /// What is kept of the smoothed torque: periods are mostly alike.
-    fn kept_in(&mut self, period: f64) -> f64 {
-        let (known, kept) = self.smoothing;
+    /// Returns the decay factor of the smoothed acceleration. Periods are mostly equal, so the last one is cached.
+    fn decay(&mut self, period: f64) -> f64 {
+        let (known, decay) = self.smoothing;
         if alike(known, period) {
-            return kept;
+            return decay;
         }
-        let kept = exp(-period / GAINS);
-        self.smoothing = (period, kept);
-        kept
+        let decay = exp(-period / GAINS);
+        self.smoothing = (period, decay);
+        decay
     }
 
-    /// The moment of the boom's cylinders, where one is there; whether the load must be another one.
+    /// Takes in the moment of the boom cylinders, where one is complete. Returns whether the load must be another one.
     fn weigh(
         &mut self,
         settings: &Settings,
@@ -378,7 +384,7 @@ impl Working {
         };
         let parallel = &mut self.parallel.filter;
         let believes = !self.scale.is_doubted();
-        let said = weigh.measure(settings, &moment, (&mut self.filter, believes), trail);
+        let innovation = weigh.measure(settings, &moment, (&mut self.filter, believes), trail);
         let other = weigh.measure(settings, &moment, (parallel, believes), &mut None);
         if !believes {
             if self.carries() {
@@ -389,28 +395,28 @@ impl Working {
         }
         let load = (self.filter.load(), self.rated);
         if moment.touches {
-            return weigh.sets_down(said, load);
+            return weigh.sets_down(innovation, load);
         }
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
-        self.parallel.weigh([said, other], gate, usual);
-        weigh.watch(&moment, said, load, stands);
-        let renews = weigh.renews(said, (drive.posture[2], stands && !moment.moves));
+        self.parallel.weigh([innovation, other], gate, usual);
+        weigh.watch(&moment, innovation, load, stands);
+        let renews = weigh.renews(innovation, (drive.posture[2], stands && !moment.moves));
         let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {
-            // Nothing has been filled in.
+            // Nothing has been filled into an emptied bucket.
             self.contradiction.outright();
         }
         renews
     }
 
-    /// Where torque and load begin to contradict each other, the torque goes on alone.
+    /// Compares torque and pressures. Where they begin to contradict each other, the torque goes on alone.
     fn doubt_pressures(&mut self) {
         if self.is_beyond() {
             self.contradiction.outright();
         }
         if self.scale.doubts(self.contradiction.is_open()) {
             self.tail.forget();
-            // It weighs anew what both have weighed.
+            // The torque weighs again what both have weighed.
             let anything = self.anything();
             for filter in [&mut self.filter, &mut self.parallel.filter] {
                 filter.p[M][M] += anything;
@@ -418,7 +424,7 @@ impl Working {
         }
     }
 
-    /// Where the pressures begin: from now on they weigh beside the torque.
+    /// Starts the measurement by pressures: from now on they weigh beside the torque.
     fn begin_weighing(&mut self, drive: &Drive, trail: &mut Option<Trail>) {
         let filters = [
             &mut self.filter,
@@ -442,17 +448,17 @@ impl Working {
         }
     }
 
-    /// Whether the bucket may still hold what was filled into it.
+    /// Returns whether the bucket may still hold what was filled into it.
     fn carries(&self) -> bool {
         !(self.bucket.is_open() || self.bucket.is_settling() || self.bucket.is_emptied())
     }
 
-    /// Whether pressures weigh, and are believed.
+    /// Returns whether pressures weigh and are trusted.
     fn weighs(&self) -> bool {
         self.weigh.as_ref().is_some_and(Weigh::is_there) && !self.scale.is_doubted()
     }
 
-    /// Where pressures weigh beside a torque that has told something.
+    /// Updates the hypothesis of a gain that is off, where pressures weigh beside a torque that has informed the filter.
     fn doubt_gain(&mut self, drive: &Drive) {
         if self.weighs() && self.tail.is_due(drive.period) && self.parallel.is_driven() {
             let known = (self.stated[GAIN], self.disagreement());
@@ -460,17 +466,18 @@ impl Working {
         }
     }
 
-    /// From now on the description knows state `i` to this standard deviation.
+    /// Replaces the stated standard deviation of state `i`.
     fn restate(&mut self, i: usize, std: f64) {
         self.stated[i] = std;
         self.per_stated[i] = Self::per_stated(i, self.described[i], std);
     }
 
-    /// Keeps from now on what each tick does.
+    /// Starts to record the operations of each tick.
     pub(super) fn keep_trail(&mut self) {
         self.trailing = true;
     }
 
+    /// Holds the velocity at standstill, or restarts it, and ends the swing.
     fn rest(&mut self, velocity: f64, variance: f64, trail: &mut Option<Trail>) -> Innovation {
         self.filter.set(W, velocity, variance, trail);
         self.parallel.filter.set(W, velocity, variance, &mut None);
@@ -491,7 +498,7 @@ impl Working {
         Innovation::default()
     }
 
-    /// Sets off with a measured velocity, which is late by what the delay makes of the acceleration.
+    /// Starts a motion with a measured velocity, which lags by the delay times the acceleration.
     fn set_off(
         &mut self,
         velocity: f64,
@@ -507,13 +514,13 @@ impl Working {
         innovation
     }
 
-    /// The upper body turns on.
+    /// Advances the swing angle.
     fn swing(&mut self, period: f64) {
         self.angle += self.filter.x[W] * period;
         self.turn = sin_cos(self.angle);
     }
 
-    /// `share` of a new torque in the smoothed one.
+    /// Processes a tick of motion; `share`: weight of a new torque in the smoothed one.
     fn moving(
         &mut self,
         s: &Settings,
@@ -582,13 +589,13 @@ impl Working {
         innovation
     }
 
-    /// Whether the payload changes without a word, by a normalised innovation; true where it does once more though it may be any: what
-    /// does so is none.
+    /// Tests whether the payload changes without a joint motion; `z`: normalised innovation. Returns true where it changes again although
+    /// its variance was raised: then the cause is no payload.
     fn watch_payload(&mut self, s: &Settings, z: f64) -> bool {
         let weight = (self.filter.x[M], self.filter.p[M][M]);
         let anything = self.anything();
         if self.change.push(z.clamp(-3.0, 3.0)) {
-            // Where no torque acts, no payload tells.
+            // Without a torque, the motion carries no information about the payload.
             self.rides = is_quiet(s, self.torque);
             if self.rides {
                 self.agreement.interrupt();
@@ -610,7 +617,7 @@ impl Working {
         false
     }
 
-    /// Whether something pushes the upper body: what has changed is no payload, or none that a bucket may hold.
+    /// Tests whether something pushes the upper body: the change is no payload, or one that no bucket can hold.
     fn watch_pushes(&mut self, s: &Settings, no_payload: bool, trail: &mut Option<Trail>) {
         let (weight, range) = (self.filter.payload(&self.sticks), s.payload_range());
         let beyond = weight != weight.clamp(range[0], range[1]) && !self.attachment.is_possible();
@@ -626,13 +633,13 @@ impl Working {
         }
     }
 
-    /// What acts during a step, with what nobody measures of it.
+    /// Returns the inputs of a step, with the variance of what is not measured.
     fn input(&self, s: &Settings, drive: &Drive) -> Input {
         let sensor = s.sensors.swing_torque_std;
         let model = self.torque_share * self.largest;
         let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
         let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
-        // What the ground does to a bucket that digs lasts, unlike noise.
+        // The ground's force on a digging bucket is correlated in time, unlike noise.
         let pushed = if self.pushed || self.slow_for > CREPT {
             self.largest
         } else {
@@ -658,7 +665,8 @@ impl Working {
         }
     }
 
-    /// Nobody knows what drives the swing, or what it moves: its velocity says where the machine is, and nothing of the load.
+    /// Processes a tick in which the torque, the inertia or the drive of the swing is unknown. The velocity gives the swing angle, and no
+    /// information about the load.
     fn drifting(&mut self, s: &Settings, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
         if let Some(velocity) = drive.velocity {
             self.filter.set(W, velocity, drive.variance, trail);
@@ -668,7 +676,7 @@ impl Working {
         }
         self.filter.acceleration = 0.0;
         self.swing(drive.period);
-        // A bucket that opens loses its load, whatever drives the swing.
+        // A bucket that opens loses its load in any case.
         let input = self.input(s, drive);
         self.filter.leave(&input, trail);
         self.parallel.filter.leave(&input, &mut None);
@@ -677,7 +685,7 @@ impl Working {
         Innovation::default()
     }
 
-    /// Whether the tracks still turn the upper body: as long as no torque acts.
+    /// Returns whether tracks still turn the upper body: as long as no torque acts.
     fn is_riding(&mut self, s: &Settings, drive: &Drive, share: f64) -> bool {
         if self.rides {
             self.torque += share * (drive.torque - self.torque);
@@ -687,7 +695,7 @@ impl Working {
         self.rides
     }
 
-    /// The machine may be under way, with this probability: where it arrives, the ground slopes otherwise.
+    /// Adds the variance of another slope, as the machine may have travelled with this probability.
     fn travel(&mut self, probability: f64) {
         for i in [SLOPE, SLOPE + 1] {
             let anywhere = self.stated[i] * self.stated[i];
@@ -701,8 +709,8 @@ impl Working {
         }
     }
 
-    /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
-    /// the swing would pass for inclinations.
+    /// Measures the slope along the axes of the start, from pitch and roll of the standing upper body. During a swing, accelerations
+    /// would appear as inclination.
     fn incline(&mut self, [pitch, roll]: [f64; 2], trail: &mut Option<Trail>) {
         let (sin, cos) = self.turn;
         let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
@@ -721,7 +729,7 @@ impl Working {
         }
     }
 
-    /// Whether all numbers are sound. A variance below zero is looked for in the two filters beside the first in turn, each every 16 ticks.
+    /// Returns whether all numbers are sound. The two other filters are checked for negative variances alternately, each every 16 ticks.
     pub(super) fn is_sound(&self) -> bool {
         let beside = [&self.parallel.filter, &self.scale.filter];
         let in_turn = match self.ticks % 16 {
@@ -734,7 +742,7 @@ impl Working {
     }
 }
 
-/// Whether a torque is none: no more than friction, or than its zero and its noise, leave open.
+/// Returns whether a torque counts as none: within friction and the noise of its sensor.
 fn is_quiet(s: &Settings, torque: f64) -> bool {
     torque.abs() < s.coulomb_friction + NONE * s.sensors.swing_torque_std
 }
@@ -766,9 +774,9 @@ mod tests {
         working.begin_weighing(&drive, &mut None);
         let after = variances(&working);
         assert!((after[0] - doubts.weighed_gain_std * doubts.weighed_gain_std).abs() < 1e-12);
-        // The other one still may be any.
+        // The parallel filter's gain stays open.
         assert!(after[1] < before[1] && after[1] > 50.0 * after[0]);
-        // What the motion has told since is not set back.
+        // What motion has identified since is not reset.
         working.filter.p[GAIN][GAIN] = 1e-4;
         working.begin_weighing(&drive, &mut None);
         assert!((working.filter.p[GAIN][GAIN] - 1e-4).abs() < 1e-12);
@@ -808,13 +816,13 @@ mod tests {
         }
         assert!((working.filter.x[SLOPE + 1] + 0.06).abs() < 0.01);
         assert_eq!(working.reason(false, (false, false)), Reason::None);
-        // The motion says otherwise than the inclinometer.
+        // The motion contradicts the inclinometer.
         working.filter.x[SLOPE + 1] = 0.06;
         assert_eq!(working.reason(false, (false, false)), Reason::Slope);
     }
 
     #[test]
-    fn tracks_that_turn_the_machine_while_no_torque_acts_tell_nothing_of_it() {
+    fn tracks_that_turn_the_machine_while_no_torque_acts_inform_no_state() {
         let settings = Settings::of(&Description::default());
         let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
         let now = settings.geometry.inertia([0.6, -1.8, -1.5]);
@@ -832,8 +840,12 @@ mod tests {
                 ..Drive::default()
             };
             working.step(&settings, &drive, phase, &mut None);
-            let told = working.described[FRICTION] - working.filter.x[FRICTION];
-            (told == 0.0, working.contradiction.is_open(), working.rides)
+            let change = working.described[FRICTION] - working.filter.x[FRICTION];
+            (
+                change == 0.0,
+                working.contradiction.is_open(),
+                working.rides,
+            )
         };
         turn(0.0, 0.0, Phase::Held);
         turn(0.02, 0.0, Phase::Released(0.02));

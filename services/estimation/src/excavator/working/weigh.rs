@@ -1,7 +1,7 @@
-//! The moment of the boom's cylinders as a measurement of the filter.
+//! Moment of the boom cylinders as a measurement of the filter.
 //!
-//! Its model is that of [`super::super::measurements::boom_moment`]; here stand what its states are at first, how the rest of the friction
-//! wanders, and what does not fit.
+//! Its model is [`super::super::measurements::boom_moment`]. This module initialises the states of that model, and predicts the rest of
+//! the friction. It also gates measurements that do not fit.
 
 use super::super::cylinder::Cylinder;
 use super::super::drive::Drive;
@@ -14,69 +14,73 @@ use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::sqrt;
 
-/// Standard deviation of the load's centre, as a share of its distance from the pin.
+/// Standard deviation of the load's centre, as a share of its distance from the bucket pin.
 const CENTRE: f64 = 0.12;
-/// A zero and a span wander by their standard deviations in this time \[s\].
+/// Time in which zero, span and held friction wander by their stated standard deviations \[s\].
 const LASTING: f64 = 3600.0;
-/// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
-/// without a joint that digs.
+/// Gate of the innovation [standard deviations]: a measurement beyond it is not of the expected load.
 const GATE: f64 = 4.0;
+/// Number of consecutive measurements beyond the gate that indicates another load. No digging is needed: a hook takes a load too.
 pub(super) const LASTS: u32 = 5;
-/// What a measurement says holds for so long \[s\].
+/// Time for which a measurement is valid \[s\].
 const HOLDS: f64 = 1.0;
-/// Pressures that are missing for so long are not there any more \[s\].
+/// Time without pressures after which they count as missing \[s\].
 const GONE: f64 = 10.0;
-/// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
-/// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
+/// Oscillation of the moment of a standing machine, as a share of it, above which the load swings. Loads that do not: at most .0015; one
+/// on a hook: .0035 to .03.
 const WAVERING: f64 = 0.003;
+/// Time constant with which the oscillation is observed \[s\].
 const WATCHED: f64 = 2.5;
-/// Blocks that a joint which changed the content, and what swings with it, needs to come to rest (0.6 s).
+/// Number of blocks in which joints that changed the content, and what swings with them, come to rest (0.6 s).
 const SETTLES: u32 = 3;
+/// Largest change of the load's lever from block to block during that observation \[m\].
 const STILL: f64 = 0.02;
-/// Share of the rated payload below which nothing is in the bucket, or on the hook, that could swing.
+/// Share of the rated payload below which nothing in the bucket or on the hook can swing.
 const EMPTY: f64 = 0.1;
 
-/// Whether a measurement with this innovation is one of the load that is expected.
+/// Returns whether an innovation lies within the gate: the measurement is of the expected load.
 pub(super) fn fits(innovation: Innovation) -> bool {
     innovation.nis() < GATE * GATE
 }
 
-/// The moment while the machine stands.
+/// Observation of the moment while the machine stands.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Watched {
-    /// What the bucket held when the machine stood still \[kg\].
+    /// Content at the start of the stand \[kg\].
     payload: Option<f64>,
     /// Moment per kilogram of payload [N m/kg].
     lever: f64,
-    /// Mean of what the moment is apart from the expected one, and the last difference from it, as shares of it.
+    /// Deviation of the moment from the expected one, as shares of the moment: its mean, and the last difference from that mean.
     mean: f64,
     last: f64,
-    /// Blocks until the joints that changed the content have come to rest.
+    /// Number of blocks until the joints that changed the content are at rest.
     settling: u32,
 }
 
-/// The second witness.
+/// Load measurement by the boom pressures: the second witness beside the torque.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Weigh {
     cylinder: Cylinder,
     ground: Ground,
     moments: BoomMoment,
-    /// The states hold what the description says.
+    /// The pressure states have their described values and variances.
     begun: bool,
     watched: Watched,
-    /// Covariance of the moments of neighbouring blocks while the machine stands, as shares of them.
+    /// Covariance of the moments of consecutive blocks while the machine stands, as shares of the moment.
     wavering: f64,
-    /// Innovations beyond the gate in a row.
+    /// Number of consecutive innovations beyond the gate.
     strange: u32,
-    /// The last one was, in the air, though nothing moved.
+    /// The last innovation was beyond it, in the air, though nothing moved.
     misfits: bool,
-    /// The bucket has opened. Its angle at the last measurement that fitted \[rad\], which did not change while the load left.
+    /// The bucket has opened before.
     opened: bool,
+    /// Angle of the bucket at the last measurement within the gate \[rad\].
     angle: f64,
+    /// That angle did not change while the load left.
     frozen: bool,
-    /// Time since the last measurement that fitted \[s\].
+    /// Time since the last measurement within the gate \[s\].
     age: f64,
 }
 
@@ -98,37 +102,38 @@ impl Weigh {
         }
     }
 
-    /// A source that has the pressures.
+    /// Returns whether the source has pressures.
     pub(super) fn is_there(&self) -> bool {
         self.begun
     }
 
-    /// It had them, and has them no more.
+    /// Returns whether the pressures have been missing for long.
     pub(super) fn is_gone(&self) -> bool {
         self.moments.unread() > GONE
     }
 
-    /// The load has been weighed just now.
+    /// Returns whether the load was weighed just now.
     pub(super) fn is_fresh(&self) -> bool {
         self.age < HOLDS
     }
 
-    /// It has just weighed something else: that may be another load.
+    /// Returns whether the last measurement does not fit: the load may be another one.
     pub(super) fn misfits(&self) -> bool {
         self.misfits
     }
 
-    /// The bucket's angle repeats one value, while what it holds changes.
+    /// Returns whether the bucket's angle repeats one value while the content changes.
     pub(super) fn is_frozen(&self) -> bool {
         self.frozen
     }
 
-    /// The bucket may be filling.
+    /// Returns whether the bucket may be filling.
     pub(super) fn digs(&self) -> bool {
         self.ground.digs()
     }
 
-    /// The states of the filters are as the description says, where the pressures begin: then the standard deviations of span and zero.
+    /// Initialises the pressure states of the filters as described, at the first pressures. Then returns the standard deviations of span
+    /// and zero.
     pub(super) fn begin(
         &mut self,
         drive: &Drive,
@@ -140,7 +145,7 @@ impl Weigh {
         }
         self.begun = true;
         let c = &self.cylinder;
-        // The trail is that of the first filter.
+        // The trail records the first filter.
         let (mut trail, mut none) = (trail, None);
         for filter in filters {
             for (i, std) in [
@@ -157,7 +162,7 @@ impl Weigh {
         Some([c.span_std, c.zero_std])
     }
 
-    /// Span and zero as a calibration has found them err together.
+    /// Correlates span and zero as a calibration has found their errors.
     pub(super) fn correlate(&self, filter: &mut Filter) {
         let c = &self.cylinder;
         let variances = filter.p[SPAN][SPAN] * filter.p[ZERO][ZERO];
@@ -165,7 +170,8 @@ impl Weigh {
         (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
     }
 
-    /// One tick; sine and cosine of the swing angle, and the velocity; what becomes of the bucket's content, and whether the bucket opens.
+    /// Processes one tick; returns the moment of a complete block. `turn`: sine and cosine of the swing angle; `velocity`: of the swing;
+    /// `content`: its change; `opens`: the bucket opens.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
@@ -188,7 +194,7 @@ impl Weigh {
             self.opened = true;
         }
         if self.ground.may_touch() {
-            // What lies on the ground swings no more.
+            // A load on the ground no longer swings.
             self.forget();
         }
         let constant = content == Content::Unchanged && !opens;
@@ -209,7 +215,7 @@ impl Weigh {
         Some(moment)
     }
 
-    /// What the rest of the friction may be, and what it keeps of what it was.
+    /// Predicts the rest of the friction, and adds the random walks of zero, span and held friction.
     fn wander(
         &self,
         m: &Moment,
@@ -223,31 +229,31 @@ impl Weigh {
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
         let variance = m.rest(c.friction[0]) + doubt * doubt + centre * centre;
-        let kept = m.kept();
+        let decay = m.kept();
         if let Some(trail) = trail {
             let mut row = [0.0; N];
-            row[REST] = kept;
+            row[REST] = decay;
             trail.row(REST, &row);
         }
-        filter.x[REST] *= kept;
+        filter.x[REST] *= decay;
         for i in 0..N {
-            filter.p[REST][i] *= kept;
-            filter.p[i][REST] *= kept;
+            filter.p[REST][i] *= decay;
+            filter.p[i][REST] *= decay;
         }
-        // What is open of the seals' friction turns with the motion.
+        // The unknown part of the seals' friction changes with the direction of motion.
         let turned = m.turned * c.friction[1];
-        filter.p[REST][REST] += (1.0 - kept * kept) * variance + turned * turned;
+        filter.p[REST][REST] += (1.0 - decay * decay) * variance + turned * turned;
         let lost = m.period / LASTING;
         filter.p[ZERO][ZERO] += lost * c.zero_std * c.zero_std;
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
         filter.p[HELD][HELD] += lost * c.held_variance();
     }
 
-    /// What the states say of a moment, and how it depends on them.
+    /// Returns the expected moment and its row.
     pub(super) fn model(&self, filter: &Filter, m: &Moment) -> (f64, [(usize, f64); 10]) {
         let x = &filter.x;
         let [sin, cos] = m.turn;
-        // Pitch of the upper body, by the slope of the ground in the axes of the start.
+        // Pitch of the upper body, from the slope of the ground in the axes of the start.
         let pitch = -(x[SLOPE] * sin + x[SLOPE + 1] * cos);
         let [of_load, of_gain] = filter.load_row();
         let payload = filter.load();
@@ -277,8 +283,8 @@ impl Weigh {
         (expected, row)
     }
 
-    /// A filter that believes it takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the
-    /// innovation.
+    /// Predicts the friction, updates the filter with a moment, and returns the innovation. There is no update where the filter does not
+    /// trust the pressures, beyond the gate, or where the ground may carry part of the load.
     pub(super) fn measure(
         &self,
         settings: &Settings,
@@ -302,8 +308,8 @@ impl Weigh {
         innovation
     }
 
-    /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.
-    /// What is empty does not.
+    /// Observes the oscillation of the moment: a load that hangs or sloshes swings on while the machine stands. Friction, drawing and
+    /// noise do not oscillate from block to block, nor does an empty bucket.
     pub(super) fn watch(
         &mut self,
         m: &Moment,
@@ -326,7 +332,7 @@ impl Weigh {
             watched.payload = None;
             return;
         }
-        // A jump is no swing.
+        // A jump is no oscillation.
         if !fits(innovation) {
             return;
         }
@@ -341,32 +347,32 @@ impl Weigh {
         }
         watched.mean += share * (apart - watched.mean);
         let away = apart - watched.mean;
-        // Noise is another one in each block: its products are zero in the mean.
+        // Noise is independent from block to block: the mean of its products is zero.
         self.wavering += share * (away * watched.last - self.wavering);
         watched.last = away;
     }
 
-    /// The bucket holds something else.
+    /// Resets for another content of the bucket.
     pub(super) fn holds_another(&mut self) {
         self.forget();
         self.strange = 0;
         self.misfits = false;
     }
 
-    /// How the load swings is to be seen anew.
+    /// Restarts the observation of the oscillation.
     fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
         self.watched.settling = SETTLES;
     }
 
-    /// The load hangs, or swings otherwise.
+    /// Returns whether the load hangs, or swings for another reason.
     pub(super) fn swings(&self) -> bool {
         self.wavering > WAVERING * WAVERING
     }
 
-    /// The innovation of a measurement where the ground may carry part of it; whether a load of this weight may have been set down:
-    /// who lowers a hook or a clamp leaves it there. A bucket keeps it, and weighs as before when it is lifted.
+    /// Returns whether a load of this weight may have been set down, from an innovation in which the ground may carry part of it. A
+    /// lowered hook or clamp leaves its load there. A bucket retains it, and weighs the same when lifted.
     pub(super) fn sets_down(
         &mut self,
         innovation: Innovation,
@@ -381,9 +387,9 @@ impl Weigh {
         self.strange == 0
     }
 
-    /// The innovation of a measurement, the bucket's angle \[rad\], whether nothing moves; whether the load must be another one. Where less
-    /// is carried, the ground may carry the rest; a bucket that has opened before, and does not turn while its load leaves, has a frozen
-    /// angle.
+    /// Returns whether the load must be another one. `angle`: of the bucket \[rad\]; `still`: nothing moves. Where the load is lighter,
+    /// the ground may carry the rest. A bucket that has opened before, and whose angle repeats one value while its load leaves, has a
+    /// frozen angle.
     pub(super) fn renews(&mut self, innovation: Innovation, (angle, still): (f64, bool)) -> bool {
         if fits(innovation) {
             self.age = 0.0;
@@ -432,15 +438,15 @@ mod tests {
         weigh.step(&settings, &drive, motion, (Content::Unchanged, false));
     }
 
-    /// An innovation of so many standard deviations.
-    fn said(value: f64) -> Innovation {
+    /// An innovation of this many standard deviations.
+    fn innovation(value: f64) -> Innovation {
         Innovation {
             value,
             variance: 1.0,
         }
     }
 
-    /// A machine that stands for 6 s with a load and a moment that differs by a share from block to block.
+    /// Whether the load swings, on a machine that stands for 6 s with a moment that differs by a share from block to block.
     fn stands(payload: f64, share: impl Fn(f64) -> f64) -> bool {
         let mut weigh = described();
         weigh.forget();
@@ -451,7 +457,7 @@ mod tests {
                 period: 0.2,
                 ..Moment::default()
             };
-            weigh.watch(&moment, said(0.0), (payload, 1000.0), true);
+            weigh.watch(&moment, innovation(0.0), (payload, 1000.0), true);
         }
         weigh.swings()
     }
@@ -460,31 +466,31 @@ mod tests {
     fn only_a_load_that_is_gone_for_a_second_was_set_down() {
         let mut weigh = described();
         let load = (800.0, 1000.0);
-        // Every fourth block is carried in full: the ground carries part of it now and then.
+        // Every fourth block shows the full load: the ground carries part of it at times.
         for block in 0..40 {
             let value = if block % 4 == 3 { 0.0 } else { -10.0 };
-            assert!(!weigh.sets_down(said(value), load), "{block}");
+            assert!(!weigh.sets_down(innovation(value), load), "{block}");
         }
-        let gone = (0..LASTS).map(|_| weigh.sets_down(said(-10.0), load));
+        let gone = (0..LASTS).map(|_| weigh.sets_down(innovation(-10.0), load));
         assert_eq!(gone.filter(|gone| *gone).count(), 1);
-        assert!((0..9).all(|_| !weigh.sets_down(said(-10.0), (20.0, 1000.0))));
+        assert!((0..9).all(|_| !weigh.sets_down(innovation(-10.0), (20.0, 1000.0))));
     }
 
     #[test]
     fn another_weight_of_a_still_boom_is_seen_at_once_and_another_load_when_it_lasts() {
         let mut weigh = described();
         let (still, moves) = ((0.0, true), (0.0, false));
-        assert!(!weigh.renews(said(1.0), still) && !weigh.misfits());
-        assert!(!weigh.renews(said(-9.0), moves) && !weigh.misfits());
+        assert!(!weigh.renews(innovation(1.0), still) && !weigh.misfits());
+        assert!(!weigh.renews(innovation(-9.0), moves) && !weigh.misfits());
         for _ in 2..LASTS {
-            assert!(!weigh.renews(said(-9.0), still) && weigh.misfits());
+            assert!(!weigh.renews(innovation(-9.0), still) && weigh.misfits());
         }
-        assert!(weigh.renews(said(-9.0), still) && !weigh.misfits());
-        // What does not fit counts for one content.
-        weigh.renews(said(-9.0), still);
+        assert!(weigh.renews(innovation(-9.0), still) && !weigh.misfits());
+        // Measurements beyond the gate count within one content.
+        weigh.renews(innovation(-9.0), still);
         weigh.holds_another();
         assert!(!weigh.misfits());
-        assert!((1..LASTS).all(|_| !weigh.renews(said(-9.0), still)));
+        assert!((1..LASTS).all(|_| !weigh.renews(innovation(-9.0), still)));
     }
 
     #[test]
@@ -492,12 +498,12 @@ mod tests {
         let freezes = |opened: bool, turns: f64| {
             let mut weigh = described();
             weigh.opened = opened;
-            weigh.renews(said(0.0), (-1.5, true));
+            weigh.renews(innovation(0.0), (-1.5, true));
             (0..LASTS).for_each(|_| {
-                weigh.renews(said(-9.0), (-1.5 + turns, true));
+                weigh.renews(innovation(-9.0), (-1.5 + turns, true));
             });
             let freezes = weigh.is_frozen();
-            // It turns again, and no pressure is there any more.
+            // It turns again, without pressures.
             weigh.begun = true;
             tick(&mut weigh, -1.4, None);
             assert!(!weigh.is_frozen());
@@ -530,8 +536,8 @@ mod tests {
         );
     }
 
-    /// Moments of a boom that is raised and lowered in turn, by a second each, and stands for a second after each, with this load \[kg\]; a stop leaves
-    /// this share of the friction \[N\].
+    /// Moments of a boom that is raised and lowered alternately for 1 s each, with stands of 1 s, under this load \[kg\]. A stop leaves
+    /// the share `kept` of the friction \[N\].
     fn lifts(load: f64, friction: f64, kept: f64) -> impl Iterator<Item = Moment> {
         (0..800).map(move |block: u32| {
             let side = if (block / 10).is_multiple_of(2) {
@@ -549,7 +555,7 @@ mod tests {
                 per_payload,
                 lever,
                 side,
-                // Half of it is described to be left.
+                // The description states that half of it is left.
                 direction: if moves { side } else { 0.5 * side },
                 moves,
                 turned: if starts || block % 10 == 5 { 1.0 } else { 0.0 },
@@ -583,7 +589,7 @@ mod tests {
     }
 
     #[test]
-    fn pressures_that_are_gone_say_nothing_any_more() {
+    fn pressures_count_as_missing_after_a_while() {
         let mut weigh = described();
         weigh.begun = true;
         let mut gone_after = |seconds: u32, pressures| {
