@@ -1,80 +1,85 @@
-//! How probable it is that the boom's pressures show otherwise than they did.
+//! Odds that a boom pressure sensor has changed.
 //!
-//! An emptied bucket holds next to nothing. Who weighs it by what earlier ones told of span, zero and friction finds what he found then,
-//! unless a sensor shows otherwise. Bayes' rule with each emptied bucket:
+//! An emptied bucket holds next to nothing. Weighed by span, zero and friction as earlier buckets left them, it shows the same as those,
+//! unless a sensor has changed. Bayes' rule at each emptied bucket:
 //! ```text
 //! o <- [o/2 N(r; c, S) + (T/T_c)/R] / [(1 - p) N(r; 0, S) + p/R],   S = lambda C^2 V
 //! ```
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | o | odds that a sensor has changed | 1 |
-//! | r | what it shows, by the states as the buckets that were like each other left them | kg |
-//! | c | what the first one showed since they may have changed | kg |
-//! | V, C | variance that the filter claims of r, and by which share of its root buckets differ at first | kg^2, 1 |
-//! | lambda | by how much more or less they have differed since ([`Repeats`]) | 1 |
-//! | p | share of the emptied buckets that keep a part of their load, any | 1 |
+//! | r | mass that the bucket shows, by the states as the consistent buckets before left them | kg |
+//! | c | mass that the first bucket showed since a possible change | kg |
+//! | V, C | variance of r by the filter; share of its root by which buckets scatter at first | kg^2, 1 |
+//! | lambda | factor of that variance by the scatter observed since ([`Repeats`]) | 1 |
+//! | p | share of the emptied buckets that retain part of their load, of any size | 1 |
 //! | T, T_c | time since the last emptied bucket, and between two changes of a sensor | s |
 //! | R | rated payload | kg |
 //!
-//! One bucket that is unlike the others may have kept a part. A second one that shows the same tells. What neither hypothesis tells apart
-//! fades by a half. The filter takes in what it is shown: without the earlier states a sensor that has changed would be as ever after some loads.
+//! A single deviating bucket may have retained part of its load. A second one with the same deviation indicates the sensor. Where both
+//! hypotheses explain a bucket equally, the odds halve. The filter takes in what it is shown. Without the earlier states as a reference,
+//! a sensor change would be absorbed after some loads.
 
 use super::filter::{BUCKET, HELD, LINKS, SPAN, Vector, ZERO};
 use crate::Quantity;
 use crate::math::{exp, sqrt};
 use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
-/// What emptied buckets tell of, and loads hardly.
-const TOLD: [usize; 5] = [SPAN, ZERO, HELD, BUCKET, LINKS];
-/// A claim beyond this share of the rated payload tells nothing.
+/// States that emptied buckets identify, and loads hardly.
+const IDENTIFIED: [usize; 5] = [SPAN, ZERO, HELD, BUCKET, LINKS];
+/// Standard deviation above which a bucket carries no information, as a share of the rated payload.
 const SHARP: f64 = 0.2;
-/// Emptied buckets differ by this share of the deviation that is claimed, until they have shown by how much: .31 to .53 on eight machines of
-/// others, .13 to .15 on ours.
+/// Scatter of emptied buckets as a share of the filter's standard deviation, until it has been observed. It is .31 to .53 on eight
+/// machines of independent simulators, .13 to .15 on heft's own.
 const CLAIMED: f64 = 0.55;
-/// Share of the emptied buckets that keep a part of their load: frozen, sticky.
+/// Share of the emptied buckets that retain part of their load: frozen or sticky soil.
 const PARTS: f64 = 0.03;
-/// Square of the standard deviations within which an emptied bucket is like the others.
-const ALIKE: f64 = 4.0;
-/// What the earlier states take at least of what a bucket like the others leaves: zeros warm up, soil dries.
+/// Square of the gate within which an emptied bucket is consistent with earlier ones [standard deviations squared].
+const CONSISTENT: f64 = 4.0;
+/// Least gain with which the reference follows a consistent bucket: zeros warm up, soil dries.
 const LEAST_GAIN: f64 = 0.2;
 /// Share of the changed sensors that show the next bucket as they showed the last.
 const STAYS: f64 = 0.5;
-/// Odds beyond which the pressures are not believed (probability .05), and those beyond which nothing is more certain.
+/// Odds above which the pressures are not trusted (probability .05).
 const DOUBTED: f64 = 0.05 / 0.95;
+/// Upper limit of the odds.
 const MOST: f64 = 1e3;
 
 /// Memory of emptied buckets.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Changed {
-    /// The states as buckets that were like each other left them, in the mean; so many.
+    /// Reference: mean of the states that consistent buckets left.
     known: Option<Vector>,
+    /// Number of those buckets.
     count: f64,
     repeats: Repeats,
     odds: f64,
-    /// What the first one showed since the pressures may have changed [kg].
+    /// Mass that the first bucket showed since the pressures may have changed [kg].
     other: f64,
     /// Time since the last emptied bucket \[s\].
     since: f64,
 }
 
 impl Changed {
-    /// Time passes.
+    /// Advances the time.
     pub(super) fn wait(&mut self, period: f64) {
         self.since += period;
     }
 
-    /// What these states make of a measurement of `row x` beyond what the earlier ones do.
+    /// Returns by how much these states change a measurement of `row x` against the reference, as far as emptied buckets identify them.
     pub(super) fn apart(&self, row: &[(usize, f64)], x: &Vector) -> f64 {
         let Some(known) = &self.known else {
             return 0.0;
         };
-        let told = row.iter().filter(|(i, _)| TOLD.contains(i));
-        told.map(|&(i, entry)| entry * (x[i] - known[i])).sum()
+        let identified = row.iter().filter(|(i, _)| IDENTIFIED.contains(i));
+        identified
+            .map(|&(i, entry)| entry * (x[i] - known[i]))
+            .sum()
     }
 
-    /// An emptied bucket shows this by the earlier states, and leaves these. One of which nobody knows whether it is the same bucket tells
-    /// nothing where it is unlike the others.
+    /// Updates with an emptied bucket: the mass `shown` by the reference, and the states that it leaves. Where it may be another bucket
+    /// (not `is_same`), it counts only if consistent with the others.
     pub(super) fn emptied(&mut self, shown: Quantity, x: &Vector, is_same: bool, rated: f64) {
         let is_sharp = shown.std < SHARP * rated;
         if !is_sharp {
@@ -86,12 +91,12 @@ impl Changed {
         };
         let claimed = CLAIMED * shown.std;
         let std = sqrt(self.repeats.ratio()) * claimed;
-        let alike = shown.value * shown.value < ALIKE * std * std;
-        if !is_same && !alike {
+        let consistent = shown.value * shown.value < CONSISTENT * std * std;
+        if !is_same && !consistent {
             return;
         }
-        if !alike && shown.value < 0.0 && self.count < 2.0 {
-            // Nothing weighs less than an empty bucket: the first one had kept a part.
+        if !consistent && shown.value < 0.0 && self.count < 2.0 {
+            // No bucket weighs less than an empty one: the first one had retained a part.
             (self.known, self.count, self.since) = (Some(*x), 1.0, 0.0);
             return;
         }
@@ -101,16 +106,16 @@ impl Changed {
         };
         let same = (1.0 - PARTS) * density(shown.value) + PARTS / rated;
         let changed = STAYS * self.odds * density(shown.value - self.other);
-        let anew = core::mem::take(&mut self.since) / BETWEEN_CHANGES / rated;
-        self.odds = ((changed + anew) / same).min(MOST);
-        if anew > changed {
+        let new_change = core::mem::take(&mut self.since) / BETWEEN_CHANGES / rated;
+        self.odds = ((changed + new_change) / same).min(MOST);
+        if new_change > changed {
             self.other = shown.value;
         }
         if self.odds > DOUBTED {
             return;
         }
-        self.repeats.see(shown.value / claimed, alike);
-        if alike {
+        self.repeats.see(shown.value / claimed, consistent);
+        if consistent {
             self.count += 1.0;
             let gain = LEAST_GAIN.max(1.0 / self.count);
             for (known, x) in known.iter_mut().zip(x) {
@@ -119,7 +124,7 @@ impl Changed {
         }
     }
 
-    /// Another bucket: the next emptied one is the first.
+    /// Resets for another bucket: the next emptied one is the reference.
     pub(super) fn forget(&mut self) {
         (self.known, self.odds) = (None, 0.0);
     }
@@ -129,7 +134,7 @@ impl Changed {
         self.odds
     }
 
-    /// A change is too probable for the pressures to be believed.
+    /// Returns whether a change is too probable for the pressures to be trusted.
     pub(super) fn is_doubted(&self) -> bool {
         self.odds > DOUBTED
     }
@@ -140,7 +145,7 @@ mod tests {
     use super::super::filter::N;
     use super::*;
 
-    /// After emptied buckets that show this [kg], each 20 s after the one before, by rows that claim 25 kg.
+    /// State after emptied buckets that show these masses [kg], 20 s apart, with a standard deviation of 25 kg by the filter.
     fn after(shown: &[f64], is_same: bool) -> Changed {
         let mut changed = Changed::default();
         for &value in shown {
@@ -152,22 +157,22 @@ mod tests {
     }
 
     #[test]
-    fn two_buckets_that_show_the_same_tell_and_one_does_not() {
+    fn two_equal_deviations_indicate_the_sensor_and_one_does_not() {
         let sound = [3.0, -4.0, 6.0, 2.0, 5.0, -3.0];
         assert!(after(&sound, true).odds() < 1e-3);
         let with = |more: &[f64]| after(&[&sound, more].concat(), true);
         assert!(!with(&[60.0]).is_doubted());
         assert!(with(&[60.0, 55.0]).odds() > 1.0);
-        // It kept a part, once.
+        // It retained a part, once.
         assert!(!with(&[60.0, 2.0]).is_doubted());
         assert!(!with(&[60.0, 2.0, 200.0, -5.0]).is_doubted());
-        // A bucket of which nobody knows whether it is the same.
+        // A bucket that may be another one.
         let other = after(&[&sound[..], &[60.0; 9]].concat(), false);
         assert!(other.odds() < 1e-3);
     }
 
     #[test]
-    fn buckets_that_differ_by_what_is_claimed_are_alike() {
+    fn buckets_that_scatter_as_claimed_are_consistent() {
         let sticky = [30.0, -20.0, 40.0, 10.0, -35.0, 25.0, 45.0, 40.0, -10.0];
         for told in 1..=sticky.len() {
             assert!(!after(&sticky[..told], true).is_doubted(), "{told}");

@@ -1,15 +1,15 @@
-//! What the motion has told of the machine's constants fades towards what the description says.
+//! Fading of the machine's constants towards their description.
 //!
 //! ```text
 //! c <- d + k (c - d),   P_cc <- k^2 P_cc + (1 - k^2) S,   P_co <- k P_co,   k = exp(-dt / LASTS)
 //! ```
-//! with c the constants, d and S what the description says of them, o the other states (Ornstein, Uhlenbeck). No model is exact: what
-//! it misses pushes the constants the same way in each swing. A filter that takes them for constants knows them ever more closely, and
-//! after hours believes a machine that is none. That the motion pushes no further than what is missed is due to the states' units
+//! c are the constants, d and S their described values and covariance, o the other states (Ornstein, Uhlenbeck). No model is exact: its
+//! errors push the constants in the same direction in each swing. A filter that takes them for constant becomes ever more certain, and
+//! after hours trusts a machine that does not exist. The motion pushes no further than the model's errors, because of the states' units
 //! ([`super::filter`]).
 //!
-//! Pressures alone are told the same by the drawing's errors in each cycle of digging and dumping, and no swing contradicts them. So
-//! what they tell counts for a cycle; that of the slope too, which they tell from the same postures.
+//! With pressures alone, the drawing's errors act equally in each cycle of digging and dumping, and no swing contradicts them. Their
+//! information therefore lasts for one cycle. So does that about the slope, which comes from the same postures.
 
 use super::Working;
 use super::correlations::correlate;
@@ -18,29 +18,30 @@ use super::trail::Trail;
 use crate::excavator::settings::Settings;
 use crate::math::exp;
 
-/// What motion tells counts for so long, in motion [s]. A simulated machine with pressures is trusted no more after two hours without
-/// fading; with 300 s it is for all of them.
+/// Time constant of what motion has identified, in motion [s]. Without fading, a simulated machine with pressures is no longer trusted
+/// after two hours. With 300 s it is, for all of them.
 const LASTS: f64 = 300.0;
-/// Between two times that it fades, in motion [s]: little fades in between.
+/// Time between two steps of fading, in motion [s]: little fades in between.
 const EVERY: f64 = 20.0;
-/// The same of what pressures alone tell [s]: a cycle of an excavator lasts 15 to 25 s. From 5 to 40 s no sound machine is trusted wrongly;
-/// with 300 s the inertia is a tenth too small after half an hour, for each of four simulated machines.
+/// Time constant with pressures alone [s]: a cycle of an excavator lasts 15 to 25 s. From 5 to 40 s no sound machine is trusted wrongly.
+/// With 300 s the inertia is a tenth too small after half an hour, for each of four simulated machines.
 const LASTS_ALONE: f64 = 20.0;
+/// Time between two steps of fading with pressures alone [s].
 const EVERY_ALONE: f64 = 2.0;
-/// Constants that grow together and leave every motion as it is.
+/// Constants that can grow together without changing any motion.
 pub(super) const CONSTANTS: [usize; 5] = [GAIN, UPPER, BUCKET, LINKS, SPAN];
-/// Those that pressures alone tell only from the postures of a cycle.
+/// Constants that pressures alone identify only from the postures of a cycle.
 const CONSTANTS_ALONE: [usize; 7] = [GAIN, UPPER, BUCKET, LINKS, SPAN, SLOPE, SLOPE + 1];
 
 impl Working {
-    /// Time in motion passes.
+    /// Advances the time in motion, and fades the constants when it is due.
     pub(super) fn fade(&mut self, settings: &Settings, period: f64, trail: &mut Option<Trail>) {
-        if let Some(kept) = self.kept(period, (LASTS, EVERY)) {
-            self.fade_all(settings, (&CONSTANTS, kept), trail);
+        if let Some(remaining) = self.remaining(period, (LASTS, EVERY)) {
+            self.fade_all(settings, (&CONSTANTS, remaining), trail);
         }
     }
 
-    /// A block of the pressures is over in which joints have moved, and no torque has ever told anything.
+    /// The same after a block of the pressures in which joints have moved, before any torque has informed the filter.
     #[inline(never)]
     pub(super) fn fade_alone(
         &mut self,
@@ -48,13 +49,13 @@ impl Working {
         period: f64,
         trail: &mut Option<Trail>,
     ) {
-        if let Some(kept) = self.kept(period, (LASTS_ALONE, EVERY_ALONE)) {
-            self.fade_all(settings, (&CONSTANTS_ALONE, kept), trail);
+        if let Some(remaining) = self.remaining(period, (LASTS_ALONE, EVERY_ALONE)) {
+            self.fade_all(settings, (&CONSTANTS_ALONE, remaining), trail);
         }
     }
 
-    /// The share that is kept, where enough time has passed.
-    fn kept(&mut self, period: f64, (lasts, every): (f64, f64)) -> Option<f64> {
+    /// Returns the share of the deviations that remains, once enough time has passed.
+    fn remaining(&mut self, period: f64, (lasts, every): (f64, f64)) -> Option<f64> {
         self.unfaded += period;
         // Periods are rounded.
         (self.unfaded + 0.5 * period >= every)
@@ -65,7 +66,7 @@ impl Working {
     fn fade_all(
         &mut self,
         settings: &Settings,
-        (states, kept): (&'static [usize], f64),
+        (states, remaining): (&'static [usize], f64),
         trail: &mut Option<Trail>,
     ) {
         let described = self.described(settings);
@@ -74,15 +75,15 @@ impl Working {
             &mut self.parallel.filter,
             &mut self.scale.filter,
         ] {
-            filter.fade(&described, kept, states);
+            filter.fade(&described, remaining, states);
         }
         self.scale.has_no_torque();
         if let Some(trail) = trail {
-            trail.fade(states, kept);
+            trail.fade(states, remaining);
         }
     }
 
-    /// What the description says of all states.
+    /// Description of all states, with its covariance.
     pub(super) fn described(&self, settings: &Settings) -> Filter {
         let mut described = Filter::new(self.described, &self.stated);
         if let Some((doubts, found)) = settings.doubts.as_ref().and_then(|d| Some((d, d.found?))) {
@@ -96,16 +97,16 @@ impl Working {
 }
 
 impl Filter {
-    /// Of what was told of these states this share is kept.
-    pub(super) fn fade(&mut self, described: &Self, kept: f64, states: &[usize]) {
+    /// Fades these states towards their description; the share `remaining` of the deviation remains.
+    pub(super) fn fade(&mut self, described: &Self, remaining: f64, states: &[usize]) {
         for &i in states {
-            self.x[i] = described.x[i] + kept * (self.x[i] - described.x[i]);
+            self.x[i] = described.x[i] + remaining * (self.x[i] - described.x[i]);
             for j in 0..N {
-                self.p[i][j] *= kept;
-                self.p[j][i] *= kept;
+                self.p[i][j] *= remaining;
+                self.p[j][i] *= remaining;
             }
         }
-        let lost = 1.0 - kept * kept;
+        let lost = 1.0 - remaining * remaining;
         for &i in states {
             for &j in states {
                 self.p[i][j] += lost * described.p[i][j];

@@ -1,30 +1,33 @@
-//! What motion has told of what turns, since it was known before: where the model holds, it has moved by as much as its variance has lost.
+//! Change of the estimated inertia by motion since an earlier estimate. Where the model holds, its mean square equals the variance lost.
 
 use super::filter::{BUCKET, Filter, GAIN, LINKS, M, UPPER};
 use crate::excavator::geometry::Inertia;
 
-/// Share of its variance that what turns must have lost to have been told.
-const TOLD: f64 = 0.5;
-/// Within so many standard deviations it is as foreseen.
+/// Share of its variance that the inertia must have lost to count as estimated.
+const LEARNT: f64 = 0.5;
+/// Gate within which the change is as predicted [standard deviations of the variance lost].
 const AGREES: f64 = 2.0;
-/// What motion has told of what turns per measured torque: by how much it has moved [kg m^2], and how much variance it has lost, from
-/// how much [(kg m^2)^2].
+/// Change of the inertia per measured torque, by motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moved {
+    /// Change of the value [kg m^2].
     pub(super) by: f64,
+    /// Variance lost [(kg m^2)^2].
     pub(super) lost: f64,
+    /// Variance before [(kg m^2)^2].
     pub(super) variance: f64,
 }
 
 impl Moved {
-    /// Whether it is as was foreseen: where the model holds it has moved by as much as its variance has lost.
+    /// Returns whether enough variance was lost, and the change lies within the gate that it sets.
     pub(super) fn is_foreseen(&self) -> bool {
-        self.lost > TOLD * self.variance && self.by * self.by < AGREES * AGREES * self.lost
+        self.lost > LEARNT * self.variance && self.by * self.by < AGREES * AGREES * self.lost
     }
 }
 
 impl Filter {
-    /// What motion has told since this of what turns per measured torque; with a content of none, of this variance [kg^2].
+    /// Returns the change from this filter to `after` of the inertia per measured torque, with an empty content of variance `content`
+    /// [kg^2].
     pub(super) fn moved(&self, after: &Self, content: f64, now: &Inertia) -> Moved {
         let content_row = (M, now.per_payload);
         let [upper, bucket, links, gain] = [
@@ -52,7 +55,7 @@ pub(super) mod tests {
     use crate::excavator::keys::Description;
     use crate::excavator::settings::Settings;
 
-    /// By what an emptied bucket moves what swings have told of what turns, when the torque is `wrong` by a factor; with the posture.
+    /// Change by an emptied bucket after correct swings, when the torque is then `wrong` by a factor; with the posture.
     pub(in super::super) fn moved(settings: &Settings, wrong: f64) -> (Moved, Drive) {
         let working = Working::new(settings, &settings.doubts.expect("doubts"));
         let posture = [0.6, -1.8, -1.5];
@@ -65,17 +68,17 @@ pub(super) mod tests {
             (LINKS, now.links),
             (GAIN, -now.empty),
         ];
-        let tell = |filter: &mut Filter, wrong: f64| {
+        let measure = |filter: &mut Filter, wrong: f64| {
             let value = (wrong - 1.0) * now.empty - filter.combination(&row).0;
             let variance = 1e-4 * now.empty * now.empty;
             filter.measure(row, value, variance, 1e9, &mut None);
         };
         let content = 17.0 * 17.0;
         known.set(M, 0.0, content, &mut None);
-        (0..3).for_each(|_| tell(&mut known, 1.0));
+        (0..3).for_each(|_| measure(&mut known, 1.0));
         let mut after = known.clone();
         after.set(M, 0.0, content, &mut None);
-        (0..9).for_each(|_| tell(&mut after, wrong));
+        (0..9).for_each(|_| measure(&mut after, wrong));
         let drive = Drive {
             posture,
             now,

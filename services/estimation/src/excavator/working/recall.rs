@@ -1,10 +1,11 @@
-//! What was known before a contradiction is known again.
+//! Recall of confirmed knowledge after a contradiction.
 //!
-//! A filter that takes in what a broken sensor says is wrong for good: its constants are off by more than it claims, so that no emptied
-//! bucket weighs nothing any more, however sound the sensor is by then. So what was known when emptied buckets weighed nothing
-//! is kept, and while something is contradicted each new content is weighed by that alone. A fault that lasts contradicts it again.
+//! A filter that takes in the values of a broken sensor stays wrong: its constants are off by more than their variances allow. Emptied
+//! buckets then no longer weigh nothing, however sound the sensor is by then. The knowledge at which they did weigh nothing is therefore
+//! stored. While something is contradicted, each new content is weighed by that alone. A fault that lasts contradicts it again.
 //!
-//! It ages meanwhile: it fades towards the description ([`super::fading`]), oil warms up, and the ground may be another one.
+//! The stored knowledge ages: it fades towards the description ([`super::fading`]), friction and damping wander, and the ground may slope
+//! in another way.
 
 use super::Working;
 use super::fading::CONSTANTS;
@@ -14,9 +15,9 @@ use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 use crate::math::exp;
 
-/// A sensor that breaks goes unnoticed for less than this time in motion \[s\].
+/// Upper limit of the time in motion for which a broken sensor goes unnoticed \[s\].
 const UNNOTICED: f64 = 60.0;
-/// The machine is another one within this time in motion \[s\]: while it is contradicted, no swing confirms what was known.
+/// Time constant of the stored knowledge, in motion \[s\]: while the machine is contradicted, no swing confirms it.
 const LASTS: f64 = 3600.0;
 
 /// Knowledge that an emptied bucket has confirmed.
@@ -24,24 +25,27 @@ const LASTS: f64 = 3600.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Recall {
     confirmed: Option<Filter>,
-    /// The same of an emptied bucket since: a sensor that breaks may be believed for a while.
+    /// Knowledge of a later emptied bucket, not confirmed yet: a broken sensor may be trusted for a while.
     candidate: Option<Filter>,
-    /// Time in motion; when the content was seen to be another one, when knowledge was confirmed or recalled, and the candidate was \[s\].
+    /// Time in motion \[s\].
     time: f64,
+    /// When the content last changed \[s\].
     seen_at: f64,
+    /// When the confirmed knowledge was stored or recalled \[s\].
     confirmed_at: f64,
+    /// When the candidate was stored \[s\].
     candidate_at: f64,
-    /// Joint angles that have jumped are put to the test.
+    /// Test of joint angles that have jumped.
     pub(super) trial: Option<Trial>,
 }
 
 impl Recall {
-    /// Time in motion passes.
+    /// Advances the time in motion.
     pub(super) fn ages(&mut self, period: f64) {
         self.time += period;
     }
 
-    /// An emptied bucket weighs nothing, and nothing is contradicted.
+    /// Stores the knowledge of an emptied bucket that weighs nothing, while nothing is contradicted.
     fn confirm(&mut self, filter: &Filter) {
         if self.candidate.is_some() && self.time < self.candidate_at + UNNOTICED {
             return;
@@ -52,20 +56,20 @@ impl Recall {
         }
     }
 
-    /// Whether anything has been confirmed.
+    /// Returns whether any knowledge has been confirmed.
     pub(super) fn is_there(&self) -> bool {
         self.confirmed.is_some()
     }
 
-    /// Something else is known from now on, which motion did not tell.
+    /// Discards the stored knowledge: the filters now hold information that is not from motion.
     pub(super) fn forget(&mut self) {
         (self.confirmed, self.candidate) = (None, None);
     }
 }
 
 impl Working {
-    /// Whether an emptied bucket tells what turns as was known before something was contradicted; none where nothing was known. Variance of
-    /// an empty bucket's content [kg^2].
+    /// Returns whether an emptied bucket gives the same inertia as was known before a contradiction; `None` where nothing was. `content`:
+    /// variance of an empty bucket's content [kg^2].
     #[inline(never)]
     pub(super) fn agrees_with_before(
         &mut self,
@@ -83,7 +87,7 @@ impl Working {
         Some(passed && moved.is_foreseen())
     }
 
-    /// The content is another one: what was told before is kept, or where it is contradicted not believed.
+    /// Ends a content: its knowledge is stored, or replaced by the confirmed one where something is contradicted.
     pub(super) fn recall(&mut self, settings: &Settings) {
         let time = self.recall.time;
         if core::mem::replace(&mut self.recall.seen_at, time) == time {
@@ -105,13 +109,13 @@ impl Working {
             self.begins_with(&known);
             self.recall.confirmed = Some(known);
         } else if self.scale.may_have_misled(self.contradiction.is_outright()) {
-            // The pressures have told it what may be wrong.
+            // The pressures may have misled the filter.
             self.begins_with(&self.described(settings));
             self.parallel.is_as_described();
         }
     }
 
-    /// What was known before fades.
+    /// Ages stored knowledge.
     fn ages_since(&mut self, known: &mut Filter, settings: &Settings) {
         let time = self.recall.time;
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
@@ -124,7 +128,7 @@ impl Working {
         }
     }
 
-    /// This is known, and nothing else.
+    /// Restarts all filters from this knowledge alone.
     fn begins_with(&mut self, known: &Filter) {
         let velocity = (self.filter.x[W], self.filter.p[W][W]);
         self.filter = known.clone();
@@ -159,10 +163,10 @@ mod tests {
         }
         working.contradiction.outright();
         let (upper, velocity) = content_changes(&mut working, 500.0);
-        // The last one may have been told by what broke; and it has faded.
+        // The broken sensor may have informed the last one; and the one before has faded.
         assert!(upper > 9.0 && upper < 10.0, "{upper}");
         assert_eq!(velocity, 0.3);
-        // It is over, and something else breaks before anything has been confirmed anew.
+        // The fault is over, and another one occurs before anything has been confirmed again.
         for _ in 0..3 {
             working.contradiction.agrees();
             content_changes(&mut working, 12.0);

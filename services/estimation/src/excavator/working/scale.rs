@@ -1,23 +1,24 @@
-//! The load by the boom's pressures alone, beside the filter that has the torque too.
+//! Load by the boom's pressures alone, in a filter beside the one that has the torque too.
 //!
-//! Where torque and load contradict each other, the filter of both is wrong, and which of them is nobody knows. Then this one answers: the
-//! torque, which is the one that mostly errs, has never touched it. In [`ERRS`] of such cases the pressures err, and the bucket may hold
-//! anything. A load that no bucket holds tells that they do (Bayes): sensors on the wrong side of a load-holding valve weigh less
-//! than nothing. So does an emptied bucket that weighs something, for which pressures that err are so much likelier:
+//! Where torque and load contradict each other, the filter of both is wrong, and the failed sensor is unknown. Then this filter answers:
+//! the torque errs most often, and has never informed it. With probability [`ERRS`] the pressures err in such a case, and the bucket may
+//! hold anything. A load that no bucket can hold indicates that they do (Bayes): sensors on the wrong side of a load-holding valve show
+//! less than nothing. An emptied bucket that weighs something indicates the same, by the likelihood ratio
 //! ```text
 //! p(z | they err)/p(z | they do not) = exp(z^2/2v)/sqrt(1 + A/v)
 //! ```
-//! with z what its first blocks differ by from what is expected, v its variance, A that of anything in the bucket.
+//! with z the deviation of its first blocks from the expected moment, v its variance, and A the variance that any content of the bucket
+//! adds.
 //!
-//! A filter that takes in both bends its constants until both fit. So where they begin to contradict each other, the torque goes on alone,
-//! and weighs each load beside this one. The same ratio, of what both weigh and of emptied buckets, tells whether they differ. Both are
-//! believed again where they do not; where the pressures err with odds of [`SURE`], the torque alone is. An emptied bucket may make them
-//! err so before anything contradicts them. Then it goes on alone too, unless the bucket may be another one: a coupler needs a stand
-//! ([`super::attachment`]).
+//! A filter that takes in both bends its constants until both fit. Where they begin to contradict each other, the torque therefore goes
+//! on alone, and weighs each load beside this filter. The same ratio, for loads that both weigh and for emptied buckets, shows whether
+//! they differ. Both are trusted again where they do not. Where the pressures err with odds of [`SURE`], the torque alone is trusted. An
+//! emptied bucket may indicate that the pressures err before anything contradicts them. Then the torque goes on alone too, unless the
+//! bucket may be another one: a coupler needs a stand ([`super::attachment`]).
 //!
-//! What emptied buckets show from one to the next tells more of a sensor that changes during work ([`super::changed`]).
+//! Differences between successive emptied buckets are more informative of a sensor that changes during work ([`super::changed`]).
 //!
-//! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
+//! The filter has no motion, so a tick costs nothing: it updates with each block of the pressures.
 
 use super::super::measurements::boom_moment::Moment;
 use super::super::settings::Settings;
@@ -30,39 +31,45 @@ use crate::excavator::geometry::Inertia;
 use crate::kalman::Innovation;
 use crate::math::{exp, sqrt};
 
-/// Probability that the pressures are wrong where torque and load contradict each other, and nothing else tells; odds of it.
+/// Probability that the pressures err where torque and load contradict each other, without other evidence.
 const ERRS: f64 = 0.1;
+/// Those odds, which are also the lower limit.
 const LEAST_ODDS: f64 = ERRS / (1.0 - ERRS);
+/// Upper limit of the odds.
 const MOST_ODDS: f64 = 1e3;
-/// Odds at which the pressures err surely enough: the interval leaves as much out.
+/// Odds at which the pressures are taken to err: the 95 % interval leaves out as much.
 const SURE: f64 = 20.0;
-/// A load is known where its variance is this share of that of any.
+/// Variance of a load below which it is known, as a share of that of an unknown load.
 const KNOWN: f64 = 0.1;
-/// One emptied bucket says no more than this (logarithm).
-const SAYS: f64 = 12.0;
+/// Limit of the log likelihood ratio of one emptied bucket or load.
+const MAX_LOG_RATIO: f64 = 12.0;
 
-/// A filter without motion.
+/// Filter without motion.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Scale {
     pub(super) filter: Filter,
+    /// Number of consecutive innovations beyond the gate.
     strange: u32,
     /// Odds that the pressures err.
     errs: f64,
-    /// The torque goes on alone; odds that it weighs other loads, and how far apart both are in the present one.
+    /// Torque and load contradict each other.
     contradicted: bool,
+    /// The torque goes on alone.
     doubted: bool,
+    /// Odds that torque and pressures weigh different loads.
     differs: f64,
+    /// Difference between their weights of the present content.
     apart: Option<Innovation>,
-    /// The bucket is emptied, and nothing has weighed it since.
+    /// The bucket has been emptied, and has not been weighed since.
     asked: bool,
-    /// An emptied bucket makes the pressures err, and it is the one that weighed nothing before.
+    /// An emptied bucket has just shown that the pressures err, and it is the bucket that weighed nothing before.
     misled: bool,
     changed: Changed,
 }
 
 impl Scale {
-    /// That knows what this one knows.
+    /// Starts from the knowledge of a filter.
     pub(super) fn new(filter: &Filter) -> Self {
         let mut scale = Self {
             filter: filter.clone(),
@@ -80,30 +87,30 @@ impl Scale {
         scale
     }
 
-    /// It knows this from now on.
+    /// Restarts from the knowledge of a filter.
     pub(super) fn knows(&mut self, filter: &Filter) {
         self.filter = filter.clone();
         self.has_no_torque();
     }
 
-    /// It weighs true masses.
+    /// Fixes the gain: this filter weighs true masses.
     pub(super) fn has_no_torque(&mut self) {
         self.filter.set(GAIN, 0.0, 0.0, &mut None);
     }
 
-    /// The bucket holds this from now on \[kg\]; whether it is emptied.
+    /// Sets another content of the bucket \[kg\]; `is_emptied`: the bucket has been emptied.
     pub(super) fn hold(&mut self, (value, std): (f64, f64), is_emptied: bool) {
         self.filter.set(M, value, std * std, &mut None);
         self.strange = 0;
         self.asked = is_emptied;
     }
 
-    /// Part of the load leaves.
+    /// Removes the share of the load that leaves.
     pub(super) fn leave(&mut self, input: &Input) {
         self.filter.leave(input, &mut None);
     }
 
-    /// The slope that the inclinometer shows, unless it is known to this variance; and the variance of a sample.
+    /// Measures the slope by the inclinometer, unless its variance is below `known`; `variance`: of a sample.
     pub(super) fn incline(&mut self, slopes: [f64; 2], known: f64, variance: f64) {
         for (i, slope) in (SLOPE..).zip(slopes) {
             if self.filter.p[i][i] > known {
@@ -114,12 +121,12 @@ impl Scale {
         }
     }
 
-    /// The bucket may be another one.
+    /// Resets the memory of emptied buckets, since the bucket may be another one.
     pub(super) fn has_another_bucket(&mut self) {
         self.changed.forget();
     }
 
-    /// A block of the pressures; `rated` payload \[kg\]; whether the bucket is `known`: nobody can have changed it.
+    /// Updates with a block of the pressures. `rated`: payload \[kg\]; `known`: the bucket cannot have been exchanged.
     pub(super) fn weigh(
         &mut self,
         weigh: &Weigh,
@@ -134,8 +141,8 @@ impl Scale {
         } else {
             0.0
         };
-        let said = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
-        if moment.touches || fits(said) {
+        let innovation = weigh.measure(settings, moment, (&mut self.filter, true), &mut None);
+        if moment.touches || fits(innovation) {
             self.strange = 0;
         } else {
             self.strange += 1;
@@ -146,11 +153,11 @@ impl Scale {
         if self.asked && !moment.touches && (lasts || self.strange == 0) {
             self.asked = false;
             let moment_of_anything = anything * per_payload * per_payload;
-            self.errs = weighed(self.errs, said, moment_of_anything);
-            self.differs = weighed(self.differs, said, moment_of_anything);
+            self.errs = weighed(self.errs, innovation, moment_of_anything);
+            self.differs = weighed(self.differs, innovation, moment_of_anything);
             let shown = Quantity {
-                value: (said.value + apart) / per_payload,
-                std: sqrt(said.variance) / per_payload.abs(),
+                value: (innovation.value + apart) / per_payload,
+                std: sqrt(innovation.variance) / per_payload.abs(),
             };
             self.changed.emptied(shown, &self.filter.x, known, rated);
             self.errs = self.errs.max(self.changed.odds());
@@ -162,13 +169,14 @@ impl Scale {
         }
     }
 
-    /// Whether an emptied bucket has just told that the pressures err.
+    /// Returns whether an emptied bucket has just shown that the pressures err, and resets that.
     pub(super) fn is_misled(&mut self) -> bool {
         core::mem::take(&mut self.misled)
     }
 
-    /// Whether torque and load contradict each other. Where they begin to, or where an emptied bucket tells that the pressures err, the
-    /// torque goes on alone, until emptied buckets and loads tell that both weigh alike. Whether they begin to with this block.
+    /// Updates whether the torque goes on alone, and returns whether this begins with the present block. It begins where torque and load
+    /// begin to contradict each other, or where an emptied bucket shows that the pressures err. It ends where emptied buckets and loads
+    /// show that both weigh equally.
     pub(super) fn doubts(&mut self, contradicted: bool) -> bool {
         let misled = self.is_misled() && !self.doubted;
         let begins = contradicted && !self.contradicted || misled;
@@ -181,17 +189,17 @@ impl Scale {
         begins
     }
 
-    /// Whether the torque goes on alone.
+    /// Returns whether the torque goes on alone.
     pub(super) fn is_doubted(&self) -> bool {
         self.doubted
     }
 
-    /// Whether the filter of both may have taken in what is wrong; whether something is contradicted outright.
+    /// Returns whether the filter of both may have taken in wrong measurements; `outright`: something is contradicted outright.
     pub(super) fn may_have_misled(&self, outright: bool) -> bool {
         self.doubted && (self.differs >= 1.0 || outright && self.differs > LEAST_ODDS)
     }
 
-    /// Whether nobody knows which of them errs, or both are believed though the pressures may have changed.
+    /// Returns whether it is unknown which of both errs, or both are trusted although the pressures may have changed.
     pub(super) fn is_undecided(&self) -> bool {
         if self.doubted {
             self.errs < SURE
@@ -200,8 +208,8 @@ impl Scale {
         }
     }
 
-    /// The torque alone weighs a load that is still in the bucket, with this variance \[kg, kg^2\]; `anything`: variance of a load of which
-    /// nothing is known [kg^2].
+    /// Compares with a load weighed by the torque alone, still in the bucket, and its variance \[kg, kg^2\]; `anything`: variance of an
+    /// unknown load [kg^2].
     pub(super) fn sees(&mut self, (load, variance): (f64, f64), anything: f64) {
         let own = self.filter.p[M][M];
         if variance.max(own) < KNOWN * anything {
@@ -212,21 +220,21 @@ impl Scale {
         }
     }
 
-    /// That content is over.
+    /// Ends a content: updates the odds that both weigh different loads.
     pub(super) fn compare(&mut self, anything: f64) {
         if let Some(apart) = self.apart.take() {
             self.differs = weighed(self.differs, apart, anything);
         }
     }
 
-    /// An emptied bucket holds nothing, with this variance [kg^2].
+    /// Measures an emptied bucket as zero, with this variance [kg^2].
     pub(super) fn tare(&mut self, variance: f64, gate: f64) {
         let value = -self.filter.x[M];
         self.filter
             .measure([(M, 1.0)], value, variance, gate, &mut None);
     }
 
-    /// Payload, within what a bucket may hold \[kg\], and inertia at a posture, with variances.
+    /// Payload within the range of a bucket \[kg\], and inertia at a posture, each with its variance.
     pub(super) fn answer(
         &self,
         sticks: &Sticking,
@@ -251,15 +259,16 @@ impl Scale {
     }
 }
 
-/// Variance of anything within a range, about an estimate [kg^2].
+/// Variance of a content that may lie anywhere in a range, about an estimate [kg^2].
 pub(super) fn anything([least, most]: [f64; 2], estimate: f64) -> f64 {
     let (width, away) = (most - least, estimate - 0.5 * (most + least));
     width * width / 12.0 + away * away
 }
 
-/// Odds of anything beside what is expected, after an innovation; `anything`: variance of what it would add.
-fn weighed(odds: f64, said: Innovation, anything: f64) -> f64 {
-    let likelier = exp((0.5 * said.nis()).min(SAYS)) / sqrt(1.0 + anything / said.variance);
+/// Updates the odds of any content against the expected one with an innovation; `anything`: variance that any content adds.
+fn weighed(odds: f64, innovation: Innovation, anything: f64) -> f64 {
+    let likelier = exp((0.5 * innovation.nis()).min(MAX_LOG_RATIO))
+        / sqrt(1.0 + anything / innovation.variance);
     (odds * likelier).clamp(LEAST_ODDS, MOST_ODDS)
 }
 
@@ -273,12 +282,12 @@ mod tests {
     const RATED: f64 = 1000.0;
     const ANYTHING: f64 = 0.25 * RATED * RATED;
 
-    /// A scale that takes blocks of a moment, 40 N m for each kilogram of load.
+    /// Weighs blocks of a moment with 40 N m per kilogram of load; returns the content.
     fn weigh(scale: &mut Scale, load: f64, blocks: u32) -> f64 {
         weigh_bucket(scale, load, blocks, false)
     }
 
-    /// The same in a bucket that is `known`.
+    /// The same with a bucket that is `known` or not.
     fn weigh_bucket(scale: &mut Scale, load: f64, blocks: u32, known: bool) -> f64 {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;
@@ -328,7 +337,7 @@ mod tests {
         let [payload, inertia] = scale.answer(&Sticking::default(), &now, range);
         assert!((payload.1 / (2500.0 + ERRS * anything) - 1.0).abs() < 1e-12);
         assert_eq!((payload.0, inertia), (700.0, (61e3, 900.0 * payload.1)));
-        // What no bucket holds it may not hold: then the pressures err.
+        // No bucket can hold this: the pressures err.
         scale.hold((-400.0, 50.0), false);
         let [payload, _] = scale.answer(&Sticking::default(), &now, range);
         let anything = range[1] * range[1] / 12.0 + 750.0 * 750.0;
@@ -337,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn an_emptied_bucket_that_weighs_something_tells_that_the_pressures_err() {
+    fn an_emptied_bucket_that_weighs_something_shows_that_the_pressures_err() {
         let mut std = [0.0; N];
         std[M] = 30.0;
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
@@ -385,13 +394,13 @@ mod tests {
         for load in [0.0, 4.0, -5.0, 3.0, 0.0, 2.0] {
             assert_eq!(emptied(load), (false, false));
         }
-        // Too little for one bucket to tell: the filter takes it for a zero.
+        // Too little for one bucket to indicate: the filter takes it for a zero.
         assert_eq!(emptied(90.0), (false, false));
         assert!(emptied(90.0).0);
     }
 
     #[test]
-    fn the_torque_goes_on_alone_until_both_weigh_loads_alike() {
+    fn the_torque_goes_on_alone_until_both_weigh_loads_equally() {
         let mut std = [0.0; N];
         std[M] = 30.0;
         let mut scale = Scale::new(&Filter::new([0.0; N], &std));
@@ -407,17 +416,17 @@ mod tests {
             scale.is_doubted()
         };
         contradict(&mut scale);
-        // What is hardly known tells nothing, and loads that differ do not tell which of both errs.
+        // A load that is hardly known carries no information. Loads that differ do not identify which of both errs.
         assert!((0..20).all(|_| content(&mut scale, 720.0, 250.0)));
         assert!((0..5).all(|_| content(&mut scale, 1000.0, 30.0)));
         assert!(scale.is_undecided() && scale.may_have_misled(false));
         assert!((0..20).any(|_| !content(&mut scale, 720.0, 30.0)));
         assert!(!scale.may_have_misled(true));
-        // What is rather alike has misled nobody, unless it cannot be.
+        // A moderate agreement has not misled the filter, unless something is contradicted outright.
         contradict(&mut scale);
         assert!(content(&mut scale, 720.0, 100.0));
         assert!(!scale.may_have_misled(false) && scale.may_have_misled(true));
-        // Emptied buckets that weigh something tell that the pressures err; while they do, loads that are alike prove nothing.
+        // Emptied buckets that weigh something show that the pressures err. While they do, equal loads prove nothing.
         contradict(&mut scale);
         scale.hold((0.0, 30.0), true);
         weigh(&mut scale, 300.0, 2 * LASTS);

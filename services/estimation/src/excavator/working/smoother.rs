@@ -1,15 +1,15 @@
-//! Fixed-interval smoothing of the default estimator, off line: what every later row says of an earlier moment.
+//! Fixed-interval smoother of the default estimator (off line): adds the information of all later rows to an earlier estimate.
 //!
-//! The adjoint form of the smoother of Rauch, Tung and Striebel (Bryson, Frazier 1963; Bierman 1977). The filter leaves a trail of
-//! what it did with state and covariance in each tick; going back along it, with `lambda` and `Lambda` zero at the end,
+//! Adjoint form of the Rauch-Tung-Striebel smoother (Bryson, Frazier 1963; Bierman 1977). The filter records its operations on state and
+//! covariance in a trail. The smoother runs backwards along it, with `lambda` and `Lambda` zero at the end:
 //! ```text
 //! measurement h of innovation nu, variance S, gain K:   lambda <- (I - K h)' lambda - h' nu/S
 //!                                                       Lambda <- (I - K h)' Lambda (I - K h) + h' h/S
 //! transition F:                                         lambda <- F' lambda,  Lambda <- F' Lambda F
 //! state of a tick:   x_s = x - P lambda,   P_s = P - P Lambda P
 //! ```
-//! Nothing is inverted, so states that are known exactly do no harm, and a state that is set anew is a transition with a row of
-//! zeros: what comes after it says nothing of before. The model is the filter's, linearised where the filter went.
+//! Nothing is inverted, so states that are known exactly do no harm. A state that is reset is a transition with a row of zeros: later
+//! rows carry no information about it before. The model is the filter's, linearised along the filter's path.
 
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
@@ -20,7 +20,7 @@ use crate::math::sqrt;
 use crate::{HALF_WIDTH_95, Quantity};
 
 impl Trail {
-    /// The state after the tick.
+    /// Records the estimate after the tick.
     pub(super) fn finish(&mut self, filter: &Filter, sticks: &Sticking, now: &Inertia) {
         self.payload = filter.payload(sticks);
         self.inertia = filter.inertia(now, filter.load());
@@ -29,7 +29,7 @@ impl Trail {
         self.along = filter.along(filter.inertia_row(now).into_iter());
     }
 
-    /// What the estimate of the tick doubts beside what the filter, its disagreements and the drawing leave open.
+    /// Records the variance of the estimate beyond that of the filter with its disagreement, of all loads, and of the drawing.
     pub(super) fn doubts(&mut self, state: &State) {
         let left = |(value, std): (f64, f64), own: f64, variance: f64| {
             let apart = value - own;
@@ -46,27 +46,27 @@ impl Trail {
     }
 }
 
-/// The best estimate of a past moment.
+/// Smoothed estimate of an earlier time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Smoothed {
     /// Payload and standard deviation \[kg\].
     pub payload: Quantity,
     /// Inertia and standard deviation [kg m^2].
     pub inertia: Quantity,
-    /// It may not be believed, whatever its interval.
+    /// The estimate is not trusted, whatever its interval.
     pub unsettled: bool,
 }
 
 impl Smoothed {
-    /// Whether the inertia is to be believed where motion and inputs are as they should be: half of its 95 % interval is narrower than
-    /// this share of it.
+    /// Returns whether the inertia is trusted where motion and inputs permit: half of its 95 % interval is narrower than this share of
+    /// it.
     pub fn converged(&self, share: f64) -> bool {
         let Quantity { value, std } = self.inertia;
         !self.unsettled && HALF_WIDTH_95 * std < share * value
     }
 }
 
-/// Goes back along a trail.
+/// Smoother that runs backwards along a trail.
 #[derive(Debug, Clone)]
 pub struct Smoother {
     lambda: Vector,
@@ -85,13 +85,13 @@ impl Default for Smoother {
 }
 
 impl Smoother {
-    /// The tick before those that have been: its payload as all rows see it.
+    /// Processes the tick before those already processed, and returns its estimate by all rows.
     pub fn back(&mut self, trail: &Trail) -> Smoothed {
         let smoothed = self.state(trail);
         for act in trail.acts[..trail.count].iter().rev().flatten() {
             match act {
                 Act::Row(i, row) => self.transition(*i, row),
-                Act::Faded(states, kept) => self.fade(states, *kept),
+                Act::Faded(states, remaining) => self.fade(states, *remaining),
                 Act::Measured {
                     row,
                     gain,
@@ -101,7 +101,7 @@ impl Smoother {
             }
         }
         if trail.anew || trail.contradicted {
-            // What contradicts says nothing of before, but that the filter had been surer than it should.
+            // A contradiction carries no information about earlier rows, except that the filter was too certain.
             let disagreement = if trail.anew { 1.0 } else { self.disagreement };
             *self = Self {
                 disagreement,
@@ -112,12 +112,12 @@ impl Smoother {
     }
 
     fn state(&mut self, trail: &Trail) -> Smoothed {
-        let (shift, known) = self.said(&trail.covariance);
+        let (shift, known) = self.information(&trail.covariance);
         let [least, most] = trail.range;
         let payload = (trail.payload - shift).clamp(least, most);
         self.disagreement = self.disagreement.max(trail.disagreement);
         let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
-        let (moved, identified) = self.said(&trail.along);
+        let (moved, identified) = self.information(&trail.along);
         let variance = left(trail.variance, identified) * self.disagreement;
         Smoothed {
             payload: Quantity {
@@ -136,8 +136,8 @@ impl Smoother {
         }
     }
 
-    /// What later rows say of a quantity with this covariance: its shift, and what they take from its variance.
-    fn said(&self, c: &Vector) -> (f64, f64) {
+    /// Information of later rows about a quantity with this covariance: its shift, and the variance that they remove.
+    fn information(&self, c: &Vector) -> (f64, f64) {
         let mut taken = 0.0;
         for (ci, line) in c.iter().zip(&self.curvature) {
             taken += ci * dot(line, c);
@@ -145,14 +145,14 @@ impl Smoother {
         (dot(c, &self.lambda), taken)
     }
 
-    /// State `i` had been made of all: x_i = row x.
+    /// Reverses a transition x_i = row x.
     fn transition(&mut self, i: usize, row: &Vector) {
         let own = self.lambda[i];
         self.lambda[i] = 0.0;
         for (l, r) in self.lambda.iter_mut().zip(row) {
             *l += r * own;
         }
-        // F' Lambda F with F the identity but for row i.
+        // F' Lambda F, where F is the identity except in row i.
         let line = self.curvature[i];
         let corner = line[i];
         for j in 0..N {
@@ -169,17 +169,18 @@ impl Smoother {
         }
     }
 
-    /// The constants had been further from their description.
-    fn fade(&mut self, states: &[usize], kept: f64) {
+    /// Reverses the fading of these states.
+    fn fade(&mut self, states: &[usize], remaining: f64) {
         for &i in states {
-            self.lambda[i] *= kept;
+            self.lambda[i] *= remaining;
             for j in 0..N {
-                self.curvature[i][j] *= kept;
-                self.curvature[j][i] *= kept;
+                self.curvature[i][j] *= remaining;
+                self.curvature[j][i] *= remaining;
             }
         }
     }
 
+    /// Reverses a measurement.
     fn measurement(&mut self, row: &Vector, gain: &Vector, value: f64, variance: f64) {
         let share = dot(gain, &self.lambda) + value / variance;
         let mut across = [0.0; N];
@@ -227,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_after_a_new_load_says_nothing_of_the_old_one() {
+    fn rows_after_a_new_load_do_not_inform_the_old_one() {
         let mut std = [0.0; N];
         (std[M], std[OFFSET], std[W]) = (100.0, 10.0, 1.0);
         let mut filter = Filter::new([0.0; N], &std);

@@ -1,21 +1,21 @@
-//! What the filter did in each tick, left for the smoother.
+//! Operations of the filter in each tick, recorded for the smoother.
 
 use super::states::{N, Vector};
 use crate::CommonError;
 
-/// Most that a tick does. The longest stand in which boom pressures begin: content over and unknown, span, zero, rest, held and gain anew,
-/// two inclinations, standing. One in motion: the step, what leaves the bucket, velocity, tare, an attachment, rest and moment of the boom,
-/// constants that fade.
+/// Largest number of operations in a tick. The longest stand is that in which boom pressures begin: content over and unknown; span, zero,
+/// rest, held and gain reset; two inclinations; standing. The longest motion: the step, what leaves the bucket, velocity, tare, an
+/// attachment, rest and moment of the boom, constants that fade.
 const MOST: usize = 12;
 
-/// One thing that the filter did.
+/// Operation of the filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Act {
     /// State `i` became `row x`.
     Row(usize, Vector),
-    /// This share of what was told of these states is kept.
+    /// These states faded; this share of their deviation remained.
     Faded(&'static [usize], f64),
-    /// A measurement of `row x` with its gain, innovation and variance.
+    /// A measurement of `row x` with gain, innovation and variance.
     Measured {
         row: Vector,
         gain: Vector,
@@ -24,39 +24,39 @@ pub(super) enum Act {
     },
 }
 
-/// What the filter did in one tick, and what it knew of the payload after it.
+/// Operations of the filter in one tick, and its estimate after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trail {
     pub(super) acts: [Option<Act>; MOST],
     pub(super) count: usize,
-    /// Payload, its variance, and its covariance with the states.
+    /// Payload [kg], its variance, and its covariance with the states.
     pub(super) payload: f64,
     pub(super) own: f64,
     pub(super) covariance: Vector,
-    /// Inertia, its covariance with the states, and its variance.
+    /// Inertia [kg m^2], its covariance with the states, and its variance.
     pub(super) inertia: f64,
     pub(super) along: Vector,
     pub(super) variance: f64,
-    /// The filter is a new one: of what was before it knows nothing.
+    /// The filter has restarted: it holds no information from before.
     pub(super) anew: bool,
     /// Swings or constants contradict the description.
     pub(super) contradicted: bool,
-    /// The estimate may not be believed, whatever its interval.
+    /// The estimate is not trusted, whatever its interval.
     pub(super) unsettled: bool,
-    /// Variance of the estimate beside the filter's, about the filter's payload and inertia [kg^2], [kg^2 m^4].
+    /// Variances of the estimate beside those of the filter, about the filter's payload and inertia [kg^2], [kg^2 m^4].
     pub(super) beside: [f64; 2],
-    /// Smallest and largest payload.
+    /// Smallest and largest payload [kg].
     pub(super) range: [f64; 2],
-    /// Standard deviation of what the drawing misses of the inertia [kg m^2].
+    /// Standard deviation of the inertia by errors of the drawing [kg m^2].
     pub(super) form: f64,
-    /// What all loads are off together.
+    /// Errors common to all loads.
     pub(super) loads: CommonError,
-    /// Factor of the variance by which stretches of the swings disagree.
+    /// Factor of the variances: disagreement of the swings' stretches, times the doubt of the description.
     pub(super) disagreement: f64,
 }
 
 impl Trail {
-    /// Nothing done.
+    /// Without any operation.
     pub(super) const NOTHING: Self = Self {
         acts: [None; MOST],
         count: 0,
@@ -90,22 +90,22 @@ impl Trail {
         }
     }
 
-    /// What was told of these states fades.
-    pub(super) fn fade(&mut self, states: &'static [usize], kept: f64) {
-        self.push(Act::Faded(states, kept));
+    /// Records that these states fade.
+    pub(super) fn fade(&mut self, states: &'static [usize], remaining: f64) {
+        self.push(Act::Faded(states, remaining));
     }
 
-    /// State `i` is a new one, independent of all.
+    /// Records that state `i` is reset, independent of all.
     pub(super) fn set(&mut self, i: usize) {
         self.push(Act::Row(i, [0.0; N]));
     }
 
-    /// State `i` becomes this product.
+    /// Records that state `i` becomes `row x`.
     pub(super) fn row(&mut self, i: usize, row: &Vector) {
         self.push(Act::Row(i, *row));
     }
 
-    /// A measurement.
+    /// Records a measurement.
     pub(super) fn measured(&mut self, row: &Vector, gain: &Vector, value: f64, variance: f64) {
         self.push(Act::Measured {
             row: *row,
