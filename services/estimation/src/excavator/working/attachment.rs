@@ -1,17 +1,21 @@
-//! Has a coupler changed the attachment?
+//! Hypothesis that a coupler has changed the attachment.
 //!
-//! An emptied bucket that weighs something holds what sticks, or is another one: its mass has changed by N(0, b²), so often an hour. Both
-//! act alike, so as a content the hypotheses differ by one prior, N(0, a²) against N(0, a² + (c b)²); c is what a kilogram of bucket weighs
-//! as content. The second one needs no filter of its own ([`super::tail`]): with z and V, what everything but that prior says of the content,
+//! An emptied bucket that weighs something holds sticking soil, or is another bucket: its mass has changed by N(0, b²), at a known rate
+//! per hour. Both act equally on the motion. As contents, the hypotheses therefore differ by one prior only:
+//! N(0, a²) against N(0, a² + (c b)²). The content c weighs as much as a kilogram of bucket.
+//!
+//! The second hypothesis needs no filter of its own ([`super::tail`]). With z and V, the content and its variance by everything but that
+//! prior, and with x and P, the content and its variance by the filter,
 //!
 //! ```text
 //! 1/V = 1/P - 1/a²      z = V x/P      E = N(z; 0, V + a² + (c b)²) / N(z; 0, V + a²)
 //! ```
-//! E is the ratio of the evidences. The interval is that of the mixture ([`crate::mixture`]). Where another attachment has more than half,
-//! the bucket's mass is open by b from then on, so that it takes what the content was too much; a gain that is off is then the rival.
-//! What is undecided when the content is over is mixed by its moments.
+//! E is the ratio of the evidences. The interval is that of the mixture ([`crate::mixture`]). Where another attachment has more than half
+//! of the probability, the bucket's mass is opened by b. The bucket then takes up the excess of the content, and a gain that is off
+//! becomes the rival hypothesis. Where a content ends undecided, the filter goes on with the moments of the mixture.
 //!
-//! A coupler needs an upper body that stands for [`EXCHANGE`]. Where [`KNOWN`] emptied buckets were weighed since, it is the same bucket.
+//! A coupler needs an upper body that stands for [`EXCHANGE`]. Where [`KNOWN`] emptied buckets have been weighed since, the bucket is the
+//! same.
 
 use super::Working;
 use super::filter::{BUCKET, Filter, M};
@@ -21,67 +25,73 @@ use crate::excavator::size::Sticking;
 use crate::math::{exp, ln, norm, sqrt};
 use crate::mixture::{POSSIBLE, spread};
 
-/// Standard deviation of the masses of the buckets of one machine, as a share of the described one: from .5 (narrow) to 1.6 (for rock).
+/// Standard deviation of the masses of one machine's buckets, as a share of the described one: from .5 (narrow) to 1.6 (for rock).
 const OTHERS: f64 = 0.4;
-/// So often is it changed [1/s], once in an hour of work, and the time within which the last exchange may be overlooked [s].
+/// Rate of exchanges [1/s]: one in an hour of work.
 const CHANGES: f64 = 1.0 / 3600.0;
+/// Longest time over which the prior odds of an exchange grow [s].
 const LONGEST: f64 = 1800.0;
-/// A hydraulic coupler changes the bucket while the upper body stands for this time \[s\].
+/// Standing time of the upper body in which a hydraulic coupler can exchange the bucket \[s\].
 const EXCHANGE: f64 = 10.0;
-/// So many emptied buckets tell whether it has.
+/// Number of weighed emptied buckets after which the bucket is known.
 const KNOWN: u8 = 3;
-/// Logarithm of the odds beyond which it is all the same.
+/// Upper limit of the log odds.
 const MOST: f64 = 20.0;
-/// An emptied bucket that weighs less than so many standard deviations is no question: what speaks for another one is then less than
-/// what speaks against it beforehand.
+/// Weight of an emptied bucket below which there is no test [standard deviations]: the evidence for another bucket cannot outweigh the
+/// prior odds against it.
 const STRANGE: f64 = 2.0;
-/// Share of the prior's variance below which anything else tells the content of an emptied bucket.
-const TOLD: f64 = 0.9;
-/// A bucket of which nobody saw whether it was emptied, and that weighs less than nothing, holds so little: a standard deviation as a share
-/// of the rated payload. What it holds makes the change larger still, which b allows for about that far.
+/// Share of the prior's variance below which the content of an emptied bucket has been measured.
+const MEASURED: f64 = 0.9;
+/// Standard deviation of the content of a bucket that weighs less than nothing, as a share of the rated payload. Nothing showed whether
+/// that bucket was emptied. Such a content makes the change larger still. b allows for about as much.
 const LIGHTER: f64 = 0.08;
 
-/// The prior of the content of an emptied bucket.
+/// Prior of the content of an emptied bucket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Emptied {
-    /// Its variance (a²) [kg^2].
+    /// Variance (a²) [kg^2].
     pub(super) variance: f64,
-    /// The filters have taken it in.
+    /// The filters already include it.
     pub(super) tared: bool,
     /// The bucket was seen to open.
     pub(super) seen: bool,
 }
 
-/// The hypothesis that the attachment is another one.
+/// Hypothesis that the attachment is another one.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Attachment {
-    /// Standard deviation of the mass of another bucket (b), and of the one that hangs there, beside what sticks \[kg\].
+    /// Standard deviation of the mass of another bucket (b) \[kg\].
     other: f64,
+    /// Standard deviation of the mass of the present bucket, beside what sticks in it \[kg\].
     std: f64,
-    /// The latter is that of any bucket of the machine at most.
+    /// Upper limit of the latter: that of any bucket of the machine \[kg\].
     most: f64,
-    /// What sticks in a bucket of known mass.
+    /// Soil that sticks in a bucket of known mass.
     sticking: Sticking,
-    /// Time since an emptied bucket was weighed last \[s\]; so many were since a coupler could have changed it.
+    /// Time since an emptied bucket was last weighed \[s\].
     since: f64,
+    /// Number of emptied buckets weighed since a coupler could have exchanged the bucket.
     weighed: u8,
-    /// The last question: the content's prior, content that weighs as much as a kilogram of bucket (c), logarithm of the odds.
+    /// Prior of the content in the last test.
     emptied: Emptied,
+    /// Content that weighs as much as a kilogram of bucket (c).
     share: f64,
+    /// Log odds of another attachment.
     odds: f64,
-    /// The last emptied bucket weighs what it did; there is something to be said when its content is over.
+    /// The last emptied bucket has been measured, and no other attachment was found.
     same: bool,
+    /// The attachment must be updated when the content is over.
     pub(super) pending: bool,
-    /// What the mixture adds to the variances of payload [kg^2] and inertia [(kg m^2)^2].
+    /// Variances that the mixture adds: of payload [kg^2] and inertia [(kg m^2)^2].
     added: [f64; 2],
-    /// Nothing hangs on the coupler, or something that nobody has weighed empty.
+    /// Nothing hangs on the coupler, or an attachment that has not been weighed empty.
     pub(super) bare: bool,
 }
 
 impl Attachment {
-    /// Of a bucket with this mass and standard deviation \[kg\].
+    /// Starts with a bucket of this mass and standard deviation \[kg\].
     pub(super) fn new(mass: f64, std: f64, sticking: Sticking) -> Self {
         Self {
             other: OTHERS * mass,
@@ -104,24 +114,24 @@ impl Attachment {
         }
     }
 
-    /// Time passes.
+    /// Advances the time.
     pub(super) fn wait(&mut self, period: f64) {
         self.since += period;
     }
 
-    /// The upper body stands for so long \[s\].
+    /// Records that the upper body has stood for this time \[s\].
     pub(super) fn stands(&mut self, time: f64) {
         if time > EXCHANGE {
             self.weighed = 0;
         }
     }
 
-    /// Whether a coupler may have changed the bucket since an emptied one was weighed.
+    /// Returns whether a coupler may have exchanged the bucket since an emptied one was weighed.
     pub(super) fn may_be_another(&self) -> bool {
         self.weighed == 0
     }
 
-    /// Another attachment cannot be excluded.
+    /// Returns whether another attachment cannot be excluded.
     pub(super) fn is_possible(&self) -> bool {
         self.odds > POSSIBLE
     }
@@ -135,23 +145,23 @@ impl Attachment {
         odds / (1.0 + odds)
     }
 
-    /// Logarithm of the odds beforehand.
+    /// Log odds of an exchange before the test.
     fn prior(&self) -> f64 {
         ln(CHANGES * self.since.clamp(1.0, LONGEST))
     }
 
-    /// What the mixture adds to the variances of payload [kg^2] and inertia [(kg m^2)^2].
+    /// Variances that the mixture adds: of payload [kg^2] and inertia [(kg m^2)^2].
     pub(super) fn variances(&self) -> [f64; 2] {
         self.added
     }
 
-    /// There is no question any more.
+    /// Withdraws the hypothesis.
     pub(super) fn forget(&mut self) {
         self.odds = f64::NEG_INFINITY;
         self.added = [0.0; 2];
     }
 
-    /// An emptied bucket is taken for what it is now.
+    /// Accepts the present bucket as the known one.
     pub(super) fn is_known(&mut self) {
         self.since = 0.0;
         self.same = false;
@@ -159,40 +169,41 @@ impl Attachment {
         self.forget();
     }
 
-    /// Whether it is a question for a filter: an emptied bucket weighs more or less than what sticks.
+    /// Returns whether a filter calls for the test: an emptied bucket weighs more or less than what sticks.
     #[inline(always)]
     pub(super) fn is_asked(&mut self, filter: &Filter, emptied: &Emptied) -> bool {
         let (x, p, variance) = (filter.x[M], filter.p[M][M], emptied.variance);
-        // The square of z over V + a² is that of x over this.
+        // The square of z over V + a² equals that of x over this.
         let scale = if emptied.tared {
             variance - p
         } else {
             variance + p
         };
         self.pending = true;
-        self.same = p < TOLD * variance;
+        self.same = p < MEASURED * variance;
         x * x > STRANGE * STRANGE * scale
     }
 
-    /// Asks a filter of an emptied bucket; `usual`: ratio by which variances disagree. Whether another attachment is possible.
+    /// Tests an emptied bucket in a filter; `usual`: ratio of observed to predicted variance. Returns whether another attachment is
+    /// possible.
     fn ask(&mut self, filter: &Filter, emptied: Emptied, usual: f64, now: &Inertia) -> bool {
         self.forget();
         let (x, p, a) = (filter.x[M], filter.p[M][M], emptied.variance);
-        if emptied.tared && p > TOLD * a || emptied.seen && self.weighed >= KNOWN {
+        if emptied.tared && p > MEASURED * a || emptied.seen && self.weighed >= KNOWN {
             return false;
         }
-        let told = if emptied.tared { a / (a - p) } else { 1.0 };
-        let (z, v) = (x * told, p * told * usual);
+        let factor = if emptied.tared { a / (a - p) } else { 1.0 };
+        let (z, v) = (x * factor, p * factor * usual);
         self.emptied = emptied;
         self.share = now.per_bucket / now.per_payload.max(f64::MIN_POSITIVE);
         let share = self.share * self.other;
         let (same, other) = (v + a, v + a + share * share);
-        let said = 0.5 * (ln(same / other) + z * z * (1.0 / same - 1.0 / other));
-        self.odds = (self.prior() + said).min(MOST);
+        let evidence = 0.5 * (ln(same / other) + z * z * (1.0 / same - 1.0 / other));
+        self.odds = (self.prior() + evidence).min(MOST);
         if !self.is_possible() {
             return false;
         }
-        // Of the content proper, and of what content and bucket weigh more than thought.
+        // Mean and variance by the other hypothesis: of the content alone, and of the common excess of content and bucket.
         let content = (z * a / other, a * (other - a) / other);
         let both = (z * (other - v) / other, v * (other - v) / other);
         let row = filter.inertia_row(now);
@@ -209,15 +220,15 @@ impl Attachment {
         true
     }
 
-    /// What a filter has taken in of an emptied bucket's content is taken back.
+    /// Removes the prior of an emptied bucket's content from a filter that includes it.
     fn take_back(&self, filter: &mut Filter, trail: &mut Option<Trail>) {
         let variance = self.emptied.variance;
-        if self.emptied.tared && filter.p[M][M] < TOLD * variance {
+        if self.emptied.tared && filter.p[M][M] < MEASURED * variance {
             filter.without([(M, 1.0)], (-filter.x[M], variance), trail);
         }
     }
 
-    /// The bucket's mass is open, and what bucket and content weigh together is not.
+    /// Opens the bucket's mass by b; the weight of bucket and content together stays known.
     fn open(&self, filter: &mut Filter) {
         let (share, variance) = (self.share, self.other * self.other);
         filter.p[BUCKET][BUCKET] += variance;
@@ -226,7 +237,7 @@ impl Attachment {
         filter.p[BUCKET][M] -= share * variance;
     }
 
-    /// The mixture of both hypotheses by its moments.
+    /// Replaces a filter by the moments of the mixture of both hypotheses.
     fn mix(&self, filter: &mut Filter, gate: f64) {
         let tare = |filter: &mut Filter| {
             let value = -filter.x[M];
@@ -244,7 +255,8 @@ impl Attachment {
 }
 
 impl Working {
-    /// Whether a coupler may have changed the attachment: an emptied bucket weighs something. Then it is another one from now on.
+    /// Tests whether a coupler has changed the attachment, where an emptied bucket weighs something. If that is more probable than not,
+    /// the attachment is another one from now on. Returns whether it is possible.
     #[inline(never)]
     pub(super) fn doubts_attachment(
         &mut self,
@@ -267,7 +279,7 @@ impl Working {
         true
     }
 
-    /// The same of a bucket of which nobody knows whether it is empty: it weighs less than nothing.
+    /// The same for a bucket that weighs less than nothing and was not seen to be emptied.
     #[inline(never)]
     pub(super) fn weighs_less_than_nothing(
         &mut self,
@@ -288,7 +300,7 @@ impl Working {
         self.doubts_attachment(emptied, gate, now, trail);
     }
 
-    /// The attachment is another one: what it weighs more or less is the bucket's.
+    /// Adopts another attachment: the bucket's mass takes up the excess or missing weight.
     fn is_changed(&mut self, gate: f64, trail: &mut Option<Trail>) {
         let attachment = &self.attachment;
         let Emptied { variance, seen, .. } = attachment.emptied;
@@ -309,7 +321,7 @@ impl Working {
         }
     }
 
-    /// The bucket has been another one with this probability: its description says less of it, and of what sticks in it.
+    /// Widens the stated deviation of the bucket's mass, and of what sticks in it: it was another one with this probability.
     fn opens_bucket(&mut self, probability: f64) {
         self.scale.has_another_bucket();
         let attachment = &mut self.attachment;
@@ -321,9 +333,9 @@ impl Working {
         self.restate(BUCKET, norm(&[std, sticking.std]));
     }
 
-    /// A content is over.
+    /// Ends a content, and with it the test of the attachment.
     #[inline(never)]
-    pub(super) fn content_tells_attachment(&mut self, gate: f64, trail: &mut Option<Trail>) {
+    pub(super) fn settle_attachment(&mut self, gate: f64, trail: &mut Option<Trail>) {
         if self.attachment.is_possible() && self.attachment.emptied.seen {
             for filter in [&mut self.filter, &mut self.scale.filter] {
                 self.attachment.mix(filter, gate);
@@ -343,7 +355,7 @@ impl Working {
         }
     }
 
-    /// What hangs on the coupler is as before, or any bucket of this machine: by the moments of both. Until one has been weighed empty.
+    /// Mixes the present attachment with any bucket of this machine, by their moments, until one has been weighed empty.
     fn anything_may_hang(&mut self, trail: &mut Option<Trail>) {
         let any = self.stated[BUCKET] * self.stated[BUCKET];
         let (x, p) = (self.filter.x[BUCKET], self.filter.p[BUCKET][BUCKET]);
@@ -363,7 +375,7 @@ impl Working {
         }
     }
 
-    /// Variance of the content where the motion tells it: a bucket of which nothing is known does not hide that it is empty.
+    /// Variance of the content as motion measures it. An unknown bucket is left out: it must not hide that the bucket is empty.
     pub(super) fn content_variance(&self) -> f64 {
         let p = &self.filter.p;
         if self.attachment.bare {
@@ -398,7 +410,7 @@ mod tests {
         }
     }
 
-    /// A filter of an emptied bucket that weighs this beyond what is known of it to a standard deviation.
+    /// Filter of an emptied bucket that weighs `beyond` more than described, with this standard deviation of the bucket's mass.
     fn filter(bucket: f64, beyond: f64) -> Filter {
         let mut std = [0.0; N];
         std[BUCKET] = bucket;
@@ -429,7 +441,7 @@ mod tests {
         let [same, another] = variances.map(|v| -0.5 * (ln(v) + beyond * beyond / v));
         let said = attachment.odds - attachment.prior();
         assert!((said - (another - same)).abs() < 1e-9, "{said}");
-        // What sticks is no question, and adds nothing.
+        // Sticking soil calls for no test, and adds nothing.
         let soil = filter(known, 150.0);
         assert!(!attachment.is_asked(&soil, &EMPTIED));
     }
@@ -475,7 +487,7 @@ mod tests {
         working
     }
 
-    /// Weighs a content, and asks.
+    /// Weighs a content, and tests the attachment.
     fn weighs(working: &mut Working, share: f64, seen: bool) -> bool {
         let content = (
             share * working.rated,
@@ -512,7 +524,7 @@ mod tests {
             assert!((bucket / weighs - 1.0).abs() < 0.2, "{bucket} {weighs}");
             assert!((working.filter.x[M] / weighs).abs() < 0.2);
             assert!(!working.contradiction.is_open() && !working.attachment.bare);
-            // It is not the described one, so the description is not doubted for it.
+            // It is another bucket, so its description is not doubted.
             let doubt = working.doubt();
             working.restate(BUCKET, described);
             assert!(working.doubt() > 1.5 * doubt, "{doubt}");
@@ -554,7 +566,7 @@ mod tests {
         );
         let heavy = 0.6 * working.described_bucket;
         assert!(none > x - 1.96 * std && heavy < x + 1.96 * std, "{x} {std}");
-        // Known again where one was emptied and weighed.
+        // It is known again after one was emptied and weighed.
         working.tared = true;
         working.filter.set(BUCKET, heavy, 100.0, &mut None);
         working.hold(&settings, Content::Unknown, &mut None);

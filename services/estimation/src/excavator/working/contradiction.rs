@@ -1,39 +1,46 @@
-//! Does what is measured contradict what is known?
+//! Detects contradictions between the measurements and what is known.
 //!
-//! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
-//! What speaks against that: an emptied bucket that weighs neither nothing nor what it did before; a payload that has changed though no
-//! joint moved it, or that no bucket holds; pushes that recur; a swing that is left unexplained; a constant far from what was stated; and a
-//! parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
-//! believed until emptied buckets weigh nothing again, by what was known before ([`super::recall`]) and in swings without another
-//! contradiction; until then the interval says that the bucket may hold anything.
+//! Sensors fail while the machine works, and the filter takes a wrong torque, velocity or angle for another payload. Evidence of a
+//! failure is:
+//!
+//! * an emptied bucket that weighs neither nothing nor what it did before;
+//! * a payload that has changed without a joint motion, or that no bucket can hold;
+//! * pushes that recur, or a swing that stays unexplained;
+//! * a constant far from its stated value;
+//! * a parallel filter that wins ([`super::parallel`]).
+//!
+//! None of these identifies the sensor. A contradicted estimate is not trusted until emptied buckets weigh nothing again. They are
+//! weighed by what was known before ([`super::recall`]), in swings without another contradiction. Until then the interval covers any
+//! content of the bucket.
 
 use crate::math::ln;
 
-/// Emptied buckets that must weigh nothing after an outright contradiction.
+/// Number of emptied buckets that must weigh nothing after an outright contradiction.
 const REGAINED: u8 = 2;
-/// A change without a word is a contradiction where manoeuvres usually disagree by less (ratio of variances).
+/// Usual disagreement of manoeuvres below which an unannounced change is a contradiction (ratio of variances).
 const USUAL: f64 = 1.5;
-/// Share of one swing in what is usual.
+/// Weight of one swing in the usual disagreement.
 const SWING: f64 = 0.15;
 
-/// So many standard deviations beyond its range a payload cannot be.
+/// Distance beyond its range at which a payload is impossible [standard deviations].
 const IMPOSSIBLE: f64 = 3.0;
-/// Logarithm of the odds at which a payload weighed anew is the one before, or is not.
+/// Log odds at which a payload weighed again is the one before; with the opposite sign, it is another one.
 const SAME: f64 = 2.0;
 
-/// What was contradicted, and how far manoeuvres usually disagree.
+/// Present contradictions, and the usual disagreement of manoeuvres.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contradiction {
-    /// So many emptied buckets must weigh nothing.
+    /// Number of emptied buckets that must still weigh nothing.
     level: u8,
     usual: f64,
-    /// Payload and its variance before it changed without a word [kg, kg^2].
+    /// Payload and its variance before the unannounced change [kg, kg^2].
     before: (f64, f64),
-    /// Something has pushed the upper body, and no payload was known since.
+    /// Something has pushed the upper body, and no payload has been known since.
     pushed: bool,
-    /// What was said since the bucket's content changed: it is none, and weighs nothing; something is contradicted.
+    /// An emptied bucket has weighed nothing since the content changed.
     agreed: bool,
+    /// Something has been contradicted since the content changed.
     contradicted: bool,
 }
 
@@ -49,28 +56,28 @@ impl Contradiction {
         }
     }
 
-    /// The bucket holds something else.
+    /// Resets for another content of the bucket.
     pub(super) fn content_changes(&mut self) {
         (self.agreed, self.contradicted) = (false, false);
     }
 
-    /// A swing is over in which manoeuvres disagreed by this ratio.
+    /// Updates the usual disagreement with that of a finished swing.
     pub(super) fn swung(&mut self, disagreement: f64) {
         self.usual += SWING * (disagreement - self.usual);
     }
 
-    /// Usual ratio of the variance to what the filter claims, at least 1.
+    /// Returns the usual ratio of the observed variance to that of the filter, at least 1.
     pub(super) fn usual(&self) -> f64 {
         self.usual.max(1.0)
     }
 
-    /// The payload seems to have changed without a word; value and variance before [kg, kg^2].
+    /// Stores value and variance of a payload [kg, kg^2] ahead of an apparent change without a joint motion.
     pub(super) fn changed(&mut self, before: (f64, f64)) {
         self.before = before;
     }
 
-    /// Whether it has not changed after all: weighed anew it is far more probably what it was than `anything` of this variance. Where
-    /// it is far less probably so, something is contradicted.
+    /// Returns whether the payload has not changed after all: weighed again, it is far more probably the one before than any content of
+    /// variance `anything`. Where it is far less probably so, that is a contradiction.
     pub(super) fn withdraws(&mut self, (value, variance): (f64, f64), anything: f64) -> bool {
         let spread = self.before.1 + variance * self.usual();
         let away = value - self.before.0;
@@ -82,8 +89,8 @@ impl Contradiction {
         odds > SAME
     }
 
-    /// A payload and its variance [kg, kg^2]: less than nothing, or more than is ever lifted, cannot be. Whether it is no payload that
-    /// has `changed` in the middle of the motion, but a push.
+    /// Tests a payload and its variance [kg, kg^2]: below nothing, or above what is ever lifted, is a contradiction. Where the payload
+    /// has `changed` in mid-motion, an impossible one is a push instead; returns whether it is.
     pub(super) fn weighs(
         &mut self,
         (value, variance): (f64, f64),
@@ -98,50 +105,50 @@ impl Contradiction {
         cannot && changed
     }
 
-    /// Something pushes the upper body: the ground on which the bucket lands, tracks that turn. That passes; a sensor that breaks
-    /// contradicts the next motion too.
+    /// Records a push on the upper body: by the ground on which the bucket lands, or by turning tracks. A push passes, whereas a broken
+    /// sensor contradicts the next motion too.
     pub(super) fn pushes(&mut self) {
         if core::mem::replace(&mut self.pushed, true) {
             self.outright();
         }
     }
 
-    /// A swing in which nothing pushed does not follow the model either: what seemed to push before was a sensor that broke.
+    /// Records a swing without a push that does not follow the model either: the push before was a broken sensor.
     pub(super) fn is_left_unexplained(&mut self) {
         if self.pushed {
             self.outright();
         }
     }
 
-    /// A payload is known that a bucket may hold: what pushed has passed.
+    /// Records that a possible payload is known: the push has passed.
     pub(super) fn is_weighed(&mut self) {
         self.pushed = false;
     }
 
-    /// It cannot be as it is measured.
+    /// Records an outright contradiction.
     pub(super) fn outright(&mut self) {
         self.level = REGAINED;
         self.contradicted = true;
     }
 
-    /// An emptied bucket was weighed, and weighs nothing. One content says so once, and not after a contradiction.
+    /// Records that an emptied bucket weighs nothing. It counts once for each content, and not after a contradiction.
     pub(super) fn agrees(&mut self) {
         if !self.contradicted && !core::mem::replace(&mut self.agreed, true) {
             self.level = self.level.saturating_sub(1);
         }
     }
 
-    /// Whether the present content has said so.
+    /// Returns whether an emptied bucket has agreed in the present content.
     pub(super) fn has_agreed(&self) -> bool {
         self.agreed && !self.contradicted
     }
 
-    /// Whether something is contradicted outright, and no emptied bucket has agreed since.
+    /// Returns whether something is contradicted outright, and no emptied bucket has agreed since.
     pub(super) fn is_outright(&self) -> bool {
         self.level == REGAINED
     }
 
-    /// Whether something is contradicted.
+    /// Returns whether something is contradicted.
     pub(super) fn is_open(&self) -> bool {
         self.level > 0
     }
@@ -152,10 +159,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_contradicted_outright_is_believed_after_two_agreements() {
+    fn what_was_contradicted_outright_is_trusted_after_two_agreements() {
         let mut contradiction = Contradiction::new();
         contradiction.outright();
-        // In the content that was contradicted nothing agrees, and each other one does so once.
+        // In the contradicted content nothing agrees; each later content agrees once.
         for outright in [true, true, false] {
             assert!(contradiction.is_open());
             assert_eq!(contradiction.is_outright(), outright);
@@ -202,7 +209,7 @@ mod tests {
         assert!(contradiction.is_open());
     }
 
-    /// A payload that seemed to change, and weighs this with this variance afterwards [kg, kg^2].
+    /// Whether an apparent change is withdrawn, by this payload and variance afterwards [kg, kg^2].
     fn weighed(contradiction: &mut Contradiction, weight: (f64, f64)) -> bool {
         contradiction.changed((300.0, 400.0));
         contradiction.withdraws(weight, 400.0 * 400.0)
@@ -222,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_withdrawn_or_contradicts_as_soon_as_the_weight_says_so() {
+    fn a_change_is_withdrawn_or_contradicts_as_soon_as_the_weight_is_precise() {
         for (weight, withdrawn, contradicts) in [
             ((310.0, 400.0), true, false),
             ((310.0, 4e4), false, false),

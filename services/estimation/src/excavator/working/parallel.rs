@@ -1,11 +1,12 @@
-//! Is the torque's gain another one than stated?
+//! Parallel filter for a torque gain other than the stated one.
 //!
-//! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia: what the bucket holds is
-//! not known, and neither are upper body and bucket exactly. So a second filter runs in parallel with the gain opened, does all that the
-//! first does, and the likelihoods of the innovations of both distinguish them (Bayes; a generalised likelihood ratio: Willsky,
-//! Jones 1976). It may be as wrong as before, or a sensor has just broken: with each swing the second filter begins as the mixture of
-//! both (moments of a mixture: generalised pseudo-Bayes of first order; Blom, Bar-Shalom 1988). The interval is that of the mixture
-//! with the first ([`crate::mixture`]), and the filter that is far more probable is the estimate.
+//! A torque that is wrong by a factor, or a velocity wrong by its inverse, looks like another inertia. Content, upper body and bucket are
+//! not known exactly, so the inertia does not reveal it. A second filter therefore runs in parallel with the gain opened. The likelihoods
+//! of the innovations of both distinguish the hypotheses (Bayes; a generalised likelihood ratio: Willsky, Jones 1976). The gain may be as
+//! wrong as before, or a sensor may just have failed. With each swing the second filter therefore begins as a mixture: of itself, and of
+//! the first one with the gain opened again. Its moments are those of the mixture (generalised pseudo-Bayes of first order; Blom,
+//! Bar-Shalom 1988). The interval is that of the mixture with the first filter ([`crate::mixture`]), and the filter that is far more
+//! probable is the estimate.
 
 use super::super::doubts::Doubts;
 use super::super::geometry::Inertia;
@@ -15,19 +16,19 @@ use crate::kalman::Innovation;
 use crate::math::{exp, ln, sqrt};
 use crate::mixture::{POSSIBLE, spread};
 
-/// Standard deviation of the factor by which a sensor may be wrong.
+/// Standard deviation of the gain of a failed sensor.
 const GAIN_STD: f64 = 0.3;
-/// Logarithm of the odds that a sensor has broken since the last swing.
+/// Log odds that a sensor has failed since the last swing.
 const PRIOR_LOG_ODDS: f64 = -7.0;
-/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in eleven).
+/// Log odds of a wrong gain where the torque is not calibrated: of another machine, or in another unit (one machine in eleven).
 const UNCALIBRATED_LOG_ODDS: f64 = -2.3;
 /// The same where two pressures weigh too: one of the three is wrong on one machine in four.
 const WEIGHED_LOG_ODDS: f64 = -1.0;
-/// A gain that is stated more closely than this was calibrated; so was one that was found together with the masses.
+/// Stated standard deviation of the gain up to which it counts as calibrated. A gain that was found together with the masses does too.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
-/// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
+/// Log odds at which the second filter becomes the estimate: unmodelled effects make the innovations more decisive than they should be.
 const ACCEPTED_LOG_ODDS: f64 = 5.0;
-/// One measurement says no more than this.
+/// Limit of the log likelihood ratio of one measurement.
 const MAX_LOG_RATIO: f64 = 8.0;
 
 /// The second filter.
@@ -35,19 +36,20 @@ const MAX_LOG_RATIO: f64 = 8.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
-    /// Logarithm of its probability over the other's.
+    /// Log odds of the second filter against the first.
     odds: f64,
-    /// The same where only the description is known.
+    /// Log odds where only the description is known.
     first: f64,
-    /// Pressures that begin to weigh may be wrong, too.
+    /// The odds rise when pressures begin to weigh, since these may be wrong too.
     may_be_joined: bool,
+    /// The machine stands.
     idle: bool,
-    /// A torque has told something: before, both filters know the same.
+    /// A torque has informed the filters; before, both know the same.
     driven: bool,
 }
 
 impl ParallelFilter {
-    /// At the start.
+    /// Starts from a filter, with the gain opened.
     pub(super) fn new(filter: &Filter, doubts: &Doubts) -> Self {
         let calibrated = is_calibrated(doubts);
         let first = if calibrated {
@@ -65,7 +67,7 @@ impl ParallelFilter {
         }
     }
 
-    /// Pressures weigh beside the torque from now on: wrong ones look like another gain.
+    /// Raises the odds where pressures join the torque: wrong ones look like another gain.
     pub(super) fn is_joined_by_pressures(&mut self) {
         if core::mem::take(&mut self.may_be_joined) {
             self.odds += WEIGHED_LOG_ODDS - UNCALIBRATED_LOG_ODDS;
@@ -73,39 +75,39 @@ impl ParallelFilter {
         }
     }
 
-    /// Before anything has told the gain: it is known to this standard deviation, and may be another one.
+    /// Resets a gain that nothing has informed: stated to `std`, and opened.
     pub(super) fn knows_gain(&mut self, std: f64) {
         let variance = std * std + GAIN_STD * GAIN_STD;
         self.filter.set(GAIN, 0.0, variance, &mut None);
     }
 
-    /// What both know is this from now on, and a sensor may have broken.
+    /// Restarts from the knowledge of a filter; a sensor may have failed.
     pub(super) fn begins(&mut self, filter: &Filter) {
         self.filter = opened(filter);
         self.odds = PRIOR_LOG_ODDS;
     }
 
-    /// What both know is the description: another gain is as likely as at the start.
+    /// Restarts from the description: another gain is as likely as at the start.
     pub(super) fn is_as_described(&mut self) {
         self.odds = self.first;
     }
 
-    /// The machine moves: what was known of the sensors may have changed while it stood.
+    /// Starts a motion: a sensor may have failed while the machine stood.
     pub(super) fn set_off(&mut self, filter: &Filter) {
         if core::mem::take(&mut self.idle) {
-            let [kept, broken] = [self.odds, PRIOR_LOG_ODDS].map(exp);
-            self.filter = opened(filter).mixed(&self.filter, kept / (kept + broken));
-            self.odds = ln(kept + broken);
+            let [earlier, broken] = [self.odds, PRIOR_LOG_ODDS].map(exp);
+            self.filter = opened(filter).mixed(&self.filter, earlier / (earlier + broken));
+            self.odds = ln(earlier + broken);
         }
     }
 
-    /// The machine stands; whether it did not before.
+    /// Ends a motion; returns whether there was one.
     pub(super) fn is_over(&mut self) -> bool {
         !core::mem::replace(&mut self.idle, true)
     }
 
-    /// One tick of motion, and the velocity with its variance. `other`: the innovation of the other filter, and the ratio by which
-    /// variances disagree; none where the motion says nothing of the torque.
+    /// Processes one tick of motion and the velocity with its variance. `other`: innovation of the first filter, and ratio of the
+    /// observed to its predicted variance; `None` where the motion carries no information about the torque.
     pub(super) fn step(
         &mut self,
         input: &Input,
@@ -124,13 +126,14 @@ impl ParallelFilter {
         }
     }
 
-    /// Innovations of both filters to one measurement, as variances disagree by a factor.
+    /// Updates the odds with the innovations of both filters to one measurement; `disagreement`: ratio of observed to predicted variance.
     pub(super) fn weigh(&mut self, both: [Innovation; 2], gate: f64, disagreement: f64) {
-        self.weigh_anew(both, gate, disagreement, 0.0);
+        self.weigh_again(both, gate, disagreement, 0.0);
     }
 
-    /// The same of a measurement that was weighed before, and is known better now; what it says, of which `before` is in the odds.
-    pub(super) fn weigh_anew(
+    /// The same for a measurement that was weighed before and is known better now. `before`: its log likelihood ratio that the odds
+    /// include; returns the new one.
+    pub(super) fn weigh_again(
         &mut self,
         both: [Innovation; 2],
         gate: f64,
@@ -142,13 +145,13 @@ impl ParallelFilter {
         }
         let squares = both.map(|i| i.nis().min(gate * gate));
         let volumes = ln(both[0].variance / both[1].variance);
-        let said = 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
-        let said = said.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
-        self.odds = (self.odds + said - before).clamp(-50.0, 50.0);
-        said
+        let ratio = 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
+        let ratio = ratio.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
+        self.odds = (self.odds + ratio - before).clamp(-50.0, 50.0);
+        ratio
     }
 
-    /// Changes places with the other filter where it is the more probable one.
+    /// Exchanges the filters where the second one is accepted as the more probable.
     pub(super) fn overtakes(&mut self, filter: &mut Filter) -> bool {
         let won = self.odds > ACCEPTED_LOG_ODDS;
         if won {
@@ -163,17 +166,18 @@ impl ParallelFilter {
         odds / (1.0 + odds)
     }
 
-    /// Another explanation, with these odds beforehand (logarithm), takes them from the gain that is off.
+    /// Raises the odds against a first filter that adopts a rival explanation, by the prior log odds `before` of that explanation
+    /// (negative).
     pub(super) fn is_rivalled(&mut self, before: f64) {
         self.odds -= before;
     }
 
-    /// Whether a torque has told something.
+    /// Returns whether a torque has informed the filters.
     pub(super) fn is_driven(&self) -> bool {
         self.driven
     }
 
-    /// Variances that the mixture adds to those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
+    /// Variances that the mixture adds to those of the first filter: of payload [kg^2] and inertia [(kg m^2)^2].
     pub(super) fn variances(
         &self,
         sticks: &Sticking,
@@ -194,17 +198,18 @@ impl ParallelFilter {
         })
     }
 
-    /// Whether its numbers are numbers.
+    /// Returns whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         self.filter.is_finite() && self.odds.is_finite()
     }
 }
 
-/// Whether somebody has compared the torque.
+/// Returns whether the torque has been compared with a reference.
 pub(super) fn is_calibrated(doubts: &Doubts) -> bool {
     doubts.found.is_some() || doubts.gain_std <= CALIBRATED_GAIN_STD
 }
 
+/// Returns a copy with the gain opened.
 fn opened(filter: &Filter) -> Filter {
     let mut parallel = filter.clone();
     parallel.p[GAIN][GAIN] += GAIN_STD * GAIN_STD;

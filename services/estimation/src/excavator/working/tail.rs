@@ -1,14 +1,14 @@
-//! Is the torque's gain off by more than a gaussian allows, where pressures weigh beside it?
+//! Hypothesis that the torque gain is off by more than its Gaussian prior allows, where pressures weigh beside it.
 //!
-//! A gaussian prior says that an error of four standard deviations never is; one machine in eight has one. Two witnesses then contradict
-//! each other, and the filter takes the mean of both. The hypothesis that the gain is off differs from the filter by one prior only, so it
-//! needs no second filter: with the prior N(0, a²), the posterior N(m, v) of the filter, and the other prior N(0, b²),
+//! A Gaussian prior excludes an error of four standard deviations, but one machine in eight has such an error. Torque and pressures then contradict
+//! each other, and the filter takes the mean of both. The hypothesis differs from the filter by one prior only, so it needs no second
+//! filter. With the prior N(0, a²), the posterior N(m, v) of the filter, and the other prior N(0, b²),
 //!
 //! ```text
 //! 1/v' = 1/v - 1/a² + 1/b²        m' = v' m/v        E = (a/b) sqrt(v'/v) exp((m/v)² (v' - v)/2)
 //! ```
-//! E is the ratio of the evidences (Dickey 1971). Whatever else has the covariance c with the gain moves by c (m' - m)/v, and its variance
-//! grows by (c/v)² (v' - v). The interval is that of the mixture ([`crate::mixture`]).
+//! E is the ratio of the evidences (Dickey 1971). A quantity that has the covariance c with the gain moves by c (m' - m)/v, and its
+//! variance grows by (c/v)² (v' - v). The interval is that of the mixture ([`crate::mixture`]).
 
 use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
 use super::parallel::is_calibrated;
@@ -18,23 +18,23 @@ use crate::excavator::size::Sticking;
 use crate::math::{exp, ln, sqrt};
 use crate::mixture::spread;
 
-/// Standard deviation of a gain that is off, and the logarithm of the odds (one machine in eight). What is off by more is the parallel
-/// filter's.
+/// Standard deviation of a gain that is off. Larger errors are left to the parallel filter.
 const OFF: f64 = 0.1;
+/// Prior log odds of such a gain: one machine in eight.
 const LOG_ODDS: f64 = -1.9;
-/// Logarithm of the odds beyond which it is all the same.
+/// Upper limit of the log odds.
 const MOST: f64 = 20.0;
-/// It is asked so often \[s\].
+/// Time between two updates \[s\].
 const PERIOD: f64 = 0.2;
 
-/// The hypothesis that the gain is off.
+/// Hypothesis that the gain is off.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tail {
-    /// Nobody has compared the torque.
+    /// The torque has not been compared with a reference.
     is_open: bool,
     since: f64,
-    /// What the mixture adds to the variances of inertia and payload, over the squares of their covariances with the gain.
+    /// Variances that the mixture adds to inertia and payload, over the squares of their covariances with the gain.
     per_square: [f64; 2],
 }
 
@@ -47,7 +47,7 @@ impl Tail {
         }
     }
 
-    /// One tick of this length; whether it is time to ask anew.
+    /// Advances by a tick of this length; returns whether an update is due.
     pub(super) fn is_due(&mut self, period: f64) -> bool {
         self.since += period;
         let due = self.since >= PERIOD;
@@ -57,13 +57,13 @@ impl Tail {
         due
     }
 
-    /// There are no pressures any more, so its gain is not known as closely.
+    /// Withdraws the hypothesis.
     pub(super) fn forget(&mut self) {
         self.per_square = [0.0; 2];
     }
 
-    /// Asks a filter whose gain is `stated` to this standard deviation, and whose innovations are so many times as variable as it
-    /// claims.
+    /// Updates the hypothesis with a filter; `stated`: standard deviation of its gain; `disagreement`: ratio of observed to predicted
+    /// variance of its innovations.
     pub(super) fn ask(
         &mut self,
         filter: &Filter,
@@ -76,17 +76,17 @@ impl Tail {
         if !(self.is_open && v > 0.0 && stated > 0.0 && stated < OFF) {
             return;
         }
-        // A gain that walks may be less known than stated.
-        let told = (1.0 / v - 1.0 / (stated * stated)).max(0.0);
-        let other = 1.0 / (told + 1.0 / (OFF * OFF));
+        // A gain that wanders may be known less closely than stated.
+        let information = (1.0 / v - 1.0 / (stated * stated)).max(0.0);
+        let other = 1.0 / (information + 1.0 / (OFF * OFF));
         let (moves, more) = (m / v, (other - v).max(0.0));
-        let said = 0.5 * moves * moves * more / disagreement;
+        let evidence = 0.5 * moves * moves * more / disagreement;
         let volumes = ln(stated / OFF) + 0.5 * ln(other / v);
-        let odds = exp((LOG_ODDS + said + volumes.min(0.0)).min(MOST));
+        let odds = exp((LOG_ODDS + evidence + volumes.min(0.0)).min(MOST));
         let probability = odds / (1.0 + odds);
         let [payload, inertia] = filter.variances(now, sticks);
         let own = [inertia, payload];
-        // What hardly depends on the gain now may do so before it is asked again.
+        // A quantity that hardly depends on the gain now may do so before the next update.
         let reach = 2.0 * (moves.abs() * more + sqrt(more)) / v;
         let both = covariances(filter, now, sticks);
         for ((per, c), own) in self.per_square.iter_mut().zip(both).zip(own) {
@@ -130,7 +130,8 @@ mod tests {
 
     const STATED: f64 = 0.03;
 
-    /// A filter that has seen the inertia of 5e4 kg m^2 over the gain, and another witness of the inertia, that differ by this share.
+    /// Filter that has measured an inertia of 5e4 kg m^2 over the gain, and the inertia by another witness; both differ by the share
+    /// `apart`.
     fn filter(apart: f64, stated: f64) -> Filter {
         let mut std = [0.0; N];
         (std[GAIN], std[UPPER]) = (stated, 5000.0);
@@ -163,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn another_prior_is_what_a_filter_that_begins_with_it_says() {
+    fn the_other_prior_gives_the_result_of_a_filter_that_begins_with_it() {
         let (a, b) = (filter(0.1, STATED), filter(0.1, OFF));
         let (m, v) = (a.x[GAIN], a.p[GAIN][GAIN]);
         let other = 1.0 / (1.0 / v - 1.0 / (STATED * STATED) + 1.0 / (OFF * OFF));

@@ -1,5 +1,5 @@
-//! What the bucket holds where it changes: nothing is known of it as soon as it may have changed, and an emptied one weighs next to
-//! nothing, which fixes the gain of the torque.
+//! Changes of the bucket's content in the filters. The content is unknown as soon as it may have changed. An emptied bucket weighs next
+//! to nothing, which determines the torque gain.
 
 use core::f64::consts::TAU;
 
@@ -13,19 +13,17 @@ use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
 use crate::math::ln;
 
-/// What sticks differs from load to load by this standard deviation, as a share of the rated payload, and has changed for good by this
-/// one after each.
+/// Standard deviation of sticking soil from load to load, and of its lasting change after each load, as shares of the rated payload.
 const STICKING: [f64; 2] = [0.04, 0.005];
-/// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
-/// tell an empty bucket from a loaded one.
+/// Standard deviation of the payload below which motion distinguishes an empty bucket from a loaded one, as a share of the rated payload.
 const KNOWN_STD_SHARE: f64 = 0.15;
-/// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
+/// Standard deviation between two swings of the weight of a load that stays in an emptied bucket, as a share of the rated payload.
 const RESIDUE_STD_SHARE: f64 = 0.05;
-/// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
+/// Frequency of a load that stays (a hook, a clamp, clay) over that of a broken sensor.
 const STUCK_LOAD_ODDS: f64 = 100.0;
 
 impl Working {
-    /// What the bucket holds from now on.
+    /// Updates the filters for a change of the bucket's content.
     pub(super) fn hold(
         &mut self,
         settings: &Settings,
@@ -48,7 +46,7 @@ impl Working {
         self.contradiction.content_changes();
         self.sway.forget();
         if self.attachment.pending {
-            self.content_tells_attachment(settings.estimator.gate, trail);
+            self.settle_attachment(settings.estimator.gate, trail);
         }
         let goes_on_alone = self.scale.is_doubted() && !self.is_contradicted();
         if let Some(weigh) = &mut self.weigh {
@@ -70,8 +68,8 @@ impl Working {
         }
     }
 
-    /// What is expected of any content, value and standard deviation, counts for this one alone: contents are alike (a machine that
-    /// grades carries none for an hour), so a hundred of them would seem to tell what else weighs.
+    /// Ends a content: removes its prior, value and standard deviation, from the filters. Contents are similar (a machine that grades
+    /// carries none for an hour). A hundred equal priors would therefore seem to inform the other masses.
     fn content_is_over(&mut self, (value, std): (f64, f64), trail: &mut Option<Trail>) {
         self.expected = false;
         let prior = (value, std * std);
@@ -81,7 +79,7 @@ impl Working {
         self.scale.filter.take_back(prior, true, &mut None);
     }
 
-    /// Other soil may stick from now on.
+    /// Widens the bucket's mass: other soil may stick from now on.
     pub(super) fn is_emptied(&mut self) {
         self.tared = true;
         let changes = STICKING[1] * self.rated;
@@ -94,23 +92,23 @@ impl Working {
         }
     }
 
-    /// Variance of a payload of which nothing is known [kg^2].
+    /// Variance of an unknown payload [kg^2].
     pub(super) fn anything(&self) -> f64 {
         0.25 * self.rated * self.rated
     }
 
-    /// Variance of a payload below which an empty bucket can be told from a loaded one [kg^2].
+    /// Variance of a payload below which an empty bucket is distinguishable from a loaded one [kg^2].
     fn known_variance(&self) -> f64 {
         let limit = KNOWN_STD_SHARE * self.rated;
         limit * limit
     }
 
-    /// What sticks, as it differs from load to load \[kg\].
+    /// Standard deviation of what sticks, from load to load \[kg\].
     pub(super) fn sticking(&self) -> f64 {
         STICKING[0] * self.rated
     }
 
-    /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
+    /// Tests an emptied bucket, and uses it as a weight of next to nothing, which determines the torque gain.
     pub(super) fn tare(&mut self, settings: &Settings, drive: &Drive, trail: &mut Option<Trail>) {
         let (gate, now) = (settings.estimator.gate, &drive.now);
         if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
@@ -157,14 +155,14 @@ impl Working {
         }
         let doubtful = value * value > 4.0 * (claimed + std * std);
         if doubtful && self.tared {
-            // Another gain may explain it: what speaks for it is known better with each row.
+            // Another gain may explain it. Its evidence is updated with each row, as the weight is known better.
             let both = [(value, variance), (other, parallel_variance)];
             let both = both.map(|(value, variance)| Innovation {
                 value,
                 variance: variance + std * std,
             });
             let (usual, before) = (self.contradiction.usual(), self.weighed_something);
-            self.weighed_something = self.parallel.weigh_anew(both, gate, usual, before);
+            self.weighed_something = self.parallel.weigh_again(both, gate, usual, before);
         }
         let close = value * value < 4.0 * (variance + std * std);
         if !apart && !close {
@@ -189,23 +187,25 @@ impl Working {
         }
     }
 
-    /// The content is nothing, with this variance [kg^2].
+    /// Measures the content as nothing, with this variance [kg^2].
     pub(super) fn holds_nothing(&mut self, variance: f64, gate: f64, trail: &mut Option<Trail>) {
         self.scale.tare(variance, gate);
         let tare = |filter: &mut Filter, trail: &mut Option<Trail>| {
             let value = -filter.x[M];
             filter.measure([(M, 1.0)], value, variance, gate, trail)
         };
-        let said = [
+        let innovations = [
             tare(&mut self.filter, trail),
             tare(&mut self.parallel.filter, &mut None),
         ];
-        self.parallel.weigh(said, gate, self.contradiction.usual());
+        self.parallel
+            .weigh(innovations, gate, self.contradiction.usual());
         self.agreement.interrupt();
     }
 
-    /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
-    /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
+    /// Returns whether an emptied bucket has rather retained its load, as a hook or a clamp does: then it weighs as before. With a broken
+    /// sensor it weighs less by what left it, which may be any share of the rated payload. The likelihoods, and the frequencies of both,
+    /// decide.
     pub(super) fn is_kept(&self, variance: f64) -> bool {
         let stays = RESIDUE_STD_SHARE * self.rated;
         let spread = variance + stays * stays;
@@ -223,11 +223,11 @@ mod tests {
     use crate::excavator::keys::Description;
 
     #[test]
-    fn contents_that_are_alike_tell_nothing_of_the_bucket() {
+    fn similar_contents_do_not_inform_the_bucket() {
         let settings = Settings::of(&Description::default());
         let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
         let before = working.filter.p[BUCKET][BUCKET];
-        // Who grades carries nothing, each time that something may have been filled in.
+        // A machine that grades carries nothing, each time that something may have been filled in.
         for _ in 0..100 {
             let weight = [(M, 1.0), (BUCKET, 1.0)];
             let value = -working.filter.combination(&weight).0;
