@@ -1,31 +1,31 @@
-//! Do stretches of a swing agree within what they claim?
+//! Agreement of the stretches of a swing within their predicted variance.
 //!
-//! A filter whose model holds moves its estimate, over any stretch, by as much as the stretch takes from its
-//! variance: `E (x_end - x_start)^2 = P_start - P_end`. Where stretches move it further than that, they
-//! contradict each other, whatever the cause; the interval then widens by the root of the mean ratio (Birge
-//! 1932). This also catches what no state of the model names.
+//! Where the model holds, a stretch moves the estimate by as much as it lowers the variance: `E (x_end - x_start)^2 = P_start - P_end`.
+//! Where stretches move it further, they contradict each other, whatever the cause. The interval then widens by the root of the mean
+//! ratio (Birge 1932). This also detects effects that are no state of the model.
 
 use super::super::geometry::Inertia;
 use super::filter::Filter;
 
-/// Length of a stretch [s].
+/// Duration of a stretch [s].
 const STRETCH: f64 = 0.4;
-/// A stretch that takes less than this share of the variance says nothing.
+/// Share of the variance that a stretch must remove to carry information.
 const INFORMATIVE: f64 = 0.05;
-/// Share of one stretch in the mean ratio; largest ratio of one.
+/// Weight of one stretch in the mean ratio.
 const MEMORY: f64 = 0.12;
+/// Upper limit of the ratio of one stretch.
 const LARGEST: f64 = 36.0;
-/// Ratio that an outright contradiction counts as.
+/// Ratio of an outright contradiction.
 const OUTRIGHT: f64 = 18.0;
 
-/// Where a stretch began: how the inertia depends on the states, its value and its variance.
+/// Start of a stretch: row of the inertia, its value and its variance.
 type Start = ([(usize, f64); 5], f64, f64);
 
-/// Mean ratio of what stretches moved to what they may move.
+/// Mean ratio of the squared change over a stretch to the variance lost.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Agreement {
-    /// The posture stays that in which the stretch began.
+    /// The stretch keeps the posture in which it began.
     start: Option<Start>,
     elapsed: f64,
     ratio: f64,
@@ -40,7 +40,7 @@ impl Agreement {
         }
     }
 
-    /// The filter after a tick of motion in which only the motion informed.
+    /// Adds the filter after a tick in which only motion has informed it.
     pub(super) fn push(&mut self, filter: &Filter, now: &Inertia, period: f64) {
         let Some((row, before, variance_before)) = self.start else {
             self.begin(filter, now);
@@ -66,13 +66,13 @@ impl Agreement {
         self.elapsed = 0.0;
     }
 
-    /// The motion contradicts the value outright.
+    /// Counts an outright contradiction by the motion.
     pub(super) fn contradict(&mut self) {
         self.ratio += MEMORY * (OUTRIGHT - self.ratio).max(0.0);
         self.start = None;
     }
 
-    /// The value has changed for another reason: the next stretch begins anew.
+    /// Restarts the stretch, since the value has changed for another reason.
     pub(super) fn interrupt(&mut self) {
         self.start = None;
     }

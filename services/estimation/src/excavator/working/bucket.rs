@@ -1,24 +1,24 @@
-//! What the joints say about the bucket's content: it can change only when they move.
+//! Changes of the bucket's content by the joint angles: it can change only when joints move.
 
 use super::super::drive::Drive;
 use super::super::opening::Opening;
 
-/// Joints that have moved this far since the machine stopped may have changed the content [rad].
+/// Motion of a joint since the machine stopped that may have changed the content [rad].
 const MOVED: f64 = 0.03;
-/// A bucket that has opened this far is empty unless the motion says otherwise [rad].
+/// Opening by which a bucket counts as empty, unless the motion contradicts [rad].
 const EMPTIED: f64 = 1.15;
-/// A standing bucket that has closed this far may have been filled [rad].
+/// Closing by which a standing bucket may have been filled [rad].
 const FILLED: f64 = 0.4;
-/// Ticks after an opening in which the last of the material may still leave (0.20 s).
+/// Ticks after an opening in which the last material may still leave (0.20 s).
 const SETTLING: u32 = 20;
 
-/// What is known of the content after a tick.
+/// Knowledge of the content after a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Content {
     /// As before.
     Unchanged,
-    /// What sticks in a bucket that has just been opened wide.
+    /// What sticks in a bucket just opened wide.
     Emptied,
     /// Anything from empty to full.
     Unknown,
@@ -56,8 +56,8 @@ impl Bucket {
         }
     }
 
-    /// One tick; `share` of new angles in the smoothed ones. Where the load is weighed, which tells whether the bucket `digs`,
-    /// it changes only then, or where the bucket opens.
+    /// Processes one tick; `share`: weight of new angles in the smoothed ones. Where the load is weighed, it is known whether the bucket
+    /// `digs`. The content then changes only while it digs or opens.
     pub(super) fn step(
         &mut self,
         drive: &Drive,
@@ -66,7 +66,7 @@ impl Bucket {
         digs: Option<bool>,
     ) -> Content {
         if !drive.seen {
-            // What the joints do meanwhile may fill or empty the bucket.
+            // Unseen joint motion may fill or empty the bucket.
             *self = Self::new(self.opening.threshold());
             return Content::Unknown;
         }
@@ -113,17 +113,17 @@ impl Bucket {
         }
     }
 
-    /// The bucket opens, or has just done so.
+    /// Returns whether the bucket opens or has just done so.
     pub(super) fn is_open(&self) -> bool {
         self.opening.is_open()
     }
 
-    /// The last of the material may still be leaving.
+    /// Returns whether the last material may still leave.
     pub(super) fn is_settling(&self) -> bool {
         self.settling > 0
     }
 
-    /// The joints have moved since the machine stopped.
+    /// Returns whether joints have moved since the machine stopped.
     pub(super) fn is_unlocked(&self) -> bool {
         self.unlocked
     }
@@ -133,7 +133,7 @@ impl Bucket {
         self.rate
     }
 
-    /// The bucket was opened wide, and has not been filled since.
+    /// Returns whether the bucket was opened wide and has not been filled since.
     pub(super) fn is_emptied(&self) -> bool {
         self.emptied && !self.is_open() && self.settling == 0
     }

@@ -1,14 +1,14 @@
-//! Correlations of what a calibration has found, put into the filter.
+//! Covariances of the quantities that a calibration has identified together.
 
 use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
 use crate::excavator::doubts::{Correlations, Doubts};
 use crate::math::sqrt;
 
-/// Correlations are rounded: this share of each keeps the covariance positive.
+/// Factor of the rounded correlations that keeps the covariance positive.
 const SHARED: f64 = 0.99;
 
-/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor; the bucket's error has that
-/// factor for a part. The state of the gain is the inverse of the sensor's.
+/// Sets the correlations that a calibration has found. It scales boom, arm and bucket by one factor, which is part of the bucket's error.
+/// The gain state is the inverse of the sensor's gain, hence the opposite signs.
 pub(super) fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
     let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
     for (i, j, correlation) in [
@@ -31,7 +31,7 @@ mod tests {
     use crate::excavator::settings::Settings;
     use crate::excavator::working::Working;
 
-    /// Relative standard deviation of the inertia of the empty machine over the gain of the torque.
+    /// Relative standard deviation of the empty machine's inertia over the torque gain.
     fn of_the_ratio(correlated: bool) -> f64 {
         let mut d = Description::default();
         d.machine.mass_tolerance = 0.02;
@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(settings.check(), Ok(()));
         let filter = Working::new(&settings, &settings.doubts.expect("doubts")).filter;
         let share = |i: usize| 1.0 / sqrt(filter.p[i][i]);
-        // The combination that was nearest to none.
+        // The combination with the smallest variance.
         let row = [(GAIN, -2.0), (LINKS, 1.0), (UPPER, 1.0)].map(|(i, a)| {
             let sign = if i == GAIN { -1.0 } else { 1.0 };
             (i, sign * a * share(i))
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn masses_and_gain_that_were_found_together_err_together() {
-        // The swings that were calibrated on tell the inertia over the gain far better than either.
+        // The swings of the calibration determine inertia over gain far better than either.
         assert!(of_the_ratio(true) < 0.4 * of_the_ratio(false));
         assert!(of_the_ratio(false) > 0.02);
     }

@@ -1,26 +1,28 @@
-//! How much of torque and velocity the model leaves out: the factors by which the innovations are white.
+//! Adaptive noise of torque and velocity: factors of their variances that make the innovations white.
 //!
-//! A torque that no state explains shows as innovations that keep their sign for a while; a body that vibrates (a boom that gives
-//! way sideways, a gear with play) as innovations that change it. Sums over a tenth of a second, normalised, have variance 1 where
-//! the assumed noises are right, and so has the sum of four of them, and what they differ by: the logarithm of the torque's noise
-//! follows the former, that of the velocity's the latter (gradient of the likelihood).
+//! A torque that no state explains shows as innovations that keep their sign for a while. A body that vibrates (a boom that bends
+//! sideways, a gear with play) shows as innovations that alternate. Normalised sums over a tenth of a second have variance 1 where the
+//! assumed noises are right. So do the normalised sum of four of them, and their scatter. The logarithm of the torque's factor follows
+//! the sum, that of the velocity's factor the scatter (gradient of the likelihood).
 
 use crate::math::{exp, ln, sqrt};
 
-/// Ticks of a sum, and sums that are compared.
+/// Ticks of a sum.
 const BLOCK: u32 = 10;
+/// Number of sums that are compared.
 const BLOCKS: usize = 4;
-/// Steps of the logarithms of torque and velocity per sum and unit of too much, and of too little. What has vibrated will do so
-/// again with the next change of the torque.
+/// Steps of the logarithms of the factors of torque and velocity, per sum and unit of excess, for too much and for too little. A body
+/// that has vibrated will do so again with the next change of the torque, so its factor falls slowly.
 const RATES: [[f64; 2]; 2] = [[0.1, 0.1], [0.3, 0.03]];
-/// One sum says no more than this square.
+/// Upper limit of the squared sum, and of the scatter.
 const LARGEST: f64 = 9.0;
-/// Smallest and largest factor of the variance of the torque, and of the velocity.
+/// Smallest and largest factor of the torque's variance, and of the velocity's.
 const RANGES: [[f64; 2]; 2] = [[0.25, 400.0], [0.25, 36.0]];
-/// Standard deviation of the velocity of an upper body about that of a rigid one [rad/s]: .003 to .007 where booms give way
-/// sideways at 3 Hz.
+/// Standard deviation of the velocity of a flexible upper body about that of a rigid one [rad/s]: .003 to .007 where booms bend sideways
+/// at 3 Hz.
 const VIBRATION: f64 = 0.01;
-/// Factor of the torque's variance above which the motion does not follow the model: at 3 no recording of a sound machine loses trust.
+/// Factor of the torque's variance above which the motion does not follow the model. Even at a limit of 3, no recording of a sound
+/// machine loses trust.
 const UNEXPLAINED: f64 = 10.0;
 
 /// Factors of the variances of torque and velocity.
@@ -31,8 +33,9 @@ pub(super) struct Noise {
     scales: [f64; 2],
     sum: f64,
     count: u32,
-    /// The last sums, and how many there are.
+    /// Last sums.
     sums: [f64; BLOCKS],
+    /// Number of sums so far.
     filled: usize,
 }
 
@@ -48,7 +51,7 @@ impl Noise {
         }
     }
 
-    /// One normalised innovation.
+    /// Adds one normalised innovation.
     pub(super) fn push(&mut self, z: f64) {
         self.sum += z.clamp(-4.0, 4.0);
         self.count += 1;
@@ -81,7 +84,7 @@ impl Noise {
         }
     }
 
-    /// The sums begin anew.
+    /// Restarts the sums.
     pub(super) fn rest(&mut self) {
         (self.sum, self.count, self.filled) = (0.0, 0, 0);
     }
@@ -91,12 +94,12 @@ impl Noise {
         self.scales[0]
     }
 
-    /// The motion does not follow the model.
+    /// Returns whether the motion does not follow the model.
     pub(super) fn is_unexplained(&self) -> bool {
         self.scale() > UNEXPLAINED
     }
 
-    /// Variance of the velocity beside its sensor's noise [(rad/s)^2].
+    /// Variance of the velocity by vibration, beside the noise of its sensor [(rad/s)^2].
     pub(super) fn vibration(&self) -> f64 {
         self.scales[1] * VIBRATION * VIBRATION
     }
@@ -108,7 +111,7 @@ mod tests {
     use crate::math::sin_cos;
     use core::f64::consts::TAU;
 
-    /// Factors of torque and vibration after 10 s of innovations that are the smaller, the more noise is assumed.
+    /// Factors of torque and vibration after 10 s of innovations, which decrease as the assumed noise grows.
     fn after(innovation: impl Fn(f64, &Noise) -> f64) -> [f64; 2] {
         let mut noise = Noise::new();
         for k in 0..1000 {

@@ -1,73 +1,76 @@
-//! Does the load hang?
+//! Detection of a load that hangs.
 //!
-//! A load on a hook, or one that sloshes, is a pendulum: it follows the upper body late, and pulls it back and forth. A rigid
-//! load explains nothing of that. Means over a fifth of a second are explained by least squares, since the content changed:
+//! A load on a hook, or one that sloshes, is a pendulum: it follows the upper body late, and pulls it back and forth. A rigid load
+//! explains nothing of that. Means over a fifth of a second since the content changed are fitted by least squares:
 //!
 //! ```text
 //! tau - J_e alpha = b1 g alpha + b2 sign(w) + b3 w + b4 g a_L
 //! ```
 //!
-//! J_e and g are the inertia without payload and per kilogram, alpha is the upper body's acceleration, and a_L that of a
-//! load which hangs on a rope of length L and was still at first. The first three terms are any rigid load and any friction. The
-//! square of the partial correlation with the last one is the share of what they leave that a load on this rope explains.
+//! J_e and g are the inertia without payload and per kilogram. The acceleration of the upper body is alpha; that of a load on a rope of
+//! length L, still at first, is a_L. The first three terms describe any rigid load and any friction. The squared partial correlation with
+//! the last one is the share of their residual that a load on this rope explains.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::geometry::Inertia;
 use crate::excavator::measurements::boom_moment::GRAVITY;
 
-/// Lengths of the rope \[m\]: half periods of .8, 1.2 and 1.9 s, whose neighbours are alike within a swing.
+/// Lengths of the rope \[m\]: half periods of .8, 1.2 and 1.9 s. Neighbouring lengths respond similarly within a swing.
 const ROPES: [f64; 3] = [0.6, 1.5, 3.5];
-/// Share of its velocity that a hanging load keeps in a block: 3 to 5 % of the critical damping.
-const KEPT: f64 = 0.95;
-/// Ticks of a block, and its longest time \[s\]: the shortest pendulum is followed by steps of at most 1 rad.
+/// Share of its velocity that a hanging load retains over a block: 3 to 5 % of the critical damping.
+const RETAINED: f64 = 0.95;
+/// Ticks of a block.
 const BLOCK: u32 = 20;
+/// Longest duration of a block \[s\]: the shortest pendulum advances by at most 1 rad.
 const LONGEST: f64 = 0.25;
-/// Blocks that four coefficients need to be told by, and blocks until the shares are asked for again.
+/// Number of blocks that identify four coefficients.
 const ENOUGH: u32 = 10;
+/// Number of blocks between two evaluations.
 const AGAIN: u32 = 5;
-/// Share above which a load hangs: at most .41 in 19 of 20 carries of a rigid load with one effect that machines have (late
-/// torque, losses, friction, a boom that bends), at least .54 with one on ropes of .8 and 1.5 m.
+/// Explained share above which a load hangs. It is at most .41 in 19 of 20 carries of a rigid load with one effect of real machines (late
+/// torque, losses, friction, a boom that bends). It is at least .54 with a load on ropes of .8 and 1.5 m.
 const MOST: f64 = 0.5;
-/// Share of a diagonal that is added to it, so that regressors which are alike have a pivot.
+/// Share by which the diagonal is raised, so that nearly collinear regressors have a pivot.
 const RIDGE: f64 = 1e-9;
-/// Coefficients of a rigid load and of the friction.
+/// Number of coefficients of a rigid load and of friction.
 const RIGID: usize = 3;
 
-/// A load that hangs on one rope.
+/// Load that hangs on one rope.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Pendulum {
-    /// Angle about the swing axis by which the load is ahead \[rad\], and its rate [rad/s].
+    /// Angle about the swing axis by which the load leads the upper body \[rad\], and its rate [rad/s].
     ahead: f64,
     rate: f64,
-    /// Products of its term with those of a rigid load, with itself, and with the torque.
+    /// Sums of products of its regressor: with those of a rigid load, with itself, and with the torque.
     with_rigid: [f64; RIGID],
     squares: f64,
     with_torque: f64,
 }
 
 impl Pendulum {
-    /// The load's acceleration over a block in which the upper body gains this velocity [rad/s^2].
+    /// Advances by a block in which the upper body gains this velocity; returns the load's acceleration [rad/s^2].
     fn step(&mut self, rope: f64, gained: f64, period: f64) -> f64 {
         self.ahead += 0.5 * period * self.rate;
         let acceleration = -GRAVITY / rope * self.ahead;
-        self.rate = KEPT * self.rate + period * acceleration - gained;
+        self.rate = RETAINED * self.rate + period * acceleration - gained;
         self.ahead += 0.5 * period * self.rate;
         acceleration
     }
 }
 
-/// What the swings since the content changed say of a load that hangs.
+/// Regression over the swings since the content changed.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Sway {
-    /// Velocity at the beginning of this block [rad/s], its ticks so far, and the sum of their torques [N m].
+    /// Velocity at the start of the block [rad/s], ticks so far, and sum of their torques [N m].
     before: f64,
     ticks: u32,
     torque: f64,
     pendulums: [Pendulum; ROPES.len()],
-    /// Products of the terms of a rigid load, with each other and with the torque beyond the empty machine's, and its squares.
+    /// Sums of products of the rigid load's regressors, with each other and with the torque beyond the empty machine's; sum of its
+    /// squares.
     rigid: [[f64; RIGID]; RIGID],
     with_torque: [f64; RIGID],
     squares: f64,
@@ -76,7 +79,7 @@ pub(super) struct Sway {
 }
 
 impl Sway {
-    /// Torque and velocity of a tick in which the machine swings freely.
+    /// Adds torque and velocity of a tick in which the machine swings freely.
     pub(super) fn push(&mut self, torque: f64, velocity: f64, now: &Inertia, period: f64) {
         if self.ticks == 0 {
             (self.before, self.torque) = (velocity, 0.0);
@@ -118,7 +121,7 @@ impl Sway {
         }
     }
 
-    /// Largest share of what a rigid load leaves of the torque that a hanging one explains.
+    /// Largest share of the torque, beyond the rigid load's fit, that a hanging load explains.
     fn explained(&self) -> f64 {
         let mut rigid = Matrix3::from(self.rigid);
         (0..RIGID).for_each(|k| rigid[(k, k)] *= 1.0 + RIDGE);
@@ -133,11 +136,11 @@ impl Sway {
         let left = self.squares - torque.norm_squared();
         let share = |pendulum: &Pendulum| {
             let term = whiten(pendulum.with_rigid);
-            let alike = pendulum.with_torque - term.dot(&torque);
+            let covariance = pendulum.with_torque - term.dot(&torque);
             let whole = left * (pendulum.squares - term.norm_squared());
-            // A load pulls back, it does not push on.
-            if alike > 0.0 && whole > 0.0 {
-                alike * alike / whole
+            // A hanging load pulls back: a coefficient of the other sign does not count.
+            if covariance > 0.0 && whole > 0.0 {
+                covariance * covariance / whole
             } else {
                 0.0
             }
@@ -145,7 +148,7 @@ impl Sway {
         self.pendulums.iter().map(share).fold(0.0, f64::max)
     }
 
-    /// The machine stands: the load is taken to be still when it swings again.
+    /// Ends a block at standstill; the load counts as still when the next swing begins.
     pub(super) fn rest(&mut self) {
         if core::mem::take(&mut self.ticks) == 0 {
             return;
@@ -155,14 +158,14 @@ impl Sway {
         }
     }
 
-    /// The content changes: what hung may hang no more.
+    /// Resets for another content: a load that hung may be gone.
     pub(super) fn forget(&mut self) {
         if self.blocks > 0 || self.ticks > 0 {
             *self = Self::default();
         }
     }
 
-    /// More than half of what a rigid load leaves is explained by one that hangs.
+    /// Returns whether a hanging load explains more than half of what a rigid load leaves.
     pub(super) fn hangs(&self) -> bool {
         self.hangs
     }
@@ -184,7 +187,8 @@ mod tests {
     const EMPTY: f64 = 60e3;
     const PER_PAYLOAD: f64 = 50.0;
 
-    /// What two swings back and forth with this load [kg] on this rope \[m\] say, or one that hangs on none; the torque arrives late.
+    /// Whether a load [kg] counts as hanging after two swings back and forth. It hangs on this rope \[m\], or is rigid where there is
+    /// none. The torque arrives `late` [s].
     fn swings(payload: f64, rope: Option<f64>, late: f64) -> bool {
         let (mut sway, mut pendulum, mut velocity) =
             (Sway::default(), Pendulum::default(), 0.0_f64);
@@ -210,7 +214,7 @@ mod tests {
             });
             let gained = (drive(time) - friction + pull) / inertia * period;
             velocity += gained;
-            // The load keeps 99.75 % of its rate in a tick, 95 % in a block.
+            // The load retains 99.75 % of its rate over a tick, 95 % over a block.
             pendulum.ahead += period * pendulum.rate;
             let acceleration = -GRAVITY / rope.unwrap_or(1.0) * pendulum.ahead;
             pendulum.rate = 0.9975 * pendulum.rate + period * acceleration - gained;
@@ -222,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_that_hangs_is_told_from_a_rigid_one() {
+    fn a_hanging_load_is_distinguished_from_a_rigid_one() {
         for rope in [0.7, 1.1, 2.0, 4.0] {
             assert!(swings(900.0, Some(rope), 0.0), "{rope} m");
         }

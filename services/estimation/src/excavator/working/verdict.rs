@@ -1,4 +1,4 @@
-//! What the default estimator says of its state: the estimate with its interval, and why it may not be believed.
+//! Estimate of the default estimator with its interval, and the reason why it may not be trusted.
 
 use super::filter::{
     BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
@@ -14,35 +14,37 @@ use crate::excavator::state::State;
 use crate::kalman::Innovation;
 use crate::math::sqrt;
 
-/// A constant this many standard deviations from its description is named. Of what only swings of different loads tell apart (the
-/// torque's gain, the bucket) the swings leave so much open that fewer must do: sound machines show at most 1.2 and 2.1.
+/// Deviation from the description at which a constant is named [standard deviations].
 const NAMED_DEVIATION: f64 = 3.0;
+/// The same of gain and bucket, which only swings of different loads distinguish. They stay so uncertain that fewer must do: sound
+/// machines show at most 1.2 and 2.1.
 const NAMED_GAIN: f64 = 1.65;
 const NAMED_BUCKET: f64 = 2.3;
-/// The description is believed as if so many constants had been seen to be as it says, beside those of [`MACHINE`].
+/// Weight of the description, as the number of constants seen to agree with it, beside those of [`MACHINE`].
 const BELIEF: f64 = 1.0;
-/// Friction and damping change by this share with the oil's temperature.
+/// Change of friction and damping with the oil's temperature, as a share.
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
-/// The share that a drive loses is described no better than to this.
+/// Least standard deviation of the described loss of the drive.
 const LEAST_LOSS: f64 = 0.01;
-/// What the motion tells of the machine's description.
+/// Constants of the description that motion identifies.
 const MACHINE: [usize; 8] = [FRICTION, DAMPING, LOSS, OFFSET, GAIN, UPPER, BUCKET, LINKS];
-/// One constant says no more than this square.
+/// Upper limit of the square of one constant.
 const SURPRISE: f64 = 16.0;
-/// One of which the motion has taken this share of the variance says half of what a known one does.
+/// Share of the variance removed by motion at which a constant has half the weight of a known one.
 const HARDLY_LEARNT: f64 = 0.05;
-/// No machine swings with its boom further down than this: the angle has the other sign [rad].
+/// Lowest boom angle of a machine that swings [rad]: below it, the angle has the other sign.
 const LOWEST_BOOM_ANGLE: f64 = -0.25;
-/// Less than this share of what the description allows for is not worth a word.
+/// Least deviation of a named constant, as a share of the stated standard deviation.
 const MIN_SHARE: f64 = 0.33;
-/// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
+/// Deviations from which gain and offset are faults [stated standard deviations]. Half of a wrong gain appears as inertia.
 const FAULT_DEVIATIONS: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
-/// No machine has less than this share of the described friction and damping.
+/// Least friction and damping of a machine, as a share of the described ones.
 const MIN_FRICTION_SHARE: f64 = 0.25;
-/// Mean ratio at which stretches of the swings disagree.
+/// Mean ratio above which the stretches of the swings disagree.
 const DISAGREEMENT: f64 = 3.0;
 
 impl Working {
+    /// Returns the estimate after a tick, with its interval and reason.
     pub(super) fn state(
         &self,
         settings: &Settings,
@@ -124,7 +126,8 @@ impl Working {
         }
     }
 
-    /// Standard deviation of what the drawing misses of the inertia [kg m^2]: a boom that points `down` may be one with the other sign.
+    /// Standard deviation of the inertia by errors of the drawing [kg m^2]. A boom that points `down` may have an angle of the other
+    /// sign.
     fn drawn_wrong(&self, settings: &Settings, drive: &Drive, payload: f64, down: bool) -> f64 {
         let form = self.form(&drive.now);
         if !down {
@@ -136,15 +139,15 @@ impl Working {
         sqrt(form * form + apart * apart)
     }
 
-    /// Factor of the variances by which stretches of this swing disagree, or those of earlier ones did.
+    /// Factor of the variances by which stretches of this swing disagree, or usually do.
     pub(super) fn disagreement(&self) -> f64 {
         self.agreement.factor().max(self.contradiction.usual())
     }
 
-    /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
-    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale). Where
-    /// the description holds, the square of what was learnt of a constant is the variance that the motion took away, be it much or
-    /// little of it; the scale is the mean of their ratios. A delay is the bus's, and says nothing of the drawing.
+    /// Factor of the variances that the description states, at least 1. Constants that motion identifies may lie further from their
+    /// description than it allows for. Then those that motion does not identify probably do too (inverse-gamma prior of the common
+    /// scale). Where the description holds, the squared change of a constant equals on average the variance that motion removed, large or
+    /// small. The factor is the mean of their ratios. The delay is the bus's, and carries no information about the description.
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
@@ -156,25 +159,25 @@ impl Working {
             let learnt = (1.0 - p[i][i] * per_stated).max(0.0);
             let away = x[i] - self.described[i];
             let square = away * away * per_stated;
-            // What wanders with the oil is not only the description's.
-            let told = if i == FRICTION || i == DAMPING {
+            // Part of the deviation of friction and damping is due to the oil.
+            let counted = if i == FRICTION || i == DAMPING {
                 learnt * square
             } else {
                 square
             };
             let share = 1.0 / (learnt + HARDLY_LEARNT);
-            sum += told.min(SURPRISE * learnt) * share;
+            sum += counted.min(SURPRISE * learnt) * share;
             count += learnt * share;
         };
         MACHINE.into_iter().for_each(&mut ask);
-        // The pressures' are not asked without a torque beside them: they take up what the seals do.
+        // Without a torque, span and zero do not count: they absorb the friction of the seals.
         if self.parallel.is_driven() {
             [SPAN, ZERO].into_iter().for_each(&mut ask);
         }
         (sum / count).max(1.0)
     }
 
-    /// One over the variance that the description allows constant `i`; 0 where it allows none.
+    /// Inverse of the variance that the description allows for constant `i`; 0 where it allows for none.
     pub(super) fn per_stated(i: usize, described: f64, stated: f64) -> f64 {
         let least = match i {
             FRICTION | DAMPING => OIL_TEMPERATURE_SHARE * described,
@@ -185,12 +188,13 @@ impl Working {
         if variance > 0.0 { 1.0 / variance } else { 0.0 }
     }
 
-    /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].
+    /// Standard deviation of the inertia by errors of the drawing, at this posture [kg m^2].
     pub(super) fn form(&self, now: &Inertia) -> f64 {
         self.form_share * (now.links + self.described_bucket * now.per_bucket)
     }
 
-    /// What differs most from its description, in its own standard deviations.
+    /// Returns the reason: a condition of the estimate, or the constant that deviates most from its description in its own standard
+    /// deviations.
     pub(super) fn reason(&self, standing: bool, (at_limit, contradicted): (bool, bool)) -> Reason {
         if standing && self.bucket.is_unlocked() {
             return Reason::Content;
@@ -240,17 +244,17 @@ impl Working {
         most.1
     }
 
-    /// Whether swings or constants contradict the description.
+    /// Returns whether something is contradicted: by motion or load, by the pressures, or by a constant.
     pub(super) fn is_contradicted(&self) -> bool {
         self.contradiction.is_open() || self.is_undecided() || self.is_beyond()
     }
 
-    /// Whether nobody knows if torque or pressures err.
+    /// Returns whether it is unknown which of torque and pressures errs, or the pressures may have changed.
     fn is_undecided(&self) -> bool {
         self.scale.is_undecided() && !self.weigh.as_ref().is_some_and(Weigh::is_gone)
     }
 
-    /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
+    /// Returns whether a constant lies beyond what the description allows for, or beyond any machine: next to no friction.
     pub(super) fn is_beyond(&self) -> bool {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let apart = |(i, most): (usize, f64)| {
