@@ -1,4 +1,4 @@
-//! What a text says of the keys of whichever machine.
+//! Keys in a text, for any machine.
 
 use messages::Machine;
 
@@ -13,7 +13,7 @@ macro_rules! texts_of_machines {
             }
         }
 
-        /// A key or table of a text that is nearly one of a machine's.
+        /// Error for a key or table that is nearly one of a machine's.
         pub(crate) fn misspelt(machine: Machine, text: &str, file: &str) -> Option<Error> {
             match machine {
                 $( Machine::$name => parse::misspelt::<crate::$name>(text, file), )*

@@ -1,8 +1,8 @@
-//! A machine by its size alone, as `--class 21t` says it.
+//! Machine described by its size alone, as with `--class 21t`.
 
 use messages::Machine;
 
-/// The key of a machine's mass \[kg\]: what nobody states follows from it.
+/// The key of a machine's mass \[kg\], from which the values that are not stated follow.
 pub fn mass_key(machine: Machine) -> &'static str {
     match machine {
         Machine::Excavator => "machine.operating_mass",

@@ -15,12 +15,12 @@ macro_rules! descriptions {
         pub enum Description { $( $name(Box<$name>), )* }
 
         impl Description {
-            /// Reads a description of whichever machine the text is for: `machine.kind` says so, or
-            /// the keys do. `machine` is taken where neither does.
+            /// Reads a description of the machine that the text is for: `machine.kind` or
+            /// the keys determine it. `machine` is the default where neither does.
             ///
             /// # Errors
-            /// Everything that is wrong with the text, each with its line; or that the machine is
-            /// unclear.
+            /// All defects of the text, each with its line; or the machine is
+            /// undetermined.
             pub fn parse(
                 text: &str,
                 file_name: &str,
@@ -41,7 +41,7 @@ macro_rules! descriptions {
                 }
             }
 
-            /// Which machine.
+            /// The machine that it describes.
             pub fn machine(&self) -> Machine {
                 match self {
                     $( Self::$name(_) => $name::MACHINE, )*
@@ -58,7 +58,7 @@ macro_rules! descriptions {
             /// Sets several keys in their order, as several `--set` do.
             ///
             /// # Errors
-            /// No such key, a value that it cannot have, or an outcome that contradicts itself.
+            /// No such key, a value outside its range or form, or a result that contradicts itself.
             pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), Error> {
                 match self {
                     $( Self::$name(m) => m.set_all(assignments), )*
@@ -72,14 +72,14 @@ macro_rules! descriptions {
                 }
             }
 
-            /// The keys that it states beside the defaults of a machine of its size, with their values in TOML.
+            /// The stated keys: those that differ from the defaults of a machine of its size, with their values in TOML.
             pub fn stated(&self) -> BTreeMap<&'static str, String> {
                 match self {
                     $( Self::$name(m) => stated::stated(m.as_ref()), )*
                 }
             }
 
-            /// The numbers that nobody has stated and that follow from the machine's mass.
+            /// The numbers that are not stated and follow from the machine's mass.
             pub fn of_mass(&self) -> Vec<(Key, f64)> {
                 match self {
                     $( Self::$name(m) => stated::of_mass(m.as_ref()), )*
@@ -102,18 +102,18 @@ impl Description {
     /// Sets one key, as `--set` does.
     ///
     /// # Errors
-    /// No such key, or a value that it cannot have.
+    /// No such key, or a value outside its range or form.
     pub fn set(&mut self, assignment: &str) -> Result<(), Error> {
         self.set_all(&[assignment])
     }
 
-    /// Whether a machine's text states a key itself: at whatever value, but none of a reference machine that was printed.
+    /// Whether a machine's text states a key itself, at any value. A printed description of the reference machine states none.
     pub fn states(machine: Machine, text: &str, key: &str) -> bool {
         asked::states(machine, text, key)
     }
 
-    /// The keys that it states otherwise than an earlier description of this machine, of which [`Self::stated`] of any version of
-    /// heft is left. A key that is new since, and has its default, is not among them.
+    /// The keys whose stated values differ from an earlier description of this machine, given as [`Self::stated`] of any version of
+    /// heft. A new key at its default is not among them.
     pub fn changed_since(&self, stated: &BTreeMap<String, String>) -> Vec<String> {
         stated::changed(self.machine(), &self.stated(), stated)
     }

@@ -1,4 +1,4 @@
-//! The keys that a TOML text names, against the tables of a machine.
+//! The keys of a TOML text, against the tables of a machine.
 
 use toml_edit::{Document, Item, TableLike};
 
@@ -8,7 +8,7 @@ use crate::{Error, Errors, Key, Keyed, nearest};
 
 /// One `key = value` of a file.
 pub(crate) struct Entry<'a> {
-    /// The key by its name of today.
+    /// The present name of the key.
     pub(crate) path: String,
     pub(crate) item: &'a Item,
     pub(crate) line: Option<usize>,
@@ -27,7 +27,7 @@ pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Error
     })
 }
 
-/// All leaves of the document, and the tables that the machine does not have.
+/// All leaves of the document, and errors for tables that the machine does not have.
 pub(crate) fn entries<'a, M: Keyed>(
     document: &'a Document<String>,
     text: &str,
@@ -108,7 +108,7 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-/// What to do with a table that stands in another file.
+/// Remedy for a table that belongs to another file.
 pub(crate) const OF_A_MAP: &str = "this is of a signal map: give that with --map";
 
 pub(crate) fn find<M: Keyed>(path: &str) -> Option<Key> {
@@ -121,7 +121,7 @@ pub(crate) fn table_names<M: Keyed>() -> Vec<&'static str> {
     M::default().tables().iter().map(|t| t.name()).collect()
 }
 
-/// Whether this is the last word of a key, without its tables.
+/// Whether this is the last part of a key, without its tables.
 fn is_without_table<M: Keyed>(path: &str) -> bool {
     let keys = all_keys::<M>();
     keys.iter().any(|key| key.rsplit('.').next() == Some(path))

@@ -1,4 +1,4 @@
-//! What a description of an excavator says.
+//! Description of an excavator.
 
 pub use estimation::excavator::keys::Description as Excavator;
 use messages::Machine;
@@ -23,7 +23,7 @@ tables!(
     ]
 );
 
-/// What contradicts itself between keys that are each in range.
+/// Contradictions between keys that are each in range.
 fn contradictions(excavator: &Excavator) -> Vec<Error> {
     let mut found = Vec::new();
     let (machine, estimator) = (&excavator.machine, &excavator.estimator);
@@ -47,7 +47,7 @@ fn contradictions(excavator: &Excavator) -> Vec<Error> {
         ));
     }
     let reached = most_empty(excavator);
-    // A description that says nothing of boom, arm and bucket is of another kind of axis.
+    // A description without boom, arm and bucket is of another kind of axis.
     if excavator.geometry != Default::default() && machine.inertia_max < reached {
         found.push(Error::between(
             format!(

@@ -1,4 +1,4 @@
-//! The descriptions of the machines as tables of keys.
+//! Descriptions of the machines as tables of keys.
 
 use estimation::keys::Table;
 use messages::Machine;
@@ -7,23 +7,23 @@ use crate::{Description, Error};
 
 /// A machine's tables of keys.
 pub trait Keyed: Default + Clone {
-    /// Which machine.
+    /// The machine.
     const MACHINE: Machine;
-    /// What is described, if it is this machine.
+    /// The contents of a description of this machine.
     fn inside(description: &Description) -> Option<&Self>;
-    /// All tables, in the order in which they are printed.
+    /// All tables, in printed order.
     fn tables(&self) -> Vec<&dyn Table>;
-    /// All tables, to write.
+    /// All tables, mutable.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
-    /// Keys that are all together at their defaults on the reference machine alone, and its mass \[kg\].
+    /// Keys that are jointly at their defaults only on the reference machine, and its mass \[kg\].
     const REFERENCE: (&'static [&'static str], f64);
     /// Notes that a key is stated, and whether at its default.
     fn note(&mut self, path: &str, is_default: bool);
-    /// The defaults of a machine of the size that this description tells.
+    /// The defaults of a machine of the described size.
     fn of_its_size(&self) -> Self {
         Self::default()
     }
-    /// Where a key such as `sensors.rate` stands: its table, and its place in that.
+    /// Place of a key such as `sensors.rate`: its table, and its index in that.
     fn place(&self, path: &str) -> Option<(usize, usize)> {
         let (table_name, name) = path.rsplit_once('.')?;
         let tables = self.tables();
@@ -31,11 +31,11 @@ pub trait Keyed: Default + Clone {
         let index = tables[at].keys().iter().position(|k| k.name == name)?;
         Some((at, index))
     }
-    /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
+    /// Contradictions between keys that are each in range (`file` and `line` left empty).
     fn contradictions(&self) -> Vec<Error>;
 }
 
-/// Gives a machine its tables.
+/// Implements the tables of a machine.
 macro_rules! tables {
     ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
         impl $crate::keyed::Keyed for $name {

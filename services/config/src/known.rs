@@ -1,4 +1,4 @@
-//! The keys of whichever machine.
+//! Known keys of any machine.
 
 use messages::Machine;
 use toml_edit::Document;
@@ -7,7 +7,7 @@ use crate::entries;
 
 macro_rules! keys_of_machines {
     ($( $name:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// How many keys of a machine a text names.
+        /// Number of a machine's keys in a text.
         pub(crate) fn known_keys(
             machine: Machine,
             document: &Document<String>,

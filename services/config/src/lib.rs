@@ -1,11 +1,11 @@
-//! Descriptions of a machine, its sensors and its estimator: what a TOML file may say, with units,
-//! ranges and defaults, and errors that name the line and what to do.
+//! Descriptions of a machine, its sensors and its estimator as TOML files, with units,
+//! ranges and defaults, and errors that name the line and the remedy.
 //!
-//! Every key stands in one table of `estimation`, beside the algorithm that it sets; the
+//! Every key has one row in a table of `estimation`, beside the algorithm that it sets. The
 //! structures, their defaults, the parser, `--set`, the range checks, the suggestions and the
 //! printed form all come from it. A description is
-//! complete: what a file does not say has the default of the specification, and
-//! [`Tables::to_toml`] prints all of it, so that a recording can carry the settings of its run.
+//! complete: keys that a file does not state have the default of the specification. [`Tables::to_toml`] prints
+//! all of it, so that a recording can contain the settings of its run.
 
 mod asked;
 mod class;

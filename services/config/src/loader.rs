@@ -1,4 +1,4 @@
-//! What a description of a wheel loader says.
+//! Description of a wheel loader.
 
 pub use estimation::loader::keys::Description as Loader;
 use messages::Machine;
@@ -14,13 +14,13 @@ tables!(
     [machine, lift_arm, lift_cylinder, sensors, prior, estimator]
 );
 
-/// A machine as long as a loader weighs at most so much per cube of its wheelbase [kg/m^3]: those of 5 to 50 t have
+/// Largest mass per cube of the wheelbase [kg/m^3]: loaders of 5 to 50 t have
 /// 350 to 600, so four times that is another unit.
 const HEAVIEST: f64 = 2400.0;
-/// Wheelbase from which on it is a machine and not a model of one [m].
+/// Least wheelbase of a real machine, as opposed to a scale model [m].
 const LEAST_WHEELBASE: f64 = 1.0;
 
-/// What contradicts itself between keys that are each in range.
+/// Contradictions between keys that are each in range.
 fn contradictions(loader: &Loader) -> Vec<Error> {
     let (e, p, m) = (&loader.estimator, &loader.prior, &loader.machine);
     let limits = [

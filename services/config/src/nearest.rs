@@ -1,7 +1,7 @@
 use strsim::osa_distance;
 
 /// The name among `names` that `word` was probably meant to be: the one at the smallest edit
-/// distance, if that is at most a third of the word's length (at least one edit). `t` is not meant by `x`: a letter must stay.
+/// distance, if that is at most a third of the word's length (at least one edit). At least one letter must agree: `t` is no misspelt `x`.
 pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
     names

@@ -1,4 +1,4 @@
-//! From TOML text to a description, by the table of keys alone.
+//! Parses TOML text to a description, by the table of keys alone.
 
 use toml_edit::Item;
 
@@ -26,13 +26,13 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
         }
     }
     if errors.is_empty() {
-        // Of the reference machine nothing is stated where all of it is printed.
+        // If all of the reference machine is printed, none of it is stated.
         if is_reference::<M>(&entries) {
             entries.iter().for_each(|e| machine.note(&e.path, false));
         }
         machine = machine.of_its_size();
         for entry in &entries {
-            // Each has been taken once already.
+            // Each value has been accepted above.
             let _ = value_of(entry.item).map(|value| set_value(&mut machine, &entry.path, &value));
         }
         errors = machine.contradictions();
@@ -52,11 +52,11 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     }
 }
 
-/// A machine is another one than the reference machine from so many times its mass on, or down.
+/// Ratio of masses above which, or below whose inverse, a machine is another one than the reference machine.
 const ANOTHER: f64 = 1.5;
 
-/// A file that has all of the reference machine's size, and the mass of another one, was printed for that machine, and changed where
-/// something was known: what still has its default is not stated.
+/// Leaves out printed defaults. A file with all keys of the reference machine's size, and the mass of another machine, was printed for that
+/// machine and edited where values were known: keys still at their default are not stated.
 fn leave_out_what_was_printed<M: Keyed>(entries: &mut Vec<Entry<'_>>) {
     let (_, reference) = M::REFERENCE;
     let mass = entries.iter().find(|e| e.path == mass_key(M::MACHINE));
@@ -82,7 +82,7 @@ fn default_of<M: Keyed>(path: &str) -> Option<Value<'static>> {
     machine.tables()[table].get(index)
 }
 
-/// Applies `--set` options in their order; only the outcome may not contradict itself.
+/// Applies `--set` options in their order; only the result must be free of contradictions.
 pub(crate) fn set_all<M: Keyed>(
     machine: &mut M,
     assignments: &[impl AsRef<str>],
@@ -105,8 +105,8 @@ pub(crate) fn set_all<M: Keyed>(
     Ok(())
 }
 
-/// Keys that nobody has stated, and so have the value of the machine's size `before`, get that of the size `changed`; true where
-/// there are any.
+/// Keys that are not stated, and so have the value of the machine's size `before`, get that of the size `changed`; true if there
+/// are any.
 fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
     let plain = M::default();
     let places = stated::places(before).into_iter();
@@ -128,7 +128,7 @@ fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
     any
 }
 
-/// Copies one value, at its table and place; true where it is another one.
+/// Copies one value, given by its table and index; true if it differs.
 fn copy<M: Keyed>(from: &M, to: &mut M, (at, index): (usize, usize)) -> bool {
     let tables = from.tables();
     let Some(value) = tables[at].get(index) else {
@@ -163,7 +163,7 @@ fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
         .map_err(|defect| explain::<M>(defect, path, &file, None))
 }
 
-/// Numbers as people write them and TOML does not (`.05`, `5.`, `007`), for a key that takes some.
+/// Numbers in forms that TOML does not accept (`.05`, `5.`, `007`), for a key that takes some.
 fn numbers<M: Keyed>(path: &str, text: &str) -> Option<Item> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     match find::<M>(path)?.form {
@@ -178,8 +178,8 @@ fn numbers<M: Keyed>(path: &str, text: &str) -> Option<Item> {
     }
 }
 
-/// The machine that the text names, or else the one that knows more of its keys; `None` if it
-/// names none and both know as many.
+/// The machine that the text names, or else the one with more of its keys in the text; `None` if it
+/// names none and both have the same number.
 pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors> {
     let document = document(text, file)?;
     let named = document.get("machine").and_then(|m| m.get("kind"));
@@ -202,7 +202,7 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
     })
 }
 
-/// Whether a text states a key: at whatever value, but none of a reference machine that was printed.
+/// Whether a text states a key, at any value. A printed description of the reference machine states none.
 pub(crate) fn states<M: Keyed>(text: &str, key: &str) -> bool {
     let Ok(document) = document(text, "") else {
         return false;
@@ -213,14 +213,14 @@ pub(crate) fn states<M: Keyed>(text: &str, key: &str) -> bool {
     entry.is_some_and(|entry| !(is_default::<M>(entry) && is_reference::<M>(&entries)))
 }
 
-/// Whether a file has all of the reference machine's size.
+/// Whether a file has all keys of the reference machine's size at their defaults.
 fn is_reference<M: Keyed>(entries: &[Entry<'_>]) -> bool {
     let of = |key: &str| entries.iter().find(|entry| entry.path == key);
     let mut keys = M::REFERENCE.0.iter();
     keys.all(|key| of(key).is_some_and(is_default::<M>))
 }
 
-/// A key or table of a text that is nearly one of this machine's, or a table of a signal map.
+/// Error for a key or table that is nearly one of this machine's, or for a table of a signal map.
 pub(crate) fn misspelt<M: Keyed>(text: &str, file: &str) -> Option<Error> {
     let document = document(text, file).ok()?;
     let (entries, errors) = entries::<M>(&document, text, file);
@@ -235,7 +235,7 @@ pub(crate) fn misspelt<M: Keyed>(text: &str, file: &str) -> Option<Error> {
     })
 }
 
-/// A machine file for something that heft does not know.
+/// Error for a machine that heft does not know.
 fn no_machine(kind: &Item, text: &str, file: &str) -> Error {
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
     let span = kind.span();
@@ -249,7 +249,7 @@ fn no_machine(kind: &Item, text: &str, file: &str) -> Error {
     }
 }
 
-/// The value of an item, or what it is instead.
+/// The value of an item, or its kind if it has none.
 fn value_of(item: &Item) -> Result<Value<'_>, &'static str> {
     use toml_edit::Value as Toml;
     match item.as_value() {
@@ -270,11 +270,11 @@ fn value_of(item: &Item) -> Result<Value<'_>, &'static str> {
     }
 }
 
-/// Why a value was not taken.
+/// Why a value was not accepted.
 enum Defect {
     /// There is no such key.
     Unknown,
-    /// It is not of the key's form, but what the text says.
+    /// It does not have the key's form; the text is its kind.
     Form(&'static str),
     /// This number is outside the range.
     Outside(f64),

@@ -1,4 +1,4 @@
-//! A description as text: the whole table of keys with comments.
+//! Prints a description: the whole table of keys with comments.
 
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ fn comment(key: &Key) -> String {
     format!("#{}{takes}", key.doc)
 }
 
-/// A value in TOML; a number with as few digits as give it back to the last bit.
+/// A value in TOML; a number with the fewest digits that restore it to the last bit.
 pub(crate) fn toml(value: &Value) -> String {
     match value {
         Value::Number(x) => number(*x),
@@ -47,7 +47,7 @@ fn number(x: f64) -> String {
     format!("{x:?}")
 }
 
-/// What a key takes, in words.
+/// Form and range of a key's value, as text.
 pub(crate) fn expected(key: &Key) -> String {
     match key.form {
         Form::Number => format!("a number {}", limits(key)),
@@ -109,7 +109,7 @@ fn within(Range { low, high }: Range) -> f64 {
     }
 }
 
-/// The default of a key, as an example of how to write it; a number within its range where it has none.
+/// The default of a key, as an example of its form; a number within its range where it has none.
 pub(crate) fn example<M: Keyed>(path: &str) -> String {
     let machine = M::default();
     let Some((table, index)) = machine.place(path) else {

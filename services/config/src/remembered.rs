@@ -1,13 +1,13 @@
-//! What is left of a parameter that an earlier run has learnt.
+//! Remaining certainty of a parameter that an earlier run has identified.
 
-/// Share of the described prior's standard deviation below which none is restored: tyres are changed,
-/// grease ages, and nobody says so.
+/// Least restored standard deviation, as a share of the described prior's: tyres are changed
+/// and grease ages without notice.
 pub const LEAST_SHARE: f64 = 0.6;
-/// After a pause of this length nothing is left but the value [s]: 30 days.
+/// Length of a pause after which only the value is left [s]: 30 days.
 const FORGOTTEN: f64 = 30.0 * 86_400.0;
 
-/// Standard deviation of a parameter, in its unit, that was known to `std` when it was learnt and `prior` before,
-/// after a pause \[s\]: between a share of the prior's and all of it.
+/// Standard deviation of a parameter after a pause \[s\]: it was `std` when identified, and `prior` before.
+/// It lies between a share of the prior's and all of it.
 pub fn widened(std: f64, prior: f64, pause: f64) -> f64 {
     let grown = std * std + prior * prior * (pause / FORGOTTEN);
     grown.sqrt().clamp(LEAST_SHARE * prior, prior)

@@ -1,8 +1,8 @@
-//! Keys that had another name: files, recordings and options that use it are still read.
+//! Renamed keys: files, recordings and options with the old name are still read.
 
 use toml_edit::{Document, Item};
 
-/// The old name and that of today, each with its table.
+/// Old and present name, each with its table.
 const RENAMED: [(&str, &str); 2] = [
     (
         "sensors.slope_follows",
@@ -14,18 +14,18 @@ const RENAMED: [(&str, &str); 2] = [
     ),
 ];
 
-/// The name of today of a key that has been renamed; `None` for every other.
+/// The present name of a renamed key; `None` for every other.
 pub fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(old, _)| *old == key);
     found.map(|(_, today)| *today)
 }
 
-/// The name of today of any key.
+/// The present name of any key.
 pub(crate) fn today(key: &str) -> &str {
     renamed(key).unwrap_or(key)
 }
 
-/// The old names that a description uses; none of a text that is no TOML.
+/// The old names that a description uses; none for a text that is not TOML.
 pub fn old_names(text: &str) -> Vec<&'static str> {
     let Ok(document) = Document::parse(text) else {
         return Vec::new();

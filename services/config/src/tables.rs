@@ -1,4 +1,4 @@
-//! A complete description: read, changed, printed.
+//! Complete description: parsing, changes, printing.
 
 use crate::{Error, Errors, Keyed, Value, parse, print};
 
@@ -7,7 +7,7 @@ pub trait Tables: Keyed {
     /// Reads a description; keys that it does not name keep their defaults.
     ///
     /// # Errors
-    /// Everything that is wrong with the text, each with its line.
+    /// All defects of the text, each with its line.
     fn parse(text: &str, file_name: &str) -> Result<Self, Errors> {
         parse::parse(text, file_name)
     }
@@ -15,12 +15,12 @@ pub trait Tables: Keyed {
     /// Sets one key, as `--set` does: `sensors.swing_velocity_std=0.008`.
     ///
     /// # Errors
-    /// No such key, or a value that it cannot have; the description is then unchanged.
+    /// No such key, or a value outside its range or form; the description is then unchanged.
     fn set(&mut self, assignment: &str) -> Result<(), Error> {
         self.set_all(&[assignment])
     }
 
-    /// Sets several keys in their order. Limits that are moved together need not fit one by one.
+    /// Sets several keys in their order. Limits that are changed together need not be consistent one by one.
     ///
     /// # Errors
     /// As [`Self::set`]; the description is then unchanged.
@@ -37,7 +37,7 @@ pub trait Tables: Keyed {
         }
     }
 
-    /// Sets a number, moved into the key's range; false if there is no such key.
+    /// Sets a number, clamped to the key's range; false if there is no such key.
     fn set_number(&mut self, key: &str, value: f64) -> bool {
         let Some((table, index)) = self.place(key) else {
             return false;
@@ -48,7 +48,7 @@ pub trait Tables: Keyed {
         table.set(index, &Value::Number(value))
     }
 
-    /// The whole description with its comments; [`Self::parse`] gives the same value back, every
+    /// The whole description with its comments; [`Self::parse`] returns the same value, every
     /// number to the last bit.
     fn to_toml(&self) -> String {
         print::print(self)

@@ -1,26 +1,26 @@
-//! What is said of a text that is no TOML.
+//! Errors and remedies for a text that is not TOML.
 
 use core::ops::Range as Span;
 
 use toml_edit::TomlError;
 
-/// What to do about a text that is no TOML, where nothing tells what is meant.
+/// Remedy for a text that is not TOML, where the mistake is unknown.
 const TOML_REMEDY: &str =
     "correct the TOML there (table in [brackets], key = value, words in quotes, numbers like 0.5)";
 
-/// Signs of a typesetter that look like a quote, a blank or a minus of TOML.
+/// Typographic characters that resemble a quote, a blank or a minus of TOML.
 const TYPESET: [char; 8] = [
     '\u{2018}', '\u{2019}', '\u{201c}', '\u{201d}', '\u{201e}', '\u{a0}', '\u{2212}', '\u{2013}',
 ];
 
-/// What to do about a text that is no TOML, whose error is in this line, counted from 1.
+/// Remedy for a text that is not TOML, whose error is in this line, counted from 1.
 pub fn toml_remedy(text: &str, line: Option<usize>) -> String {
     let written = line.and_then(|line| text.lines().nth(line.saturating_sub(1)));
     let remedy = written.and_then(|line| remedy_of(line.trim()));
     remedy.unwrap_or_else(|| TOML_REMEDY.into())
 }
 
-/// The same of a line in which people's habits tell what is meant.
+/// Remedy for a line with a common mistake.
 fn remedy_of(line: &str) -> Option<String> {
     if line.starts_with([';', '%']) || line.starts_with("//") {
         return Some("a comment begins with #".into());
@@ -52,7 +52,7 @@ fn remedy_of(line: &str) -> Option<String> {
     }
 }
 
-/// The line of an error, counted from 1, and what is wrong there: of a key that stands twice, which one.
+/// Line of an error, counted from 1, and its description; of a duplicate key, which one.
 pub fn toml_error(text: &str, error: &TomlError) -> (Option<usize>, String) {
     let what = error.message().trim().replace('\n', "; ");
     let named = error.span().and_then(|span| text.get(span));

@@ -1,4 +1,4 @@
-//! Estimates onto a CAN bus, as a node of J1939: an address is claimed, defended, and given up. A bus that is away or
+//! Sends estimates on a CAN bus, as a node of J1939 that claims, defends and gives up an address. A bus that is absent or
 //! full costs frames, never an estimate.
 
 use std::io;
@@ -14,9 +14,9 @@ use socketcan::{
     StandardId,
 };
 
-/// From one attempt to open the interface to the next.
+/// Time between two attempts to open the interface.
 const RETRY: Duration = Duration::from_millis(200);
-/// Frames are sent so soon after their estimate.
+/// Longest delay of frames after their estimate.
 const VISIT: Duration = Duration::from_millis(10);
 
 /// Sends estimates as frames.
@@ -26,26 +26,26 @@ pub struct BusWriter {
     outgoing: Outgoing,
     socket: Option<CanSocket>,
     tried: Option<Instant>,
-    /// The last message of each channel, for those who ask; its time is when frames were sent last.
+    /// The last message of each channel, for requests; its time is that of the last frames sent.
     latest: Vec<Envelope>,
     /// Whether the last attempt failed: reported once.
     has_failed: bool,
-    /// The node; none where no frame is J1939's.
+    /// The node; `None` without J1939 frames.
     node: Option<Node>,
-    /// The address that it was last reported to have.
+    /// Last reported address.
     address: Option<u8>,
-    /// The frames from that address.
+    /// The outgoing frames with that address.
     addressed: Outgoing,
-    /// Whether it was reported that there is no address, and that another node has the same NAME.
+    /// Whether the loss of the address, and another node with the same NAME, have been reported.
     has_lost: bool,
     has_double: bool,
 }
 
-/// Frames of others that are taken in one visit: a bus that floods the node does not hold up the estimates.
+/// Largest number of received frames per visit: a bus that floods the node does not delay the estimates.
 const MOST_HEARD: usize = 64;
 
 impl BusWriter {
-    /// Sends `outgoing` on `interface`, which is opened when it is there.
+    /// Sends `outgoing` on `interface`, which is opened once it exists.
     pub fn new(interface: &str, outgoing: Outgoing) -> Self {
         let node = outgoing.node(rustix::system::uname().nodename().to_bytes());
         Self {
@@ -77,7 +77,7 @@ impl BusWriter {
                     let only = HEARS
                         .map(|(id, mask)| CanFilter::new(id | EXTENDED, mask | EXTENDED | REMOTE));
                     socket.set_filters(&only)?;
-                    // Who is on the bus may have changed while it was away.
+                    // The nodes on the bus may have changed while it was absent.
                     node.begin(now_ns());
                 }
             }
@@ -89,7 +89,7 @@ impl BusWriter {
             .ok_or_else(|| io::ErrorKind::NotConnected.into())
     }
 
-    /// Hears what other nodes claim and ask, and says what the node has to say.
+    /// Processes the claims and requests of other nodes, and sends the node's own messages.
     fn talk(&mut self) -> io::Result<()> {
         self.open()?;
         let (Some(node), Some(socket)) = (&mut self.node, &self.socket) else {
@@ -129,7 +129,7 @@ impl BusWriter {
         self.send(&asked)
     }
 
-    /// Uses the address that the node has now, and tells once what became of it.
+    /// Uses the node's present address, and reports each change of it once.
     fn tell_address(&mut self, address: Option<u8>, has_lost: bool, has_double: bool) {
         let interface = &self.interface;
         if address != self.address {
@@ -152,7 +152,7 @@ impl BusWriter {
         (self.has_lost, self.has_double) = (has_lost, has_double);
     }
 
-    /// The frames of an estimate that may be sent now: those of J1939 need an address.
+    /// The frames of an estimate that may be sent now; those of J1939 need an address.
     fn frames(&self, estimate: &Envelope) -> Vec<CanFrame> {
         let has_address = self.address.is_some();
         let frames = self.addressed.frames(estimate, 0, "");
@@ -179,7 +179,7 @@ impl BusWriter {
             _ => {}
         }
         self.has_failed = sent.is_err();
-        // A full queue empties by itself; any other error may be of this socket.
+        // A full queue empties by itself; any other error may concern this socket.
         let is_full = |e: &io::Error| {
             e.kind() == io::ErrorKind::WouldBlock || e.raw_os_error() == Some(NO_BUFFERS)
         };
@@ -196,7 +196,7 @@ const REMOTE: u32 = 1 << 30;
 /// ENOBUFS: the interface's queue is full.
 const NO_BUFFERS: i32 = rustix::io::Errno::NOBUFS.raw_os_error();
 
-/// The frame as the socket takes it.
+/// The frame in the form of the socket.
 fn out(frame: &Frame) -> Option<CanFrame> {
     let id: Id = if frame.extended {
         ExtendedId::new(frame.id)?.into()
@@ -215,7 +215,7 @@ impl Sink for BusWriter {
         match known.map(|i| &mut self.latest[i]) {
             Some(latest) => {
                 let last = latest.stamp().time;
-                // A little early counts as due: the times of samples are sums of rounded steps.
+                // Slightly early counts as due: the times of samples are sums of rounded steps.
                 if time - last < self.outgoing.period * 0.999 && time >= last {
                     return;
                 }

@@ -1,8 +1,8 @@
-//! The logger: takes every message of a machine and has a thread of its own write the recording.
+//! The logger: takes every message of a machine and writes the recording on a separate thread.
 //!
-//! The process drains the channels on a timer and pushes what it finds into a lock-free ring; the
-//! writer thread empties it into the file and flushes twice a second, sooner when a quarter of it is full. A disk that is slow
-//! or full therefore never holds up a channel: what the ring cannot take is counted and said.
+//! The process drains the channels on a timer and pushes the messages into a lock-free ring. The
+//! writer thread empties the ring into the file and flushes twice a second, sooner when a quarter of it is full. A slow or full
+//! disk therefore never delays a channel: messages that the ring cannot take are counted and reported.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -25,16 +25,16 @@ use mark::{Mark, Next};
 pub use recorder::Limits;
 use recorder::Recorder;
 
-/// Messages that may wait for the disk: 0.4 s of an excavator at 10 kHz.
+/// Number of messages that may wait for the disk: 0.4 s of an excavator at 10 kHz.
 const RING: usize = 16_384;
-/// The writer is woken when so many wait. Each wake costs more than the writing of a message.
+/// Number of waiting messages that wakes the writer. Each wake costs more than writing a message.
 const WAKE: usize = RING / 4;
-/// Room that one visit to the channels may need.
+/// Largest number of messages of one visit to the channels.
 const VISIT_ROOM: usize = 64;
-/// A killed run loses at most this much, plus one visit of the logger. A logger that is killed alone loses nothing: its
-/// successor is handed what the writers of the channels still hold.
+/// Longest time between two flushes. A killed run loses at most this much, plus one visit of the logger. If only the logger is killed,
+/// its successor receives the messages that the writers of the channels still hold, and nothing is lost.
 const FLUSH_PERIOD: Duration = Duration::from_millis(500);
-/// How long the end of a run waits for the disk.
+/// Longest wait for the disk at the end of a run.
 const DRAIN_LIMIT: Duration = Duration::from_secs(10);
 
 type Record = (&'static Channel, Envelope);
@@ -42,11 +42,11 @@ type Record = (&'static Channel, Envelope);
 /// Takes messages and records them.
 #[derive(Debug)]
 pub struct Logger {
-    // `None` only while dropping: the writer thread ends when this half is gone.
+    // `None` only while dropping: the writer thread ends when this half is dropped.
     records: Option<Producer<Record>>,
-    /// What the recording held at the start.
+    /// Contents of the recording at the start.
     recorded: Next,
-    /// The first visit to the channels is over: its messages are written at once.
+    /// Whether the first visit to the channels is over: its messages are written at once.
     has_visited: bool,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Result<(), Error>>>,
@@ -56,16 +56,16 @@ pub struct Logger {
 struct Shared {
     fault: AtomicU32,
     unwritten: AtomicU64,
-    /// Everything is to be written and flushed now; the writer takes it back when that is done.
+    /// Request to write and flush all messages now; the writer resets it when that is done.
     drain: AtomicBool,
 }
 
 impl Logger {
-    /// Begins the recording `path`, or its next part where there is something in it already: what a
-    /// logger that was killed has written stays as it is. In the file `mark` it says how far it is.
+    /// Starts the recording `path`, or its next part where it exists already: the file of a
+    /// killed logger stays unchanged. The file `mark` contains its progress.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn create(
         path: &Path,
         metadata: &Metadata,
@@ -99,7 +99,7 @@ impl Logger {
     /// Ends the recording.
     ///
     /// # Errors
-    /// Its end cannot be written: everything before it is there, and read as a recording that was cut off.
+    /// Its end cannot be written; the messages before it are there, and are read as a truncated recording.
     pub fn finish(mut self) -> Result<(), Error> {
         self.end()
     }
@@ -108,7 +108,7 @@ impl Logger {
         drop(self.records.take());
         self.wake();
         let ended = self.thread.take().map(JoinHandle::join);
-        // A panic of the writer is on the terminal already.
+        // A panic of the writer has been printed already.
         ended.and_then(Result::ok).unwrap_or(Ok(()))
     }
 
@@ -173,8 +173,8 @@ impl Drop for Logger {
     }
 }
 
-/// Writes until the process has let go of its end of the ring and nothing is left in it. While the
-/// disk takes nothing it goes on emptying the ring, so that the process never waits for a dead disk.
+/// Writes until the process has dropped its end of the ring and the ring is empty. While the
+/// disk takes nothing it continues to empty the ring, so that the process never waits for a dead disk.
 ///
 /// # Errors
 /// The end of the recording cannot be written.
@@ -183,7 +183,7 @@ fn write_all(
     mut records: Consumer<Record>,
     shared: &Shared,
 ) -> Result<(), Error> {
-    // What comes first is flushed at once: it may be what a predecessor took along.
+    // The first messages are flushed at once: a predecessor may have lost them.
     let mut flushed = None::<Instant>;
     loop {
         let ending = records.is_abandoned();
@@ -219,7 +219,7 @@ fn write_all(
     recorder.finish()
 }
 
-/// Says that the disk takes no more, or that a part is gone: not recorded.
+/// Reports that the disk takes no more, or that a part is gone; returns false: not recorded.
 fn tell(shared: &Shared, error: &Error) -> bool {
     tracing::error!(%error, "the recording has a gap; estimation goes on");
     shared.fault.store(fault::DISK, Ordering::Relaxed);

@@ -1,7 +1,7 @@
-//! What a recording holds already, for the logger that is started in place of one that died.
+//! Mark of a recording's contents, for the successor of a logger that died.
 //!
-//! A flush makes one chunk of the file. Before it the logger marks where that chunk will begin, and which samples are
-//! recorded without it and with it. At whatever moment it dies, its successor sees by the chunk which of the two is so.
+//! A flush writes one chunk of the file. Before it, the logger marks where that chunk will start, and which samples are
+//! recorded without it and with it. Whenever the logger dies, its successor finds out by the chunk which of the two applies.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,14 +17,14 @@ pub type Next = BTreeMap<String, u64>;
 #[derive(Debug)]
 pub struct Mark {
     file: PathBuf,
-    /// What the recording holds.
+    /// Flushed contents of the recording.
     recorded: Next,
-    /// The same with what is written since the last flush.
+    /// The same with the samples written since the last flush.
     written: Next,
 }
 
 impl Mark {
-    /// Reads the mark that a dead logger of the recording `first` may have left in `file`, and goes on from it.
+    /// Reads the mark that a dead logger of the recording `first` may have left in `file`, and continues from it.
     pub fn open(file: &Path, first: &Path) -> Self {
         let text = fs::read_to_string(file).unwrap_or_default();
         let recorded = read(&text, first).unwrap_or_default();
@@ -35,7 +35,7 @@ impl Mark {
         }
     }
 
-    /// What the recording holds.
+    /// Flushed contents of the recording.
     pub fn recorded(&self) -> &Next {
         &self.recorded
     }
@@ -49,7 +49,7 @@ impl Mark {
         }
     }
 
-    /// Marks that a flush follows, whose chunk begins at byte `at` of the part `part`. In one step: a mark is whole.
+    /// Marks that a flush follows, whose chunk starts at byte `at` of the part `part`. The file is replaced atomically.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -64,13 +64,13 @@ impl Mark {
         fs::rename(&new, &self.file)
     }
 
-    /// Notes that everything is flushed.
+    /// Notes that all samples are flushed.
     pub fn end_flush(&mut self) {
         self.recorded.clone_from(&self.written);
     }
 }
 
-/// What a mark tells; `None` if it is none.
+/// Contents of a mark; `None` if the text is not one.
 fn read(text: &str, first: &Path) -> Option<Next> {
     let mut lines = text.lines();
     let (part, at) = lines.next()?.split_once(' ')?;

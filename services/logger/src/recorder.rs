@@ -1,4 +1,4 @@
-//! What is recorded where: parts of a bounded length, old ones removed, room left on the disk.
+//! Parts of a recording: splitting, removal of old ones, and free space on the disk.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -9,29 +9,29 @@ use recording::{Error, Metadata, Writer};
 
 use crate::mark::Mark;
 
-/// Bounds of a recording without end; none of them by default.
+/// Limits of an endless recording; none by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Limits {
-    /// A new part after this time.
+    /// Duration of a part.
     pub split_after: Option<Duration>,
-    /// A new part after so many bytes.
+    /// Size of a part [bytes].
     pub split_bytes: Option<u64>,
-    /// The oldest recordings of the folder are removed when it holds more bytes than this.
+    /// Size of the folder above which its oldest recordings are removed [bytes].
     pub keep_bytes: Option<u64>,
-    /// Recordings of the folder that were last written longer ago are removed.
+    /// Age since the last write above which recordings of the folder are removed.
     pub keep_for: Option<Duration>,
-    /// Recording stops while the disk has less room than this \[bytes\].
+    /// Free space of the disk below which recording stops \[bytes\].
     pub min_free: Option<u64>,
-    /// A group of users that may read it too.
+    /// A group of users that may also read it.
     pub group: Option<u32>,
 }
 
-/// A wall clock that is away by more than this from where it was has jumped.
+/// Change of the offset between wall clock and monotonic clock that counts as a jump [ns].
 const JUMP_NS: i64 = 500_000_000;
-/// Time between two attempts to go on after the disk was full.
+/// Time between two attempts to resume after the disk was full.
 const RETRY: Duration = Duration::from_secs(5);
 
-/// A chunk is flushed at this length [bytes], before the writer closes it by itself (768 kB): a flush is one chunk.
+/// Length at which a chunk is flushed [bytes], before the writer closes it by itself (768 kB): a flush is one chunk.
 const CHUNK: u64 = 512 << 10;
 
 /// Writes messages into the parts of a recording.
@@ -39,7 +39,7 @@ pub struct Recorder {
     first: PathBuf,
     metadata: Metadata,
     limits: Limits,
-    /// None while the disk takes no more.
+    /// `None` while the disk takes no more.
     writer: Option<Writer>,
     part: PathBuf,
     mark: Mark,
@@ -49,10 +49,10 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Begins the recording `first`, or its next part where there is something in it already: what, `mark` says.
+    /// Starts the recording `first`, or its next part where it exists already; `mark` contains its progress.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn create(
         first: &Path,
         metadata: &Metadata,
@@ -94,7 +94,7 @@ impl Recorder {
             self.wall_offset_ns.to_string(),
         );
         let mut writer = Writer::create(&self.part, &metadata)?;
-        // Locked before anybody else can open it.
+        // Locked before any other process can open it.
         let shared = self
             .limits
             .group
@@ -109,10 +109,10 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records a message; false if it is not recorded. Who writes flushes while a part [is due](Self::is_full).
+    /// Records a message; false if it is not recorded. The caller flushes while a part [is due](Self::is_full).
     ///
     /// # Errors
-    /// The disk takes no more. Recording stops then, and goes on by itself when there is room.
+    /// The disk takes no more. Recording then stops, and resumes by itself when there is room.
     pub fn write(&mut self, channel: &'static Channel, envelope: &Envelope) -> Result<bool, Error> {
         let Some(writer) = &mut self.writer else {
             return Ok(false);
@@ -124,14 +124,14 @@ impl Recorder {
         Ok(true)
     }
 
-    /// Whether so much is unflushed that it must be handed over now: however fast messages come, a part becomes at most twice as large
-    /// as asked.
+    /// Whether the unflushed length requires a flush now: however fast messages come, a part becomes at most twice as large
+    /// as requested.
     pub fn is_full(&self) -> bool {
         let most = self.limits.split_bytes.unwrap_or(CHUNK).min(CHUNK);
         self.writer.as_ref().is_some_and(|w| w.unflushed() >= most)
     }
 
-    /// Hands everything to the operating system, and looks after room, parts and clock.
+    /// Passes all data to the operating system, and maintains free space, parts and clock.
     ///
     /// # Errors
     /// As [`Recorder::write`].
@@ -140,7 +140,7 @@ impl Recorder {
             return self.try_again();
         };
         if writer.unflushed() > 0 {
-            // Without a mark a successor may record some samples twice; the recording matters more.
+            // Without a mark a successor may record some samples twice, which is better than no recording.
             if let Err(error) = self.mark.begin_flush(&self.part, writer.size()) {
                 tracing::warn!(%error, "cannot mark what is recorded");
             }
@@ -183,7 +183,7 @@ impl Recorder {
         self.writer.take().map_or(Ok(()), Writer::finish)
     }
 
-    /// That somebody has deleted the part that is being written, and what is in it.
+    /// Error: the part that is being written was deleted, with its contents.
     fn deleted(&self) -> Error {
         Error {
             what: "the recording was deleted while it was written: what it held is lost".into(),
@@ -208,12 +208,12 @@ impl Recorder {
         if self.lacks_room().is_some() {
             return Ok(());
         }
-        // Still full: that was said when it began.
+        // Still full: that was reported when it began.
         let _ = self.begin();
         Ok(())
     }
 
-    /// That the disk has less room than it should.
+    /// Error: the disk has too little free space.
     fn lacks_room(&self) -> Option<Error> {
         let least = self.limits.min_free?;
         let folder = self.first.parent()?;
@@ -249,8 +249,8 @@ impl Recorder {
         }
     }
 
-    /// Removes the oldest recordings of the folder until the rest is within its bounds. The part that
-    /// is written stays, and so does what another run is writing, and every file of another name.
+    /// Removes the oldest recordings of the folder until the rest is within its limits. The part that
+    /// is being written stays, and so do those that another run is writing, and every file with another name.
     fn remove_old(&self) {
         let (
             Some(folder),
@@ -274,7 +274,7 @@ impl Recorder {
             let too_old =
                 keep_for.is_some_and(|most| changed.elapsed().is_ok_and(|age| age > most));
             let too_much = keep_bytes.is_some_and(|most| total > most);
-            // Who may read a part may lock it: parts that this recorder has finished are not asked.
+            // A user who may read a part may lock it, so the lock of this recorder's finished parts is ignored.
             let is_finished = recording::is_part_of(&self.first, &file);
             if (too_old || too_much) && (is_finished || !recording::is_being_written(&file)) {
                 match std::fs::remove_file(&file) {

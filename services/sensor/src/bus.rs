@@ -1,4 +1,4 @@
-//! A CAN bus as a source: frames from SocketCAN, with the times at which the kernel received them.
+//! CAN bus as a source: frames from SocketCAN, with the times at which the kernel received them.
 
 use std::time::{Duration, Instant};
 
@@ -10,38 +10,38 @@ use crate::socket::{BusRead, CanSocket};
 
 /// Longest wait for a frame.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// A frame that the kernel has received is here after this time at the latest [ns]: only then is
-/// silence silence.
+/// Longest delay of a frame after its reception by the kernel [ns]: only after it is
+/// silence certain.
 const UNDER_WAY: i64 = 100_000_000;
-/// From one attempt to open the interface to the next.
+/// Time between two attempts to open the interface.
 const RETRY: Duration = Duration::from_millis(200);
-/// A signal that has not come by then is named.
+/// Time after which a missing signal is reported.
 const SILENT: Duration = Duration::from_secs(5);
-/// The clocks come apart by more than this if the time of day was set [ns].
+/// Change of the offset between the clocks that means that the time of day was set [ns].
 const STEP: i64 = 10_000_000;
 
-/// The samples of a machine's bus.
+/// Samples from a machine's bus.
 #[derive(Debug)]
 pub struct CanBus<S: Sensors> {
     interface: String,
     socket: Option<CanSocket>,
     tried: Option<Instant>,
-    /// Whether the last word was that the interface is gone.
+    /// Whether the loss of the interface was reported last.
     is_down: bool,
     decoder: Decoder<S>,
-    /// When signals that have not come are reported.
+    /// Time at which missing signals are reported.
     check: Option<Instant>,
-    /// Frames that the kernel dropped since that was last asked.
+    /// Frames that the kernel dropped since the last call of `take_lost`.
     dropped: u64,
-    /// Monotonic clock less time of day [ns].
+    /// Monotonic clock minus time of day [ns].
     offset: i64,
 }
 
 impl<S: Sensors> CanBus<S> {
-    /// Frames of `interface`, decoded as the map says. The interface is opened when it is there.
+    /// Frames of `interface`, decoded by the map. The interface is opened once it exists.
     ///
     /// # Errors
-    /// The map does not fit.
+    /// The map does not fit the machine.
     pub fn new(interface: &str, map: &Map) -> Result<Self, Error> {
         Ok(Self {
             interface: interface.to_owned(),
@@ -55,12 +55,12 @@ impl<S: Sensors> CanBus<S> {
         })
     }
 
-    /// The first frame gets the time `seconds` instead of 0.
+    /// Sets the time of the first frame to `seconds` instead of 0.
     pub fn begin_at(&mut self, seconds: f64) {
         self.decoder.begin_at(seconds);
     }
 
-    /// Opens the interface; false while it cannot be.
+    /// Opens the interface; false while that fails.
     fn open(&mut self) -> bool {
         if self.socket.is_some() {
             return true;
@@ -86,8 +86,8 @@ impl<S: Sensors> CanBus<S> {
         (self.is_down, self.socket) = (true, None);
     }
 
-    /// A time of day on the monotonic clock [ns], in whole microseconds of the day as candump
-    /// writes them: a log taken beside the run gives the same bits.
+    /// Converts a time of day to the monotonic clock [ns], in whole microseconds of the day as candump
+    /// writes them: a log taken in parallel gives the same bits.
     fn monotonic(&mut self, time_of_day: i64) -> i64 {
         let (doubt, now) = offset();
         if (now - self.offset).abs() > STEP + doubt {
@@ -104,7 +104,7 @@ impl<S: Sensors> CanBus<S> {
         let Some(socket) = &mut self.socket else {
             return;
         };
-        // Nothing in the queue later means that nothing was received before this moment.
+        // If the queue is empty later, no frame was received before this moment.
         let before = signed(now_ns());
         let interface = self.interface.clone();
         let input = match socket.read(&interface) {
@@ -161,8 +161,8 @@ impl<S: Sensors> Live for CanBus<S> {
     }
 }
 
-/// Monotonic clock less time of day [ns], behind how much of it is doubtful because something came
-/// between the readings; the better of two.
+/// Monotonic clock minus time of day [ns], after its uncertainty, which is the time between
+/// the readings; the better of two attempts.
 fn offset() -> (i64, i64) {
     let read = || {
         let before = now_ns();

@@ -11,14 +11,14 @@ use sim::excavator::{InvalidRun, Row, Run, Scenario, Simulation, Size, Truth, Wo
 
 use crate::simulated::{Columns, cylinder, mark};
 
-/// What every simulated excavator has: an encoder in place of the velocity is a matter of recordings.
+/// Signals of every simulated excavator. An encoder instead of the velocity occurs in recordings only.
 const COLUMNS: u32 = SWING_VELOCITY | SWING_TORQUE | BOOM_ANGLE | ARM_ANGLE | BUCKET_ANGLE;
 /// All seven true values are known.
 const ALL_KNOWN: u32 = 0b111_1111;
 
-/// What the drawing of the reference machine says of its cylinders, as `--set` takes it.
+/// Drawing of the reference machine's cylinders, as `--set` takes it.
 pub fn drawing() -> Vec<String> {
-    // Nothing reads those of the arm yet.
+    // No estimator uses the arm's cylinders yet.
     let [boom, _] = cylinders(&Size::reference().geometry);
     cylinder("machine.boom_cylinder", &boom)
 }
@@ -37,7 +37,7 @@ enum Rows {
 }
 
 impl Simulator {
-    /// Begins a run of the simulator.
+    /// Starts a run of the simulator.
     ///
     /// # Errors
     /// A number of the run is out of its range.
@@ -48,7 +48,7 @@ impl Simulator {
         })
     }
 
-    /// Digs, swings and dumps for so long \[s\].
+    /// Digs, swings and dumps for this duration \[s\].
     ///
     /// # Errors
     /// The duration is out of its range.
@@ -58,7 +58,7 @@ impl Simulator {
         Self::new(&run)
     }
 
-    /// The same with pressures in its cylinders, and what its owner states of it, as `--set` takes it.
+    /// The same with pressures in its cylinders, and with the values that its owner states, as `--set` takes them.
     ///
     /// # Errors
     /// The duration is out of its range.
@@ -69,7 +69,7 @@ impl Simulator {
         Ok((Self::new(&run)?, drawing()))
     }
 
-    /// A machine at work, which does not end by itself.
+    /// A machine at work, without an end.
     pub fn at_work(work: Work) -> Self {
         Self {
             rows: Rows::Work(Box::new(work)),

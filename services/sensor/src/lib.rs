@@ -1,9 +1,9 @@
-//! The sensor service: samples from a simulated machine, a recording, a CAN bus, or standard input.
+//! Sensor service: samples from a simulated machine, a recording, a CAN bus, or standard input.
 //!
 //! | file | source |
 //! |---|---|
 //! | [`excavator`], [`loader`] | the simulators |
-//! | `recorded` | rows that were read before |
+//! | `recorded` | rows of a recording |
 //! | `bus`, `lines` | frames of a CAN interface, lines of a pipe |
 
 mod bus;

@@ -1,4 +1,4 @@
-//! Standard input as a source: lines of candump, or rows of a table, as they come.
+//! Standard input as a source: lines of candump, or rows of a table, as they arrive.
 
 use std::os::fd::OwnedFd;
 
@@ -11,26 +11,26 @@ const PATIENCE: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 20_000_000,
 };
-/// A line that was written is here after this time at the latest [ns]: only then is silence silence.
+/// Longest delay of a line after it was written [ns]: only after it is silence certain.
 const UNDER_WAY: i64 = 500_000_000;
 
-/// Samples out of a file descriptor.
+/// Samples from a file descriptor.
 #[derive(Debug)]
 pub struct Lines<S: Sensors> {
     input: OwnedFd,
     stream: LineDecoder<S>,
-    /// What came since the last whole line.
+    /// Bytes since the last whole line.
     rest: Vec<u8>,
-    /// A line that is too long is dropped to its end.
+    /// Whether the rest of a line that is too long is being dropped.
     is_skipping: bool,
     has_ended: bool,
-    /// Whether a sample came.
+    /// Whether a sample has come.
     has_row: bool,
     /// Whether the end was reported.
     is_over: bool,
-    /// Why nothing of this input can be used.
+    /// Why the input is unusable.
     refusal: Option<runtime::Error>,
-    /// Whether time passes while nothing comes; not where samples are only as fast as they are taken.
+    /// Whether time passes without input; not where samples come only as fast as they are taken.
     is_paced: bool,
 }
 
@@ -38,7 +38,7 @@ impl<S: Sensors> Lines<S> {
     /// Reads lines from `input`.
     ///
     /// # Errors
-    /// The map does not fit.
+    /// The map does not fit the machine.
     pub fn new(input: OwnedFd, map: Option<Map>, is_paced: bool) -> Result<Self, Error> {
         Ok(Self {
             input,
@@ -53,7 +53,7 @@ impl<S: Sensors> Lines<S> {
         })
     }
 
-    /// The first frame gets the time `seconds` instead of 0.
+    /// Sets the time of the first frame to `seconds` instead of 0.
     pub fn begin_at(&mut self, seconds: f64) {
         self.stream.begin_at(seconds);
     }
@@ -115,7 +115,7 @@ impl<S: Sensors> Lines<S> {
         }
     }
 
-    /// The end: one without a sample before it is an error, and so is one behind lines that were mostly none of ours.
+    /// The end of the input. It is an error without any sample, and after lines that were mostly invalid.
     fn end(&mut self) -> Polled<S, S::Truth> {
         if std::mem::replace(&mut self.is_over, true) {
             return Polled::End;
@@ -143,7 +143,7 @@ impl<S: Sensors> Lines<S> {
     }
 }
 
-/// The same error as one of a source.
+/// Converts the error to one of a source.
 fn refusal(error: Error) -> runtime::Error {
     let Error {
         what,

@@ -12,7 +12,7 @@ use sim::loader::{InvalidRun, LiftArm, Row, Run, Scenario, Simulation, Size, Tie
 
 use crate::simulated::{Columns, cylinder, mark};
 
-/// What every simulated loader has.
+/// Signals of every simulated loader.
 const COLUMNS: u32 = SPEED
     | FRONT_WHEEL_SPEED
     | REAR_WHEEL_SPEED
@@ -20,10 +20,10 @@ const COLUMNS: u32 = SPEED
     | REAR_TORQUE
     | SLOPE
     | ACCELERATION;
-/// All eight true values are known, and the payload behind them.
+/// All eight true values, and the payload after them, are known.
 const ALL_KNOWN: u32 = 0b100_1111_1111;
 
-/// What the drawing of the reference machine says of its lift arm, as `--set` takes it.
+/// Drawing of the reference machine's lift arm, as `--set` takes it.
 pub fn drawing() -> Vec<String> {
     let arm = LiftArm::of(&Size::Reference.machine());
     let mut settings: Vec<String> = [
@@ -34,7 +34,7 @@ pub fn drawing() -> Vec<String> {
         ("mass_distance", arm.mass_distance),
         ("bucket_mass", arm.bucket_mass),
         ("payload_distance", arm.payload_distance),
-        // Its tilt cylinder sits on the arm, and its driver levels the bucket.
+        // Its tilt cylinder is on the arm, and its driver levels the bucket.
         ("bucket_turn", 1.0),
         ("reference_angle", arm.reference.lift),
         ("reference_tilt", arm.reference.bucket - arm.reference.lift),
@@ -46,7 +46,7 @@ pub fn drawing() -> Vec<String> {
     settings
 }
 
-/// Standard deviations of what axle scales and a ramp say of the empty machine: load fraction, height of the centre of gravity \[m\].
+/// Standard deviations of the empty machine's values from axle scales and a ramp: load fraction, height of the centre of gravity \[m\].
 const WEIGHED: [f64; 2] = [0.01, 0.045];
 
 /// A simulated wheel loader.
@@ -57,7 +57,7 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Begins a run of the simulator.
+    /// Starts a run of the simulator.
     ///
     /// # Errors
     /// A number of the run is out of its range.
@@ -68,7 +68,7 @@ impl Simulator {
         })
     }
 
-    /// Digs, drives and dumps for so long \[s\], with the usual sensors.
+    /// Digs, drives and dumps for this duration \[s\], with the usual sensors.
     ///
     /// # Errors
     /// The duration is out of its range.
@@ -78,8 +78,8 @@ impl Simulator {
         Self::new(&run)
     }
 
-    /// Fills, carries and dumps for so long \[s\], with pressures in its lift cylinders; and what its owner states of it, as `--set` takes it: the
-    /// drawing, and what the empty machine was weighed at, half a standard deviation off.
+    /// Fills, carries and dumps for this duration \[s\], with pressures in its lift cylinders. Also returns the values that its owner
+    /// states, as `--set` takes them: the drawing, and the weighed values of the empty machine, half a standard deviation off.
     ///
     /// # Errors
     /// The duration is out of its range.

@@ -3,8 +3,8 @@
 use messages::{Message, Stamp};
 use runtime::Source;
 
-/// Plays rows, once, in their order. Numbers count from 0 as in any run; what an earlier run
-/// noted of its clocks is taken off, the time of the data stays.
+/// Plays rows once, in their order. Sequence numbers start at 0 as in any run; clock readings of an earlier run
+/// are removed, the time of the data stays.
 pub struct Recorded<S, T> {
     rows: Box<dyn Iterator<Item = (S, T)>>,
     sequence: u64,

@@ -1,15 +1,15 @@
-//! What the messages of every simulator have in common.
+//! Common parts of the messages of all simulators.
 
 use messages::Message;
 
-/// What a simulated sample has and what of it is valid.
+/// Columns and valid signals of a simulated sample.
 pub(crate) struct Columns {
     pub columns: u32,
     pub valid: u32,
 }
 
 impl Columns {
-    /// Columns that are always there.
+    /// Columns that always exist.
     pub(crate) fn of(columns: u32) -> Self {
         Self { columns, valid: 0 }
     }
@@ -22,14 +22,14 @@ impl Columns {
         value.unwrap_or(0.0)
     }
 
-    /// A signal that is only a bit.
+    /// Sets a signal that consists of a bit only.
     pub(crate) fn flag(&mut self, on: bool, bit: u32) {
         self.columns |= bit;
         self.valid |= if on { bit } else { 0 };
     }
 }
 
-/// Gives a sample and its truth their number and time, and says that they are simulated.
+/// Sets number and time of a sample and its truth, and marks them as simulated.
 pub(crate) fn mark(
     measured: &mut impl Message,
     known: &mut impl Message,
@@ -45,7 +45,7 @@ pub(crate) fn mark(
     *sequence += 1;
 }
 
-/// What a maker's data say of cylinders, as `--set` takes it.
+/// Data sheet of cylinders, as `--set` takes it.
 pub(crate) fn cylinder(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
     [
         ("count", c.count),

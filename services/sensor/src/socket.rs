@@ -8,25 +8,25 @@ use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, setsockopt, socko
 use recording::can::Frame;
 use socketcan::{CanFdSocket, Socket, SocketOptions};
 
-/// Bytes of `struct canfd_frame`; a `struct can_frame` has 16, and both begin alike: identifier with
-/// its flags, length, three other bytes, data.
+/// Bytes of `struct canfd_frame`; a `struct can_frame` has 16. Both start with identifier and
+/// flags, length, three other bytes, data.
 const LARGEST: usize = 72;
 const DATA: usize = 8;
 /// Flags beside the identifier.
 const EXTENDED: u32 = 1 << 31;
 const NO_DATA: u32 = 0b11 << 29; // remote requests, errors
 const IDENTIFIER: u32 = (1 << 29) - 1;
-/// Room for frames that wait [bytes]: the kernel gives what it allows, by default some 500 frames.
+/// Receive buffer [bytes]: the kernel limits it, by default to some 500 frames.
 const ROOM: usize = 4 << 20;
 
-/// What a look at the socket found.
+/// Result of reading the socket.
 #[derive(Debug)]
 pub(crate) enum BusRead<'a> {
     /// A data frame; its time is the time of day [ns].
     Frame(Frame<'a>),
     /// A frame without data.
     Other,
-    /// Nothing came within the patience of the socket.
+    /// No frame within the socket's time limit.
     Nothing,
 }
 
@@ -34,17 +34,17 @@ pub(crate) enum BusRead<'a> {
 #[derive(Debug)]
 pub(crate) struct CanSocket {
     socket: CanFdSocket,
-    /// Where the kernel puts time and count.
+    /// Buffer of the kernel's time and count.
     control: Vec<u8>,
     /// The frame.
     data: [u8; LARGEST],
-    /// Frames that the kernel dropped because nobody took them, since it was opened.
+    /// Number of frames that the kernel dropped since the socket was opened, because they were not read.
     dropped: u32,
 }
 
 impl CanSocket {
-    /// Opens `interface`; a look lasts at most `patience`. It hears the frames of others too: they tell that the bus
-    /// lives, so rows without values go on where a sensor falls silent, and in its log they do the same.
+    /// Opens `interface`; a read lasts at most `patience`. It also receives the frames of other nodes: they show that the bus
+    /// is alive, so rows without values continue where a sensor falls silent, as they do from a log of the bus.
     pub(crate) fn open(interface: &str, patience: Duration) -> Result<Self> {
         let socket = CanFdSocket::open(interface)?;
         socket.set_error_filter_drop_all()?;
@@ -60,7 +60,7 @@ impl CanSocket {
         })
     }
 
-    /// The next frame, and how many before it the kernel dropped.
+    /// The next frame, and the number of frames that the kernel dropped before it.
     pub(crate) fn read<'a>(&mut self, interface: &'a str) -> Result<(BusRead<'a>, u64)> {
         let mut space = [IoSliceMut::new(&mut self.data)];
         let fd = self.socket.as_raw_fd();
@@ -96,7 +96,7 @@ impl CanSocket {
     }
 }
 
-/// The frame in the kernel's bytes; `None` if it has no data by its kind.
+/// The frame in the kernel's bytes; `None` if it is of a kind without data.
 fn frame<'a>(bytes: &[u8], ns: i64, interface: &'a str) -> Option<Frame<'a>> {
     let (id, rest) = bytes.split_first_chunk()?;
     let id = u32::from_ne_bytes(*id);

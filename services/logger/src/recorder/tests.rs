@@ -1,4 +1,4 @@
-//! Parts, room and clock, by a recorder alone.
+//! Parts, free space and clock, of a single recorder.
 
 use super::*;
 use messages::ExcavatorSensors;
@@ -161,7 +161,7 @@ fn a_successor_knows_what_is_recorded_at_whatever_byte_its_predecessor_died() {
         let whole: Vec<ExcavatorSensors> = whole.messages(EXCAVATOR_SENSORS.name).expect("some");
         assert_eq!(next(), Some(whole.len() as u64), "cut at {cut}");
     }
-    // The next part goes on from there.
+    // The next part continues from there.
     let mut recorder = begin(&first, Limits::default());
     record(&mut recorder, 50..60);
     assert_eq!(next(), Some(60));
