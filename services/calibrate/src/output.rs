@@ -131,7 +131,7 @@ pub fn rounded(value: f64, std: f64) -> f64 {
     }
     let unit = 10_f64.powi((std.log10().floor() as i32 - 3).max(-300));
     let rounded = (value / unit).round() * unit;
-    // By its decimal form, so that 0.30000000000000004 is not printed.
+    // By its decimal form, so that the binary rounding of 0.1 + 0.2 is not printed.
     let decimals = (-(unit.log10().round() as i32)).max(0) as usize;
     format!("{rounded:.decimals$}").parse().unwrap_or(value)
 }
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_keys_that_say_something_are_printed() {
+    fn only_relevant_keys_are_printed() {
         let mut d = config::Excavator::default();
         d.machine.nominal_damping = 1492.0;
         d.estimator.constant_inertia = true;

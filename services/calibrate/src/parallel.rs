@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     #[should_panic = "the seventh"]
-    fn a_panic_is_told() {
+    fn a_panic_is_propagated() {
         map(20, |at| assert!(at != 7, "the seventh"));
     }
 }

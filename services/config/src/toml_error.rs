@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_people_write_for_a_number_is_told_how_to_write_it() {
+    fn usual_forms_of_a_number_get_a_remedy() {
         for (line, remedy) in [
             (
                 "mass = 17000 kg",

@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn bursts_of_a_tenth_of_a_second_are_spread_too_and_a_steady_rate_is_learnt_in_twenty_rows() {
+    fn bursts_of_a_tenth_of_a_second_are_spread_too_and_a_steady_rate_is_found_in_twenty_rows() {
         for rows in [3, 6, 9, 12] {
             let at =
                 |k: i32| f64::from(k / rows) * 0.01 * f64::from(rows) + f64::from(k % rows) * 1e-4;

@@ -66,9 +66,9 @@ impl SteadyTorque {
         period: f64,
     ) -> Option<f64> {
         let change = RISE * self.largest.max(least);
-        let believed = self.leap.pass(torque, change, noise, period);
-        self.largest = self.largest.max(believed.unwrap_or(0.0).abs());
-        believed
+        let accepted = self.leap.pass(torque, change, noise, period);
+        self.largest = self.largest.max(accepted.unwrap_or(0.0).abs());
+        accepted
     }
 }
 
@@ -93,22 +93,22 @@ mod tests {
         let drops = 150..170;
         let found = missing(400, |k| {
             let rises = f64::from(k.min(20)) * 500.0 + 10.0 * noise(k);
-            let said = if drops.contains(&k) { 0.0 } else { rises };
-            sensor.pass(Some(said), [2000.0, 10.0], 0.01).is_some()
+            let value = if drops.contains(&k) { 0.0 } else { rises };
+            sensor.pass(Some(value), [2000.0, 10.0], 0.01).is_some()
         });
         assert_eq!(found, (drops.start, drops.len() as u32));
     }
 
     #[test]
-    fn what_stays_elsewhere_is_believed_soon_with_noise_and_after_two_seconds_without() {
+    fn what_stays_elsewhere_is_accepted_soon_with_noise_and_after_two_seconds_without() {
         for (its_noise, rows) in [(0.01, 8..13), (0.0, 198..202)] {
             let mut sensor = Leap::default();
             let (first, count) = missing(400, |k| {
-                let said = match k {
+                let value = match k {
                     ..100 => 0.01 * noise(k),
                     _ => 1.0 + its_noise * noise(k),
                 };
-                sensor.pass(Some(said), 10.0, 0.0, 0.01).is_some()
+                sensor.pass(Some(value), 10.0, 0.0, 0.01).is_some()
             });
             assert!(first == 100 && rows.contains(&count), "{first} {count}");
         }

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_is_believed_once_a_row_confirms_it() {
+    fn a_gap_is_accepted_once_a_row_confirms_it() {
         let mut base = ticking(100);
         assert!(matches!(base.tick(3.0, GAP), Tick::Later(_)));
         assert_eq!(base.tick(3.0, GAP), Tick::Refused);
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_set_back_is_believed_after_a_second() {
+    fn a_clock_set_back_is_accepted_after_a_second() {
         let mut base = ticking(2000);
         let ticks: [Tick; 150] = core::array::from_fn(|k| base.tick(2.0 + k as f64 * 0.01, GAP));
         let at = ticks.iter().position(|t| *t == Tick::SetBack);

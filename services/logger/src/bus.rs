@@ -107,30 +107,30 @@ impl BusWriter {
                 Err(error) => return Err(error),
             }
         }
-        while let Some(said) = node.say(now_ns()) {
-            let id = ExtendedId::new(said.id);
-            if let Some(frame) = id.and_then(|id| CanFrame::new(id, &said.data)) {
+        while let Some(sent) = node.say(now_ns()) {
+            let id = ExtendedId::new(sent.id);
+            if let Some(frame) = id.and_then(|id| CanFrame::new(id, &sent.data)) {
                 socket.write_frame(&frame)?;
             }
         }
         let address = node.address(now_ns());
-        let asked = node.take_asked();
+        let requested = node.take_asked();
         let (has_lost, has_double) = (node.has_lost(), node.has_double());
-        self.tell_address(address, has_lost, has_double);
-        if asked.is_empty() {
+        self.report_address(address, has_lost, has_double);
+        if requested.is_empty() {
             return Ok(());
         }
         let latest = self.latest.iter();
         let frames = latest.flat_map(|message| self.addressed.frames(message, 0, ""));
-        let asked: Vec<CanFrame> = frames
-            .filter(|f| f.extended && asked.contains(&(f.id >> 8 & 0x3_ffff)))
+        let requested: Vec<CanFrame> = frames
+            .filter(|f| f.extended && requested.contains(&(f.id >> 8 & 0x3_ffff)))
             .filter_map(|f| out(&f))
             .collect();
-        self.send(&asked)
+        self.send(&requested)
     }
 
     /// Uses the node's present address, and reports each change of it once.
-    fn tell_address(&mut self, address: Option<u8>, has_lost: bool, has_double: bool) {
+    fn report_address(&mut self, address: Option<u8>, has_lost: bool, has_double: bool) {
         let interface = &self.interface;
         if address != self.address {
             self.address = address;
@@ -167,7 +167,7 @@ impl BusWriter {
             .try_for_each(|frame| socket.write_frame(frame))
     }
 
-    fn tell(&mut self, sent: &io::Result<()>) {
+    fn report(&mut self, sent: &io::Result<()>) {
         match sent {
             Ok(()) if self.has_failed => tracing::warn!("{} takes frames again", self.interface),
             Err(error) if !self.has_failed => {
@@ -227,14 +227,14 @@ impl Sink for BusWriter {
             let frames = self.frames(&envelope);
             self.send(&frames)
         });
-        self.tell(&sent);
+        self.report(&sent);
     }
 
     fn look(&mut self) {
         if self.node.is_some() {
-            let said = self.talk();
-            if said.is_err() {
-                self.tell(&said);
+            let sent = self.talk();
+            if sent.is_err() {
+                self.report(&sent);
             }
         }
     }

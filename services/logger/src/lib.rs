@@ -192,19 +192,19 @@ fn write_all(
         while let Ok((channel, envelope)) = records.pop() {
             is_empty = false;
             let written = recorder.write(channel, &envelope);
-            if !written.unwrap_or_else(|error| tell(shared, &error)) {
+            if !written.unwrap_or_else(|error| report(shared, &error)) {
                 shared.unwritten.fetch_add(1, Ordering::Relaxed);
             }
             if recorder.is_full()
                 && let Err(error) = recorder.flush()
             {
-                tell(shared, &error);
+                report(shared, &error);
             }
         }
         if draining || flushed.map_or(!is_empty, |at| at.elapsed() >= FLUSH_PERIOD) {
             flushed = Some(Instant::now());
             if let Err(error) = recorder.flush() {
-                tell(shared, &error);
+                report(shared, &error);
             }
         }
         if draining {
@@ -220,7 +220,7 @@ fn write_all(
 }
 
 /// Reports that the disk takes no more, or that a part is gone; returns false: not recorded.
-fn tell(shared: &Shared, error: &Error) -> bool {
+fn report(shared: &Shared, error: &Error) -> bool {
     tracing::error!(%error, "the recording has a gap; estimation goes on");
     shared.fault.store(fault::DISK, Ordering::Relaxed);
     false

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cleaner_that_hangs_holds_nobody_up_and_is_not_asked_twice() {
+    fn a_cleaner_that_hangs_delays_no_caller_twice_and_gets_one_request() {
         let (ask, asked) = channel();
         let (say, done) = channel();
         let mut cleaner = Cleaner {

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_worker_hears_that_its_supervisor_died() {
+    fn a_worker_notices_that_its_supervisor_died() {
         let (supervisor, worker) = Control::pair().unwrap();
         let worker = Control(worker);
         assert!(supervisor.say("go 7"));

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_sink_has_made_everything_permanent_when_it_says_that_it_is_drained() {
+    fn a_slow_sink_has_made_everything_permanent_when_it_reports_that_it_is_drained() {
         let (mut sink, mut sent) = (Slow::default(), 10);
         // Full when the drain is requested.
         sink.waiting = 3;

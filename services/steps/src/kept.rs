@@ -105,7 +105,7 @@ mod tests {
     };
 
     #[test]
-    fn an_answer_says_restarted_until_it_is_trusted_and_is_not_at_once() {
+    fn an_answer_is_restarted_until_it_is_trusted_and_is_not_at_once() {
         let mut restart = Restart::default();
         let after = |restart: &mut Restart, time, mut flags| {
             let mut reason = 0;

@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn lifts_with_two_loads_tell_friction_and_zero_within_their_intervals() {
+    fn lifts_with_two_loads_identify_friction_and_zero_within_their_intervals() {
         let inputs = [0.0, 400.0].map(|payload| record(payload, up_and_down));
         let learnt = learn(&described(), &inputs)
             .expect("pressures")
@@ -367,14 +367,15 @@ mod tests {
     }
 
     #[test]
-    fn a_boom_that_stops_tells_what_its_seals_keep() {
+    fn a_boom_that_stops_identifies_what_its_seals_retain() {
         let [none, all] = [0.0, 1.0].map(kept);
         assert!(none.value < 0.3 && all.value > 0.8, "{none:?} {all:?}");
         assert!(none.std < 0.3, "{none:?}");
     }
 
     #[test]
-    fn a_boom_that_only_rises_tells_friction_and_zero_not_apart_and_no_pressure_tells_nothing() {
+    fn a_boom_that_only_rises_does_not_distinguish_friction_and_zero_and_no_pressure_gives_no_fit()
+    {
         let rising = record(0.0, |time| 0.1 + 0.015 * time);
         let refused = learn(&described(), &[rising]).expect("pressures");
         assert!(refused.is_err_and(|why| why.contains("lift and lower")));

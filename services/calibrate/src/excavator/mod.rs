@@ -145,7 +145,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         cylinder: None,
     };
     if outcome.faults.is_empty() {
-        outcome.faults = words::alike(&outcome.swings, &free);
+        outcome.faults = words::indistinguishable(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
     // With the masses that the swings identify; not where only some keys are requested.

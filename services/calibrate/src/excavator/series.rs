@@ -503,7 +503,7 @@ mod tests {
     }
 
     #[test]
-    fn a_joint_angle_that_is_off_is_told_by_what_grows_with_it() {
+    fn an_offset_of_a_joint_angle_is_identified_by_the_derivatives() {
         let off = [0.02, -0.03, 0.04];
         let series = |off: [f64; 3]| {
             let mut samples = there_and_back(0.0);

@@ -84,7 +84,7 @@ pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
 
 /// Faults of the recordings that make parameters indistinguishable.
 #[must_use]
-pub fn alike(swings: &Swings, free: &[Role]) -> Vec<String> {
+pub fn indistinguishable(swings: &Swings, free: &[Role]) -> Vec<String> {
     let mut faults = Vec::new();
     let moving: f64 = swings
         .series

@@ -127,8 +127,8 @@ fn weighed(d: &Description, samples: &[Sample]) -> Quantity {
     let settings = Settings::of(d, Method::Full);
     let mut estimator =
         CgEstimator::new(&settings, Method::Full, Columns::default()).expect("settings");
-    let told = samples[..1120].iter().map(|s| estimator.step(s).payload);
-    told.last().flatten().expect("an arm")
+    let payloads = samples[..1120].iter().map(|s| estimator.step(s).payload);
+    payloads.last().flatten().expect("an arm")
 }
 
 /// Root of the mean of squares.
@@ -165,13 +165,13 @@ fn machines_unlike_their_drawing_are_found_within_the_written_deviations() {
         assert!(rms(errors) < 1.4, "{name}: {errors:.1?}");
         assert!(errors.iter().all(|z| z.abs() < 3.0), "{name}: {errors:.1?}");
     }
-    // Of a load of 2000 kg.
+    // Errors for a load of 2000 kg.
     let [before, after] = loads.map(|errors| rms(&errors));
     assert!(after < 0.35 * before && after < 20.0, "{before} {after}");
 }
 
 #[test]
-fn a_recording_whose_rows_miss_cells_tells_as_much() {
+fn a_recording_whose_rows_miss_cells_determines_as_much() {
     let truth = Truth::of(3);
     let whole = [truth.input(0.0, 1.0, 4), truth.input(3200.0, 15.0, 5)];
     let span = |lost: fn(usize, &mut Sample)| {
@@ -218,7 +218,7 @@ fn a_calibrated_description_claims_less_doubt_and_is_read_back() {
 }
 
 #[test]
-fn what_cannot_be_told_apart_is_refused_in_words() {
+fn what_is_indistinguishable_is_refused_with_a_reason() {
     let truth = Truth::of(1);
     let said = |inputs: &[Input]| match learn(&described(), inputs) {
         Some(Err(words)) => words,
@@ -238,11 +238,11 @@ fn what_cannot_be_told_apart_is_refused_in_words() {
         ..empty.clone()
     };
     assert!(said(&[rising]).contains("lift and lower"));
-    let untold = Input {
+    let unstated = Input {
         payload: None,
         ..empty.clone()
     };
-    assert!(said(&[untold]).contains("--payload"));
+    assert!(said(&[unstated]).contains("--payload"));
     // The loads are swapped.
     let mut mixed = [empty.clone(), truth.input(3200.0, 15.0, 2)];
     let [a, b] = &mut mixed;

@@ -311,7 +311,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         .filter(|(_, fixed)| !**fixed)
         .map(|(r, _)| *r)
         .collect();
-    let mut faults = words::alike(drives, &free);
+    let mut faults = words::indistinguishable(drives, &free);
     // Residuals far too large for their scatter would all be weighted as outliers.
     let large = |role: &Role| f64::from(role.is_noise()) * LARGE_SCATTER;
     let begin: Vec<f64> = drives.roles.iter().map(large).collect();

@@ -93,7 +93,7 @@ fn faults(change: impl Fn(&mut Sample), stated: f64, weighed: StatedLoad) -> Str
 }
 
 #[test]
-fn what_cannot_be_believed_is_said() {
+fn what_cannot_be_trusted_is_reported() {
     let wrong = faults(|_| {}, 5450.0, SCALES);
     assert!(wrong.contains("was stated as 5450 kg"), "{wrong}");
     let [flat, _] = inputs(6200.0);
@@ -197,7 +197,7 @@ fn zeros(outcome: &Outcome, g: &guess::Guess) -> [f64; 3] {
 }
 
 #[test]
-fn driving_forward_alone_leaves_the_zeros_open_and_says_so() {
+fn driving_forward_alone_leaves_the_zeros_open_and_reports_it() {
     let g = askew();
     let outcome = run(&there_and_back(g, None), SCALES);
     let [slope, acceleration, rolling] = zeros(&outcome, &g);
@@ -209,7 +209,7 @@ fn driving_forward_alone_leaves_the_zeros_open_and_says_so() {
 }
 
 #[test]
-fn the_same_way_there_and_back_tells_the_zeros() {
+fn the_same_path_out_and_back_determines_the_zeros() {
     let g = askew();
     let outcome = run_with_way(&there_and_back(g, Some(181.0)));
     let [slope, acceleration, rolling] = zeros(&outcome, &g);
@@ -226,7 +226,7 @@ fn the_same_way_there_and_back_tells_the_zeros() {
 }
 
 #[test]
-fn a_limit_that_is_reached_is_said() {
+fn a_limit_that_is_reached_is_reported() {
     // Tyres whose radius grows with their load.
     let g = guess::Guess {
         load_sensitivity: -0.002,
@@ -240,7 +240,7 @@ fn a_limit_that_is_reached_is_said() {
 }
 
 #[test]
-fn driving_in_reverse_tells_the_zeros_too() {
+fn driving_in_reverse_determines_the_zeros_too() {
     let g = askew();
     let mut inputs = there_and_back(g, None);
     inputs[1].samples = made::reversed(&g, 0.0, 8);
@@ -253,7 +253,7 @@ fn driving_in_reverse_tells_the_zeros_too() {
 }
 
 #[test]
-fn another_way_stated_as_the_same_is_not_used() {
+fn another_path_stated_as_the_same_is_not_used() {
     let g = askew();
     // The same path in the same direction, another path, and one that is half as long.
     let mut short = there_and_back(g, Some(181.0));

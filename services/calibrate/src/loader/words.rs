@@ -53,7 +53,7 @@ pub fn before(model: &Drives) -> Vec<String> {
 }
 
 /// Faults of the recordings that make parameters indistinguishable.
-pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
+pub fn indistinguishable(model: &Drives, free: &[Role]) -> Vec<String> {
     let mut faults = Vec::new();
     if model.loads.len() < 2 && free.contains(&Role::LoadSensitivity) {
         faults.push(ONE_LOAD.into());

@@ -71,7 +71,7 @@ pub(super) enum Shown {
 pub(super) struct Carries {
     /// There is a load.
     pub a_load: bool,
-    /// It has been detected to leave.
+    /// Its leaving has been detected.
     pub leaving: bool,
 }
 

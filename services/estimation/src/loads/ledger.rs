@@ -1,4 +1,4 @@
-//! From levels to loads.
+//! Ledger: detects loads in the levels of the bucket's content.
 //!
 //! | observation | meaning |
 //! |---|---|
@@ -145,17 +145,17 @@ impl Ledger {
 
     /// The truck that is being loaded, with the loads dumped so far.
     pub fn truck(&self) -> Truck {
-        self.accounts.truck.with(self.on_the_way().as_ref())
+        self.accounts.truck.with(self.unbooked().as_ref())
     }
 
     /// The present day.
     pub fn day(&self) -> Day {
-        self.accounts.day_with(self.on_the_way().as_ref())
+        self.accounts.day_with(self.unbooked().as_ref())
     }
 
     /// Total since the start.
     pub fn all(&self) -> Total {
-        self.accounts.all.with(self.on_the_way().as_ref())
+        self.accounts.all.with(self.unbooked().as_ref())
     }
 
     /// Starts another truck for the loads dumped from now on.
@@ -187,7 +187,7 @@ impl Ledger {
     }
 
     /// A dumped or leaving load that is not in the sums yet.
-    fn on_the_way(&self) -> Option<Load> {
+    fn unbooked(&self) -> Option<Load> {
         let leaving = self.held.filter(|held| held.leaving.is_some());
         self.accounts
             .pending
@@ -326,11 +326,11 @@ impl Ledger {
     fn dump(&mut self, time: f64, rest: Option<Weight>, events: &mut Events) {
         self.accounts.settle(events);
         let Some(held) = self.held.take() else { return };
-        let was_said = held.leaving.is_some() && held.is_reported;
+        let was_reported = held.leaving.is_some() && held.is_reported;
         let leaving = Some(time);
         let load = self.load(&Held { leaving, ..held }, Stage::Dumped);
         let load = self.accounts.dump(load, time, rest, events);
-        if !was_said {
+        if !was_reported {
             events.load = Some(load);
         }
         if rest.is_none() {

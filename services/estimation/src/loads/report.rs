@@ -21,7 +21,7 @@ macro_rules! report {
         numbers { $( $name:ident ($($place:tt)*) $unit:tt $doc:tt; )* }
         codes { $( $code:ident ($($code_place:tt)*) $code_doc:tt; )* }
     ) => {
-        /// What the bucket holds now, the latest load, and its truck.
+        /// Present content of the bucket, the latest load, and its truck.
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct LoadReport {

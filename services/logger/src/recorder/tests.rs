@@ -120,7 +120,7 @@ fn a_part_that_somebody_deletes_is_reported_and_costs_no_more_than_itself() {
 }
 
 #[test]
-fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
+fn a_wall_clock_that_jumps_is_noted_in_the_recording_which_keeps_its_time() {
     let dir = tempfile::tempdir().expect("a folder");
     let first = dir.path().join("run.mcap");
     let mut recorder = begin(&first, Limits::default());
