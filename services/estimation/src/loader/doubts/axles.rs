@@ -1,25 +1,26 @@
-//! What the slips of each axle tell of the ratio, to first order.
+//! Least standard deviation of the axle-load ratio, from the information of first order in the slips of each axle.
 //!
-//! An axle that pulls with F slips by s = F/(K N), so its slips tell K N. The ratio lam comes from both axles, whatever K is, or
-//! from one axle and what is known of K. With a_f = ln(K lam), a_r = ln(K (1 - lam)), each told with a relative error e,
+//! An axle of load N that pulls with F slips by s = F/(K N), so its slips determine K N. The ratio lam follows from both axles for
+//! any K, or from one axle and a prior of K. With a_f = ln(K lam), a_r = ln(K (1 - lam)), each measured with a relative error e_i:
 //! ```text
 //! information on (ln K, lam) = [1/e_K^2, 0; 0, 1/sigma_0^2] + j_f j_f'/e_f^2 + j_r j_r'/e_r^2,
 //! j_f = [1, 1/lam],  j_r = [1, -1/(1 - lam)],  e_i^2 = sigma_s^2 T/int s_i^2 dt
 //! ```
-//! The filter also uses terms of second order in the force: load that moves to the other axle, tyres that saturate. Pitching and another
-//! tyre law blur them, and where one axle alone pulls they are all that tells K from lam. So they never make the ratio surer than this.
+//! The filter also uses terms of second order in the force: load transfer between the axles, and saturation of the tyres. Pitching
+//! and errors of the tyre law blur them. Where only one axle pulls, these terms alone distinguish K from lam. So they must not make
+//! the ratio more certain than this bound.
 
 use crate::Quantity;
 use crate::math::sqrt;
 
-/// Slip that no force explains, and for how long it stays alike [s]: an axle that slips by .01 for 10 s tells its K N to 1 %. With .0012
-/// four of eight sound machines lose .07 to .18 of their trust, with this none.
+/// Standard deviation of the slip that no force explains, and its correlation time [s]. An axle that slips by .01 for 10 s
+/// determines its K N to 1 %. With .0012, four of eight sound machines lose .07 to .18 of their trust; with this value none does.
 const UNEXPLAINED_SLIP: f64 = 0.0005;
-const ALIKE: f64 = 0.3;
-/// Slower than this wheels say nothing [m/s].
+const CORRELATION_TIME: f64 = 0.3;
+/// Speed below which wheel speeds carry no information [m/s].
 const SLOWEST: f64 = 0.5;
 
-/// How much each axle has slipped by its pull: integrals of the squared slips [s], front and rear.
+/// Integrals of the squared slips over time [s], front and rear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Axles {
@@ -27,32 +28,32 @@ pub struct Axles {
 }
 
 impl Axles {
-    /// Takes `dt` at a speed [m/s] in which pulls make the axles slip so.
+    /// Adds `dt` of motion at `speed` [m/s], with the slips that the pull of the axles causes.
     pub fn see(&mut self, slips: [f64; 2], speed: f64, dt: f64) {
         if speed.abs() > SLOWEST {
             for (slipped, slip) in self.slipped.iter_mut().zip(slips) {
-                let tells = slip * slip * dt;
-                if tells.is_finite() {
-                    *slipped += tells;
+                let added = slip * slip * dt;
+                if added.is_finite() {
+                    *slipped += added;
                 }
             }
         }
     }
 
-    /// Standard deviation of the ratio, with a relative deviation `stiffness_std` of K beforehand; `ratio`: now, and its
-    /// deviation beforehand.
+    /// Least standard deviation of the ratio. `ratio`: its present value and prior deviation; `stiffness_std`: relative prior
+    /// deviation of K.
     pub fn ratio_std(&self, ratio: Quantity, stiffness_std: f64) -> f64 {
-        let told = self
+        let information = self
             .slipped
-            .map(|slipped| slipped / (UNEXPLAINED_SLIP * UNEXPLAINED_SLIP * ALIKE));
+            .map(|slipped| slipped / (UNEXPLAINED_SLIP * UNEXPLAINED_SLIP * CORRELATION_TIME));
         let by_ratio = [1.0 / ratio.value, -1.0 / (1.0 - ratio.value)];
         let mut of_stiffness = 1.0 / (stiffness_std * stiffness_std);
         let mut of_ratio = 1.0 / (ratio.std * ratio.std);
         let mut shared = 0.0;
-        for (told, by_ratio) in told.into_iter().zip(by_ratio) {
-            of_stiffness += told;
-            of_ratio += told * by_ratio * by_ratio;
-            shared += told * by_ratio;
+        for (information, by_ratio) in information.into_iter().zip(by_ratio) {
+            of_stiffness += information;
+            of_ratio += information * by_ratio * by_ratio;
+            shared += information * by_ratio;
         }
         1.0 / sqrt(of_ratio - shared * shared / of_stiffness)
     }
@@ -74,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn both_axles_tell_the_ratio_and_one_alone_as_well_as_the_stiffness_is_known() {
+    fn both_axles_determine_the_ratio_and_one_alone_as_well_as_the_stiffness_is_known() {
         assert!((driven([0.0; 2], 10) - 0.1).abs() < 1e-12);
         assert!(driven([0.01; 2], 60) < 0.01);
         let one = driven([0.0, 0.02], 600);
@@ -84,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_standing_machine_and_no_number_tell_nothing() {
+    fn standing_and_non_finite_rows_carry_no_information() {
         let mut axles = Axles::default();
         axles.see([0.01; 2], 0.1, 1.0);
         axles.see([f64::NAN, f64::INFINITY], 2.0, 1.0);

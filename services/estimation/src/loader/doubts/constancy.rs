@@ -1,7 +1,7 @@
-//! A ratio that changes while nothing was loaded or dumped.
+//! Drift of the apparent ratio of the empty machine, as an addition to its variance.
 //!
-//! The empty machine's ratio does not change. What the slips tell of it does: a tyre warms up, loses air or wears, a torque drifts. Each
-//! is a change of the apparent ratio, and nobody says whether it was right before or is now:
+//! The ratio of the empty machine is constant. The ratio that the slips show is not: a tyre warms up, loses air or wears, or a
+//! torque sensor drifts. The data do not show whether the ratio before or after such a change is right:
 //! ```text
 //! lam_m = mean of lam over the first 30 s of driving, with weights 1/(P + floor^2); then it follows lam within 900 s
 //! added to the ratio's variance: (|lam - lam_m| - sqrt P)^2
@@ -9,31 +9,33 @@
 
 use crate::Quantity;
 
-/// Driving, at the present variance, after which a ratio is one that may change [s].
+/// Length of the initial mean, as driving time at the present variance [s].
 const LEARNT: f64 = 30.0;
-/// What has lasted for so long is as good as what was before [s]: a tyre warms up in a quarter of an hour.
+/// Time constant with which lam_m follows lam afterwards [s]: a tyre warms up in a quarter of an hour. A change that has lasted so
+/// long is accepted.
 const MEMORY: f64 = 900.0;
 
-/// What the slips have told of the empty machine so far.
+/// Reference value of the empty machine's apparent ratio.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constancy {
     mean: f64,
-    /// Driving time over variance.
+    /// Sum of driving time over variance.
     information: f64,
-    /// How far the last ratio lies beside it, beyond a standard deviation of the filter.
+    /// Distance of the last ratio from the mean, beyond one standard deviation of the filter.
     away: f64,
 }
 
 impl Constancy {
-    /// Takes the ratio of the empty machine, as the filter knows it, after `dt` of driving; `floor` is what the model leaves of it, as a share.
+    /// Updates the mean with the filter's ratio of the empty machine, after `dt` of driving; `floor`: error of the model, as a
+    /// share of the ratio.
     pub fn see(&mut self, ratio: Quantity, floor: f64, dt: f64) {
         let floor = floor * ratio.value;
         let variance = ratio.std * ratio.std + floor * floor;
-        let told = dt / variance;
-        self.information += told;
+        let weight = dt / variance;
+        self.information += weight;
         let gain = if self.information * variance < LEARNT {
-            told / self.information
+            weight / self.information
         } else {
             (dt / MEMORY).min(1.0)
         };
@@ -41,7 +43,7 @@ impl Constancy {
         self.away = ((ratio.value - self.mean).abs() - ratio.std).max(0.0);
     }
 
-    /// What a change leaves open, as a standard deviation of the ratio.
+    /// Standard deviation of the ratio from a change.
     pub fn std(&self) -> f64 {
         self.away
     }

@@ -1,34 +1,37 @@
-//! Whether the centre drive is locked: then both axles turn alike, and the reported torques are not theirs.
+//! Probability of a locked centre drive. Both axles then turn at the same speed, and the reported torques are not those of the
+//! axles.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | d | `difference` | measured difference of the wheel speeds, w_f - w_r | rad/s |
 //! | y, S | `innovation`, `predicted` | its innovation in the filter, and the variance of its prediction | |
-//! | Q | `process` | what process noise adds to S: both models have it | rad^2/s^2 |
+//! | Q | `process` | part of S by process noise: both models have it | rad^2/s^2 |
 //! | R | `noise` | variance of its measurement | rad^2/s^2 |
-//! | L | - | log odds of locked against free; `probability` keeps them | 1 |
-//! | w | - | share of [`WINDING`] that the row lasts, at most 1 | 1 |
+//! | L | - | log odds of locked against free; stored as `probability` | 1 |
+//! | w | - | length of the row over [`WINDING`], at most 1 | 1 |
 //!
-//! Two models for the same data, weighed by Bayes' rule. Free axles: the filter's, y ~ N(0, S + R). Locked ones: d ~ N(0, Q + R),
-//! whatever torques and radii; a lock engages and opens by chance.
+//! Bayes' rule weighs two models of the same data. Free axles, as in the filter: y ~ N(0, S + R). Locked axles: d ~ N(0, Q + R),
+//! whatever the torques and radii. A lock engages and opens at random.
 //! ```text
 //! L += w/2 [y^2/(S + R) - d^2/(Q + R)]
 //! ```
-//! Rolling radii that differ by a thousandth turn free axles apart by some standard deviations a row, and so do a torque and a load
-//! that moves from axle to axle; locked axles the filter explains by radii, share and height that just cancel, but not in every row.
-//! How unlikely it was that they cancel (the determinants of S + R and Q + R) is left out: axles with the same tyres, half the load
-//! and half the torque each are no rarity, and a load that may have changed widens S at every stop.
+//! Rolling radii that differ by a thousandth turn free axles apart by several standard deviations a row. So do a torque, and load
+//! that moves between the axles. The filter can explain locked axles by radii, ratio and height that cancel exactly, but not in
+//! every row.
+//!
+//! The determinants of S + R and Q + R are left out. They express how improbable such a cancellation is. But axles with equal
+//! tyres, half the load and half the torque each are common, and a load that may have changed widens S at every stop.
 
 use crate::math::exp;
 
-/// Probability of a lock before the first row, and in the mean: more than an interval leaves out, so until the axles have turned apart
-/// nothing is believed of what they pull.
+/// Probability of a lock before the first row, and its long-term mean. It exceeds what a 95 % interval may leave out. So no torque
+/// of an axle is trusted until the axles have turned apart.
 const PRIOR: f64 = 0.1;
-/// A lock stays for about so long [s].
+/// Typical duration of a lock [s]: time constant with which the probability returns to [`PRIOR`].
 const HOLDS: f64 = 60.0;
-/// A tyre winds up over a tenth of a metre, at 2.5 m/s in so long: rows that are closer together share the errors of the model [s].
+/// Correlation time of the model errors [s]: a tyre winds up over a tenth of a metre, at 2.5 m/s in this time.
 const WINDING: f64 = 0.04;
-/// What is less probable than this an interval of 95 % leaves out.
+/// Probability below which a 95 % interval may leave a hypothesis out.
 const EXCLUDED: f64 = 0.05;
 
 /// The difference of the wheel speeds in one row.
@@ -40,7 +43,7 @@ pub struct Turning {
     pub innovation: f64,
     /// Variance of its prediction [rad^2/s^2].
     pub predicted: f64,
-    /// Share of the process noise in it [rad^2/s^2].
+    /// Part of the predicted variance by process noise [rad^2/s^2].
     pub process: f64,
     /// Variance of its measurement [rad^2/s^2].
     pub noise: f64,
@@ -48,7 +51,7 @@ pub struct Turning {
     pub dt: f64,
 }
 
-/// Memory of the two models.
+/// Odds of the two models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
@@ -63,7 +66,7 @@ impl Default for Coupling {
 }
 
 impl Coupling {
-    /// Takes a row in which the wheels tell something; what is not finite tells nothing.
+    /// Updates the probability with a row in which both wheels count; ignores a row that is not finite.
     pub fn see(&mut self, row: &Turning) {
         let free = row.predicted.max(row.process) + row.noise;
         let locked = row.process + row.noise;
@@ -118,14 +121,14 @@ mod tests {
     }
 
     #[test]
-    fn what_both_models_explain_or_is_no_number_tells_nothing_and_a_lock_is_forgotten() {
+    fn equally_likely_and_non_finite_rows_carry_no_information_and_a_lock_is_forgotten() {
         let mut drive = Coupling::default();
         (0..100).for_each(|_| drive.see(&row(0.001, -0.02)));
         let locked = drive;
         drive.see(&row(f64::NAN, 0.0));
         drive.see(&row(0.0, f64::INFINITY));
         assert_eq!(drive, locked);
-        // Ten minutes in which both models say the same.
+        // Ten minutes in which both models are equally likely.
         let same = Turning {
             predicted: 2e-6,
             ..row(0.003, 0.003)

@@ -1,4 +1,4 @@
-//! Curves that nobody reports: they last in the difference of the axles' speeds, and go with no torque.
+//! Standard deviation of the ratio from unreported curves: differences of the slips that persist and have no torque as a cause.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
@@ -8,31 +8,33 @@
 //! | G | `by_share` | derivative of y by the ratio | 1 |
 //! | c | - | difference of the slips that lasts for a curve | 1 |
 //!
-//! The axles of a machine that bends run on different circles, by some gamma^2 for as long as the curve lasts. White noise and an
-//! uncertain prediction leave E s^2 = P + R dt/(2 T); what is more is c^2, over the last [`MEMORY`]. The filter takes the rows of a
-//! curve for as many errors, but they are one: with curves of [`LASTS`] the ratio is off by c sqrt(LASTS/MEMORY) over the rms of G.
-//! Whatever else lasts there and has no name, soft ground on one axle or a tyre that loses pressure, counts as well.
+//! The axles of an articulated machine run on different circles: their slips differ by about gamma^2 as long as the curve lasts.
+//! White noise and the uncertainty of the prediction give E s^2 = P + R dt/(2 T). The excess, averaged over [`MEMORY`], is c^2.
+//!
+//! The filter treats the rows of a curve as independent errors, but they share one error. With curves of duration [`LASTS`], the
+//! error of the ratio is c sqrt(LASTS/MEMORY) over the rms of G. Other persistent causes count as well, such as soft ground under
+//! one axle or a tyre that loses pressure.
 
 use crate::math::sqrt;
 
-/// Time of the mean that leaves what lasts [s].
+/// Averaging time that separates persistent from white errors [s].
 const TIME: f64 = 0.3;
-/// How far back curves count [s].
+/// Averaging time of c^2 and G^2 [s].
 const MEMORY: f64 = 20.0;
-/// How long a curve of a loader at work lasts [s].
+/// Duration of a curve of a loader at work [s].
 const LASTS: f64 = 3.0;
 
-/// Memory of what lasts.
+/// Running means of the persistent difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Curves {
     lasting: f64,
-    /// Weighted sums of c^2 and G^2.
+    /// Exponential means of c^2 and G^2.
     square: f64,
     by_share: f64,
 }
 
-/// What a row shows of the difference of the slips.
+/// Difference of the axles' slips in one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     pub innovation: f64,
@@ -42,7 +44,7 @@ pub struct Difference {
 }
 
 impl Curves {
-    /// Takes a row in which the wheels tell something, `dt` after the last.
+    /// Updates the means with a row in which both wheels count, `dt` after the last. A result that is not finite resets them.
     pub fn see(&mut self, row: &Difference, dt: f64) {
         let weight = (dt / TIME).min(1.0);
         self.lasting += weight * (row.innovation - self.lasting);
@@ -61,7 +63,7 @@ impl Curves {
         };
     }
 
-    /// What curves leave of the ratio, as a standard deviation; nothing before any row.
+    /// Standard deviation of the ratio from curves; 0 before the first row.
     pub fn ratio_std(&self) -> f64 {
         if self.by_share > 0.0 {
             sqrt(self.square.max(0.0) / self.by_share * (LASTS / MEMORY))
@@ -75,7 +77,7 @@ impl Curves {
 mod tests {
     use super::*;
 
-    /// A minute of noise of 1e-3 with curves of this slip, 3 s of each 9.
+    /// Standard deviation after a minute of noise of 1e-3, with curves of this slip for 3 s of each 9 s.
     fn after(curve: f64) -> f64 {
         let mut curves = Curves::default();
         let mut seed = 1_u32;

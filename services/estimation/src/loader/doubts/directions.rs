@@ -1,41 +1,44 @@
-//! Whether the load sensitivity of the rolling radii can be learnt: only a machine that drives both ways tells it.
+//! Whether the load sensitivity of the rolling radii is observable, which takes driving in both directions.
 //!
-//! An acceleration a moves the load m h a/l from axle to axle, and with it the radii, in proportion to a. The slips, which tell
-//! the ratio, go with a as well, but change their sign against it when the machine drives backward. Driven one way only, ratio
-//! and sensitivity are distinguished by nothing but terms of second order, which brakes, uneven axles and pitching blur: a filter
-//! that takes them at their word is wrong and sure. So the sensitivity is what the description says until the machine has been driven
-//! both ways, and the interval carries its tolerance; then it is a state that is estimated. After a long drive one way it is considered
-//! and not estimated: its variance counts in everything, and neither it nor its value changes (S. F. Schmidt, "Application of
-//! state-space methods to navigation problems", 1966).
+//! An acceleration a moves the load m h a/l between the axles, and changes the radii in proportion to a. The slips, which determine
+//! the ratio, are proportional to a as well, but change their sign relative to it when the machine drives backward. In one
+//! direction, only terms of second order distinguish ratio and sensitivity. Brakes, uneven axles and pitching blur these terms, and
+//! a filter that uses them is overconfident.
+//!
+//! So the sensitivity keeps its stated value until the machine has driven in both directions, and the interval includes its
+//! tolerance. From then on it is an estimated state. After a long drive in one direction it is a consider parameter: its variance
+//! enters every update, and neither its value nor its variance changes (S. F. Schmidt, "Application of state-space methods to
+//! navigation problems", 1966).
 
 use crate::math::sqrt;
 
-/// How far back a drive counts [s]: a loader at work turns round more than once in it.
+/// Time constant with which driving times fade [s]: a loader at work turns round more than once in it.
 const MEMORY: f64 = 60.0;
-/// So long a drive in each direction tells the sensitivity [s].
-const TELLS: f64 = 1.0;
-/// What a pair of drives leaves open of the sensitivity. With .002 each line of `heft evaluate loader --table honesty` but that of
-/// everything at once is wrong for at most .03 of the trusted time, without it for up to .15; with .003 a sound machine is trusted for .65, not .74.
+/// Least duration of a drive that carries information about the sensitivity [s], in each direction.
+const LEAST_DRIVE: f64 = 1.0;
+/// Standard deviation of the sensitivity after a pair of drives. With .002, each line of `heft evaluate loader --table honesty` but
+/// that of everything at once is wrong for at most .03 of the trusted time, without it for up to .15. With .003 a sound machine is
+/// trusted for .65, not .74.
 const PAIR_STD: f64 = 0.002;
-/// What all pairs leave: errors that change their sign with the direction do not average out. Rolling resistance f moves the load by
-/// f r/l against the motion, half a percent of it, which shifts the ratio by about a percent.
-/// The size was chosen as that of `SHARED_SLIP` was.
+/// Standard deviation common to all pairs: errors that change their sign with the direction do not average out. Rolling resistance
+/// f moves the load by f r/l against the motion, half a percent of it, which shifts the ratio by about a percent. The size was
+/// chosen as that of `SHARED_SLIP` was.
 const COMMON_STD: f64 = 0.0005;
 
-/// Whether the machine has been driven both ways.
+/// Whether the machine has driven in both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BothDirections {
     /// Not yet.
     NotYet,
-    /// With this row.
+    /// Since this row.
     JustNow,
-    /// And of late.
+    /// Yes, and recently.
     Recently,
-    /// But not of late.
+    /// Yes, but not recently.
     LongAgo,
 }
 
-/// How long the machine has been driven forward and backward, of late [s].
+/// Driving times forward and backward, which fade with [`MEMORY`] [s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Directions {
@@ -44,18 +47,18 @@ pub struct Directions {
     known: bool,
     /// The present drive is forward.
     ahead: bool,
-    /// How long it has been [s].
+    /// Duration of the present drive [s].
     drive: f64,
-    /// Drives of at least [`TELLS`], backward and forward.
+    /// Number of drives of at least [`LEAST_DRIVE`], backward and forward.
     drives: [u32; 2],
 }
 
 impl Directions {
-    /// Adds `dt` [s] at a speed [m/s]; slower than `slowest` counts as standing.
+    /// Adds `dt` [s] at `speed` [m/s]; below `slowest` [m/s] the machine stands.
     pub fn drive(&mut self, speed: f64, slowest: f64, dt: f64) -> BothDirections {
-        let kept = 1.0 - (dt / MEMORY).min(1.0);
-        self.forward *= kept;
-        self.backward *= kept;
+        let remaining = 1.0 - (dt / MEMORY).min(1.0);
+        self.forward *= remaining;
+        self.backward *= remaining;
         if speed > slowest {
             self.forward += dt;
         } else if speed < -slowest {
@@ -64,7 +67,7 @@ impl Directions {
         if speed.abs() > slowest {
             self.count(speed > 0.0, dt);
         }
-        let both = self.forward.min(self.backward) > TELLS;
+        let both = self.forward.min(self.backward) > LEAST_DRIVE;
         let before = self.known;
         self.known |= both;
         match (before, both) {
@@ -79,27 +82,27 @@ impl Directions {
         if self.ahead != ahead {
             (self.ahead, self.drive) = (ahead, 0.0);
         }
-        let counted = self.drive >= TELLS;
+        let counted = self.drive >= LEAST_DRIVE;
         self.drive += dt;
-        if self.drive >= TELLS && !counted {
+        if self.drive >= LEAST_DRIVE && !counted {
             let drives = &mut self.drives[usize::from(ahead)];
             *drives = drives.saturating_add(1);
         }
     }
 
-    /// It has been driven, but not yet both ways.
+    /// Whether the machine has driven, but not yet in both directions.
     pub fn one_way(&self) -> bool {
         !self.known && self.drives != [0; 2]
     }
 
-    /// What is left of a standard deviation `before` of the sensitivity, by manoeuvres of this Birge ratio.
+    /// Standard deviation of the sensitivity that remains of the prior's `before`, with manoeuvres of this Birge ratio.
     pub fn left(&self, before: f64, birge: f64) -> f64 {
         if !self.known {
             return before;
         }
         let pairs = f64::from(self.drives[0].min(self.drives[1]));
         let pair = PAIR_STD * birge.max(1.0);
-        // n pairs tell it as well as one with the error sqrt(pair^2/n + common^2).
+        // n pairs are as good as one measurement with the error sqrt(pair^2/n + common^2).
         let information = before * before * pairs / (pair * pair + pairs * COMMON_STD * COMMON_STD);
         before / sqrt(1.0 + information)
     }
@@ -112,7 +115,7 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn only_a_machine_that_has_driven_both_ways_of_late_tells() {
+    fn both_directions_count_while_they_are_recent() {
         let mut driven = Directions::default();
         let mut drive = |speed: f64, time: f64| -> Vec<BothDirections> {
             let rows = 0..(time * 100.0) as u32;
@@ -146,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn each_pair_of_drives_tells_a_part_of_the_sensitivity() {
+    fn each_pair_of_drives_reduces_the_deviation_of_the_sensitivity() {
         let mut driven = Directions::default();
         let mut left = std::vec![driven.left(0.006, 1.0)];
         assert!(!driven.one_way(), "not driven at all");
@@ -156,7 +159,7 @@ mod tests {
         for _ in 0..4 {
             for speed in [2.0, -2.0] {
                 (0..500).for_each(|_| _ = driven.drive(speed, 0.5, 0.01));
-                // What is too short tells nothing.
+                // A drive that is too short does not count.
                 (0..50).for_each(|_| _ = driven.drive(-speed, 0.5, 0.01));
             }
             left.push(driven.left(0.006, 1.0));

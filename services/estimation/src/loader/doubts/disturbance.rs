@@ -1,18 +1,19 @@
-//! What moves the wheels beside the torques that are reported: brakes, steering, forces that nobody measures.
+//! Disturbances of the wheel speeds that the reported torques do not contain: brakes, steering, and unmeasured forces.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | gamma | `angle` | angle between front and rear body | rad |
-//! | kappa | `gain` | force on the body over the force that the torques tell | 1 |
+//! | kappa | `gain` | force on the body over the force of the reported torques | 1 |
 //! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
 //!
-//! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
-//! lies. While it bends, its axles approach each other at gamma dgamma/dt L/4 (L: wheelbase; the hinge in the middle, where a
-//! little more or less changes nothing): the wheels are expected to turn so, and a share of it is noise of the slips.
-//! A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
-//! and passes through the tyres or not: it moves a slip by up to a_u/(g K). All are errors of one sign for as long as they
-//! last, so they do not average out and count more than noise of their size. They fade over 0.25 s, because
-//! tyres and body settle; brakes count for so long.
+//! * **Steering.** In a turn the axles run on different circles. Their speeds differ by about gamma^2 v, depending on the hinge.
+//! * **Bending.** While the machine bends, its axles approach each other at gamma dgamma/dt L/4. L is the wheelbase, and the hinge is in the
+//!   middle, where small offsets have no effect. The prediction of the wheel speeds includes this; a share of it is noise of the slips.
+//! * **Forces.** A force F_u = m a_u that no torque explains is that of the friction brakes, the bucket, or a torque that is reported late.
+//!   It may or may not pass through the tyres, so it changes a slip by up to a_u/(g K).
+//!
+//! Each of these errors keeps its sign while it lasts. It does not average out, so its weight exceeds that of noise of its size. It
+//! fades over 0.25 s, because tyres and body settle; brakes count for as long.
 
 use super::gain::{Gain, LARGEST};
 use crate::loader::input::inputs::StepInputs;
@@ -22,30 +23,30 @@ use crate::loader::measurements::accelerometer::Shaking;
 use crate::loader::physics::wheel_dynamics::{ROLLING_WIDTH, WheelDynamics};
 use crate::math::tanh;
 
-/// How long brakes outlast their cause, and with which time constant other disturbances fade [s].
+/// Time by which brakes outlast their cause, and time constant with which other disturbances fade [s].
 const HOLD: f64 = 0.25;
 /// Averaging time of the unexplained specific force [s].
 const TIME: f64 = 0.05;
-/// What noise and tolerances leave unexplained: of any acceleration [m/s^2], and as a share of it.
+/// Specific force that noise and tolerances leave unexplained: for any acceleration [m/s^2], and as a share of the acceleration.
 const EXPLAINED: f64 = 0.05;
 const EXPLAINED_SHARE: f64 = 0.05;
-/// Weight of an unexplained force against noise of its size.
+/// Weight of an unexplained force, relative to noise of its size.
 const FORCE_WEIGHT: f64 = 4.0;
-/// A force against the motion beyond what is explained by more than this is the brakes' or the ground's [m/s^2].
+/// Excess beyond what is explained, against the motion, that indicates brakes or the ground [m/s^2].
 const UNREPORTED: f64 = 0.15;
-/// Weight of the steering against noise of its size.
+/// Weight of the steering, relative to noise of its size.
 const TURN_WEIGHT: f64 = 1.0;
-/// Averaging time of the speed at which the machine bends [s].
+/// Averaging time of the rate at which the machine bends [s].
 const BENDING: f64 = 0.05;
-/// Share of what bending does that averaging, tyres and an unknown hinge leave. Without it the worst of 18 good machines covers .86 of
-/// its rows, with it .93.
+/// Share of the bending effect that remains as noise, by averaging, tyres and an unknown hinge. Without it the worst of 18 good
+/// machines covers .86 of its rows, with it .93.
 const BENDING_LEFT: f64 = 0.3;
-/// Slower than this, stiction and the ground act [m/s].
+/// Speed below which stiction and the ground act [m/s].
 const LEAST_SPEED: f64 = 0.5;
-/// A machine that turns more drags its wheels [rad].
+/// Angle between the bodies beyond which the wheels drag [rad].
 const STRAIGHT: f64 = 0.1;
 
-/// What a disturbance leaves: its largest value, which fades as tyres and body settle. A lower one shows once the higher has faded.
+/// Largest effect of a disturbance, which fades as tyres and body settle. A lower one shows once the higher has faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Peak(f64);
@@ -57,43 +58,43 @@ impl Peak {
     }
 }
 
-/// Memory of the disturbances.
+/// State of the disturbances.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Disturbance {
-    /// How long brakes still act [s].
+    /// Time for which brakes still act [s].
     brake: f64,
     turn: Peak,
     force: Peak,
-    /// The angle between the bodies, [`BENDING`] late [rad].
+    /// Angle between the bodies, low-passed over [`BENDING`] [rad].
     late_angle: f64,
-    /// The specific force that the torques do not explain, smoothed over [`TIME`] [m/s^2].
+    /// Specific force that the torques do not explain, smoothed over [`TIME`] [m/s^2].
     fast: f64,
     pub gain: Gain,
     /// Whether the machine is as heavy as stated.
     pub mass: StatedMass,
-    /// What the accelerometer shows beside it.
+    /// Noise of the accelerometer where it is mounted.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
     pub unexplained: f64,
 }
 
-/// What a step's disturbances do to the wheels.
+/// Effect of a step's disturbances on the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effect {
-    /// Brakes act: the wheels tell nothing.
+    /// Brakes act: the wheel speeds carry no information.
     pub braking: bool,
-    /// Standard deviation of both slips by steering.
+    /// Standard deviation of both slips from steering.
     pub turn: f64,
     /// Speed at which the axles approach each other because the machine bends [m/s].
     pub closing: f64,
-    /// Standard deviation of both slips by unexplained forces.
+    /// Standard deviation of both slips from unexplained forces.
     pub force: f64,
 }
 
 impl Disturbance {
-    /// Takes what acted during a step of `dt`; `speed` and `stiffness` are the predicted ones.
+    /// Updates the disturbances with a step of `dt`; `speed` and `stiffness` are the predicted ones.
     pub fn update(
         &mut self,
         machine: &WheelDynamics,
@@ -138,7 +139,7 @@ impl Disturbance {
         0.25 * wheelbase * self.late_angle * bending
     }
 
-    /// Takes the measured specific force: what of it the torques do not explain.
+    /// Updates the part of the measured specific force that the torques do not explain, and what is learnt from it.
     fn explain(
         &mut self,
         machine: &WheelDynamics,
@@ -154,7 +155,8 @@ impl Disturbance {
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let alone = u.spade_force_x == 0.0 && !step.brake;
         let drives = alone && pull * speed > 0.0;
-        // A bucket that pushes slowly is the ground's, or takes up a load, of which a stated mass tells.
+        // At low speed the bucket pushes into the ground or takes up a load. A stated mass shows the load, so the gain does not
+        // learn here.
         if drives && (speed.abs() > LEAST_SPEED || !step.states_mass) {
             self.gain.see(needed, pull, dt);
         }
@@ -250,7 +252,7 @@ mod tests {
     #[test]
     fn a_slow_push_of_a_machine_whose_mass_is_stated_is_the_grounds() {
         assert!(!pulled(0.3, true).gain.misfits());
-        // The load that it may be picking up nobody would tell.
+        // Without a stated mass, it may be a load that nobody reports.
         assert!(pulled(0.3, false).gain.misfits());
     }
 }

@@ -1,13 +1,13 @@
-//! Force on the body over the force that the torques tell, kappa, learnt while they drive.
+//! Gain kappa of the drive, force on the body over force of the reported torques, identified while the torques drive.
 
-/// It is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
+/// Memory of the gain: integral of the squared specific pull over the time of driving [m^2/s^3]. It starts with a tenth of it.
 const MEMORY: f64 = 10.0;
-/// What is beyond these is no tolerance of mass and torque.
+/// Range of kappa by tolerances of mass and torque.
 const RANGE: (f64, f64) = (0.75, 1.33);
-/// A force per mass beyond this is none of a drive [m/s^2].
+/// Largest force per mass of a drive [m/s^2].
 pub const LARGEST: f64 = 5.0;
 
-/// Memory of the driving.
+/// Least squares of kappa, with forgetting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
@@ -24,7 +24,8 @@ impl Default for Gain {
 }
 
 impl Gain {
-    /// Takes `dt` in which the torques alone pull, and the force that the motion shows, both per mass [m/s^2].
+    /// Adds `dt` in which the torques alone pull: `needed` is the force that the motion shows, `pull` that of the torques, both per
+    /// mass [m/s^2].
     pub fn see(&mut self, needed: f64, pull: f64, dt: f64) {
         if pull.abs() < LARGEST && needed.abs() < LARGEST {
             let forget = 1.0 - (pull * pull * dt / MEMORY).min(1.0);
@@ -33,12 +34,12 @@ impl Gain {
         }
     }
 
-    /// As far as tolerances explain it.
+    /// Kappa, limited to what tolerances explain.
     pub fn value(&self) -> f64 {
         self.found().clamp(RANGE.0, RANGE.1)
     }
 
-    /// The torques do not move the machine as its mass says.
+    /// Whether the torques move the machine otherwise than its mass explains, beyond tolerances.
     pub fn misfits(&self) -> bool {
         !(RANGE.0..=RANGE.1).contains(&self.found())
     }

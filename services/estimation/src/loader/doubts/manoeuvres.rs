@@ -1,35 +1,35 @@
-//! Independent manoeuvres must agree: each leg of driving or braking estimates the load share by itself.
+//! Birge ratio of independent manoeuvres: each leg of driving or braking gives its own estimate of the load share.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | y | - | innovation of the difference of the rim speeds, r (w_f - w_r) |
 //! | G | - | its derivative by the load share of the front axle, -v (s_f/lam' + s_r/(1 - lam')), s the slips |
-//! | delta, 1/I | - | what one leg says beyond the filter: sum G y/R over sum G^2/R, and its variance |
+//! | delta, 1/I | - | estimate of one leg, less that of the filter: sum G y/R over sum G^2/R, and its variance |
 //! | z^2 | - | delta^2 over the variance that the filter claims for it, 1/I + P |
 //! | B | `ratio` | Birge ratio: root of the mean z^2 of the last manoeuvres, at least 1 |
 //!
-//! Whatever the model leaves out (and nobody has listed all of it) makes manoeuvres disagree: accelerating with braking, uphill
-//! with downhill, slow with fast. Their scatter beyond what they claim widens the interval, and a leg that lies far off
-//! means that something has changed: the load, most often.
+//! Any error that the model leaves out makes manoeuvres disagree: accelerating with braking, uphill with downhill, slow with fast.
+//! Scatter beyond the claimed variance widens the interval. A leg with a large deviation indicates a change, most often of the
+//! load.
 //!
 //! R. T. Birge, "The calculation of errors by the method of least squares", Physical Review 40 (1932), 207.
 
 use crate::math::sqrt;
 
-/// A leg lasts no longer than this [s].
+/// Longest duration of a leg [s].
 const LONGEST: f64 = 2.0;
-/// A leg counts when it knows the share at least this well.
+/// Largest standard deviation of the share for which a leg counts.
 const KNOWN: f64 = 0.03;
-/// Number of manoeuvres that the mean looks back over.
+/// Number of manoeuvres in the running mean.
 const MEMORY: f64 = 20.0;
-/// A leg that lies this far off (z^2) means a change.
+/// Deviation z^2 of a leg that indicates a change.
 const CHANGED: f64 = 16.0;
 
-/// Memory of the manoeuvres.
+/// State of the present leg, and scatter of those before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manoeuvres {
-    /// Sums of G y/R and G^2/R of the present leg, its time [s], and whether the torques drive.
+    /// Sums of G y/R and G^2/R of the present leg; then its time [s], and whether the torques drive.
     sums: [f64; 2],
     time: f64,
     driving: bool,
@@ -37,7 +37,7 @@ pub struct Manoeuvres {
     scatter: f64,
 }
 
-/// What one row adds to its leg.
+/// Contribution of one row to its leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slip {
     /// Innovation of the difference of the rim speeds [m/s].
@@ -51,8 +51,8 @@ pub struct Slip {
 }
 
 impl Manoeuvres {
-    /// Takes a row that the filter used, `dt` after the one before; `claimed` is the variance of the share in the filter.
-    /// True where a leg ends far off.
+    /// Adds a row that the filter used, `dt` after the one before; `claimed` is the variance of the share in the filter. Returns
+    /// true where a leg ends with a large deviation.
     pub fn take(&mut self, slip: &Slip, claimed: f64, dt: f64) -> bool {
         let ends = slip.driving != self.driving || self.time > LONGEST;
         let changed = ends && self.end(claimed);
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn legs_that_agree_leave_the_interval_and_legs_that_do_not_widen_it() {
-        // A leg knows the share to sqrt(1e-6/(100 9e-4)) = 0.0033, the filter to 0.0032.
+        // Standard deviation of the share: sqrt(1e-6/(100 9e-4)) = 0.0033 by a leg, 0.0032 in the filter.
         assert_eq!(ratio(&[0.003, -0.003].repeat(10)), 1.0);
         let wide = ratio(&[0.015, -0.015].repeat(10));
         // 0.015/0.0046 = 3.3 standard deviations each.

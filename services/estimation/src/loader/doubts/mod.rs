@@ -1,19 +1,19 @@
-//! Evidence that no state carries: what makes an estimate doubtful, and what must be learnt again.
+//! Errors of the estimate that no state of the filter represents (*doubts*), and what must be learnt again.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `disturbance` | brakes, steering, forces that nobody measures |
-//! | `gain` | force on the body over the force that the torques tell |
-//! | `manoeuvres` | independent manoeuvres must agree |
-//! | `curves` | curves that nobody reports |
-//! | `constancy` | a ratio that changes while nothing was loaded |
-//! | `coupling` | a centre drive that is locked |
-//! | `directions` | whether the load sensitivity of the radii can be learnt |
-//! | `axles` | what the slips of each axle tell to first order |
-//! | `shared_slip` | errors that the slips of all wheels share |
-//! | `stated_ratio` | slips, and what was known of the ratio before them |
-//! | `relearning` | what was learnt wrongly: the start, the radii under another load |
-//! | `witnesses` | slips and weight: the sharper answers, the other checks it |
+//! | `disturbance` | brakes, steering, unmeasured forces |
+//! | `gain` | force on the body over the force of the reported torques |
+//! | `manoeuvres` | agreement of independent manoeuvres |
+//! | `curves` | unreported curves |
+//! | `constancy` | drift of the empty machine's ratio |
+//! | `coupling` | probability of a locked centre drive |
+//! | `directions` | observability of the load sensitivity of the radii |
+//! | `axles` | information of first order in the slips of each axle |
+//! | `shared_slip` | errors common to the slips of all wheels |
+//! | `stated_ratio` | combination of the slips with the stated ratio |
+//! | `relearning` | what was learnt wrongly: at the start, and of the radii under another load |
+//! | `witnesses` | slips and weight: the one with the smaller deviation is reported, the other checks it |
 
 pub(super) mod axles;
 pub(super) mod constancy;

@@ -1,39 +1,39 @@
-//! What the filter has learnt wrongly and must learn again.
+//! Loosening of parameters that the filter has learnt wrongly and must learn again.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
-//! | dK, dlam | - | way from the start, in standard deviations of the prior |
-//! | u | result of `loosening` | share of the prior's standard deviations that comes back |
+//! | dK, dlam | - | distance from the initial value, in standard deviations of the prior |
+//! | u | result of `loosening` | share of the prior's standard deviations that is added again |
 //! | D | `distance` | how far the share of the front axle has moved since the radii were learnt |
 //! | sigma_rho | `sensitivity_std` | standard deviation of the load sensitivity of the rolling radius |
 //!
-//! **The start.** Wheel speeds fix the slips to some 1e-5, while K and lam are known to a tenth. One acceleration leaves
-//! a curved valley of K, lam, h and rolling radii that explain it equally well. A Kalman filter, linearised or with sigma
-//! points, replaces the valley by its tangent at the initial guess, and is sure of a place beside it: an initial ratio
-//! that is 0.15 off ends in a height that is 0.4 m off with a standard deviation of 0.09 m. So once, when the ratio is known
-//! to a part of its prior, the parameters are loosened by
+//! **The start.** Wheel speeds determine the slips to some 1e-5, while K and lam are known to a tenth. One acceleration leaves a
+//! curved valley of K, lam, h and rolling radii that explain it equally well. A Kalman filter, linearised or with sigma points,
+//! replaces the valley by its tangent at the initial guess, and becomes certain of a point beside it. An initial ratio that is 0.15
+//! off ends in a height that is 0.4 m off, with a standard deviation of 0.09 m. So the parameters are loosened once, when the ratio
+//! is known to a part of its prior, by
 //! ```text
 //! u = gain (dK^2 + dlam^2),  at most 1
 //! ```
-//! of their prior standard deviations: the error of a tangent grows with the square of the way.
+//! of their prior standard deviations: the error of a tangent grows with the square of the distance.
 //!
-//! **A shifted load.** The rolling radii are learnt under one share of the load. When the share moves by D, with a
-//! payload, what is not known of the load sensitivity rho moves them by 2 sigma_rho D, in front down and behind up. Radii
-//! that are held fixed turn that into a height that is wrong by a third.
+//! **A shifted load.** The rolling radii are learnt under one share of the load. When a payload moves the share by D, the
+//! uncertainty of the load sensitivity rho moves the radii by 2 sigma_rho D, down in front and up behind. Radii that are held fixed
+//! turn that into a height that is wrong by a third.
 
 use crate::loader::settings::Prior;
 
-/// The ratio is known when its standard deviation is this share of the prior's.
+/// Share of the prior's standard deviation below which the ratio is known.
 const KNOWN: f64 = 0.3;
 
-/// A way of the share below this is noise, of the estimate or of the weighing.
+/// Change of the share below which it is noise, of the estimate or of the weighing.
 const LEAST_SHIFT: f64 = 0.02;
 
-/// What is remembered.
+/// State of the relearning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Relearning {
-    /// K and lam where the filter started.
+    /// Initial K and lam.
     start: [f64; 2],
     started_again: bool,
     /// Share of the front axle under which the radii were learnt.
@@ -42,7 +42,7 @@ pub struct Relearning {
 }
 
 impl Relearning {
-    /// A filter that starts at these values of K and lam.
+    /// State at the start, with these values of K and lam.
     pub fn new(start: [f64; 2]) -> Self {
         Self {
             start,
@@ -52,7 +52,7 @@ impl Relearning {
         }
     }
 
-    /// Share of the prior's standard deviations by which the parameters are to be loosened with this row; 0 but once.
+    /// Share of the prior's standard deviations by which this row loosens the parameters; nonzero at most once.
     pub fn loosening(
         &mut self,
         gain: f64,
@@ -69,15 +69,15 @@ impl Relearning {
         (gain * (stiffness * stiffness + ratio * ratio)).min(1.0)
     }
 
-    /// The ratio has been known once.
+    /// Whether the ratio has been known once.
     pub fn settled(&self) -> bool {
         self.started_again
     }
 
-    /// By how much the relative radii are to be loosened under this share of the front axle.
+    /// Standard deviation by which to loosen the relative radii under this share of the front axle.
     ///
-    /// The variance belongs to the distance, not to the way: a slow shift counts like a fast one. A load that is set down
-    /// loosens as much as one that is taken up, because the radii have been learnt again in between.
+    /// The variance belongs to the distance, not to the path: a slow shift counts like a fast one. A load that is set down loosens
+    /// as much as one that is taken up, because the radii have been learnt again in between.
     pub fn radius_std(&mut self, sensitivity_std: f64, share: f64) -> f64 {
         if !self.started_again {
             return 0.0;
@@ -99,7 +99,7 @@ mod tests {
     const GAIN: f64 = 0.1;
 
     #[test]
-    fn parameters_are_loosened_once_and_by_the_square_of_the_way() {
+    fn parameters_are_loosened_once_and_by_the_square_of_the_distance() {
         let prior = Prior::default();
         let loosened = |deviations: f64| {
             let mut relearning = Relearning::new([prior.slip_stiffness, prior.cg_ratio]);

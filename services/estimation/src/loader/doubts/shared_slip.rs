@@ -1,17 +1,17 @@
-//! What an error that the slips of all wheels share does to the slip stiffness.
+//! Effect of an error common to the slips of all wheels on the slip stiffness.
 //!
-//! Wheels whose torque drives the machine with f = F/m slip by s = f/(K g). A torque that comes tau before the wheel speeds and the speed
-//! shifts their difference by up to tau f, where the slip is v s: both go with f, so
+//! Wheels whose torque drives the machine with f = F/m slip by s = f/(K g). A torque signal that is tau earlier than wheel speed
+//! and speed shifts their difference by up to tau f, where the slip makes v s. Both are proportional to f, so
 //! ```text
 //! 1/K' = 1/K + tau g/v,   1/v the mean over the motion, weighted by v^2 f^2 as least squares does
 //! ```
-//! At 2 m/s a millisecond is a tenth of K. No sensor tells its time more closely, so no data tell K more closely. What else slips share
-//! (a leaning accelerometer, wheels that spin, a speed that is not the body's) may shift K by any amount, and shows in how far K lies from
-//! what it was expected to be:
+//! At 2 m/s a millisecond is a tenth of K. The timing of signals is known no better, and so K is known no better. Other errors
+//! common to the slips may shift K by any amount: a leaning accelerometer, wheels that spin, a speed that is not the body's. The distance of K from its prior indicates them:
 //! ```text
 //! sigma_rep^2 = sigma^2 + (l K^2 g tau/v)^2 + p (K - K_0)^2,   p/(1 - p) = P/(1 - P) (1/R)/N(K - K_0; 0, sigma_0^2 + sigma^2 + ..)
 //! ```
-//! by Bayes' rule, where a shared error puts K anywhere in its range R. l = 1 - sigma^2/sigma_0^2 is the share that the motion has told.
+//! by Bayes' rule, where a common error, of prior probability P, puts K anywhere in its range R. l = 1 - sigma^2/sigma_0^2 is the
+//! share of the information that the motion has contributed.
 
 use core::f64::consts::TAU;
 
@@ -19,15 +19,15 @@ use crate::GRAVITY;
 use crate::Quantity;
 use crate::math::{exp, norm, sqrt};
 
-/// How far apart in time signals come that say the same [s]: a frame of a CAN bus and a task of a controller.
+/// Time between signals of one instant [s]: a frame of a CAN bus and a task of a controller.
 const APART: f64 = 1e-3;
-/// So many machines have a larger error in both slips. Chosen on 52 loaders of a plant of others: the interval covers K for .94 of their
-/// time at least, for .93 on 60 that were drawn afterwards, and for .51 to .62 without either term.
+/// Share of machines with a larger error in both slips, P. Chosen on 52 loaders of an independent simulator. The interval covers K
+/// for at least .94 of their time, for .93 on 60 that were drawn afterwards, and for .51 to .62 without either term.
 const SHARED: f64 = 0.3;
-/// Slower than this wheels say nothing [m/s].
+/// Speed below which wheel speeds carry no information [m/s].
 const SLOWEST: f64 = 0.5;
 
-/// Memory of the motion: sums of v f^2 and v^2 f^2 over time.
+/// Sums of v f^2 and v^2 f^2 over time, for the mean of 1/v.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SharedSlip {
@@ -36,13 +36,13 @@ pub struct SharedSlip {
 }
 
 impl SharedSlip {
-    /// Takes `dt` of motion at a speed [m/s], driven by this force over the mass [m/s^2].
+    /// Adds `dt` of motion at `speed` [m/s], driven by this force over the mass [m/s^2].
     pub fn see(&mut self, speed: f64, force: f64, dt: f64) {
         let speed = speed.abs();
-        let tells = speed * force * force * dt;
-        if speed > SLOWEST && tells.is_finite() {
-            self.first += tells;
-            self.second += speed * tells;
+        let weight = speed * force * force * dt;
+        if speed > SLOWEST && weight.is_finite() {
+            self.first += weight;
+            self.second += speed * weight;
         }
     }
 
@@ -62,8 +62,8 @@ impl SharedSlip {
         2.0 * GRAVITY * stiffness * self.per_speed() * p * p / (1.0 - 2.0 * p)
     }
 
-    /// Standard deviation of the slip stiffness `k` with what its slips share; `prior`: what it was expected to be; `range`: what it may be;
-    /// `lag`: between the wheel speeds of both axles, half of which each may be late [s].
+    /// Standard deviation of the slip stiffness `k`, common errors of the slips included. `range`: width of its bounds; `lag`: time
+    /// between the wheel speeds of both axles, of which each may be late by half [s].
     pub fn std(&self, k: Quantity, prior: Quantity, range: f64, lag: f64) -> f64 {
         let learnt = (1.0 - k.std * k.std / (prior.std * prior.std)).max(0.0);
         let apart = sqrt(APART * APART + 0.25 * lag * lag);

@@ -1,8 +1,8 @@
-//! The ratio by the slips and what was known of it before them, by Bayes' rule.
+//! Combination of the ratio from the slips with the ratio stated beforehand, by Bayes' rule.
 //!
-//! Slips tell the *apparent* ratio. An axle whose tyres or torque differ by a share x looks like a load, lam (1 - lam) x, and nothing
-//! in the motion tells both apart. The filter knows no such error, so within a minute it knows its state far better than the ratio is known,
-//! and its prior counts for nothing. The ratio of the machine does not wander, so here the prior counts as what it is:
+//! The slips determine the *apparent* ratio. An axle whose tyres or torque differ by a share x looks like a load, lam (1 - lam) x,
+//! and no motion distinguishes them. The filter does not model this error. Within a minute its variance is far below that of
+//! the real error, and its prior has no weight. The ratio of the machine is constant, so here the prior enters with its own variance:
 //! ```text
 //! R = sigma_rep^2 - P,   r = P/sigma_0^2,   S = P + R (1 - r)
 //! lam = lam_0 + w (lam_P - lam_0),   sigma^2 = w^2 (1 - r) S + (1 - w (1 - r))^2 sigma_0^2
@@ -10,36 +10,36 @@
 //! ```
 //! | symbol | code | meaning |
 //! |---|---|---|
-//! | lam_P, P | `slips.value`, `filter_std` | state of the filter and its variance, in which the prior counts already: r is its share |
+//! | lam_P, P | `slips.value`, `filter_std` | state of the filter and its variance, which include the prior: r is its share |
 //! | sigma_rep | `slips.std` | deviation of the apparent ratio from the ratio as reported, with floors and doubts |
-//! | lam_0, sigma_0 | `stated` | what was known of the empty machine before |
+//! | lam_0, sigma_0 | `stated` | prior of the empty machine |
 //! | S/(1 - r) | - | variance of the slips alone, independent of the prior |
 //!
-//! With r = 1 the slips have told nothing yet; with r = 0 they are a measurement with variance P + R that is independent of the prior.
+//! With r = 1 the slips carry no information yet. With r = 0 they are a measurement with variance P + R, independent of the prior.
 //!
-//! A ratio that would be trusted by itself has been weighed, and counts by Bayes' rule. A wider one is a guess of a data sheet: on thirty
-//! machines whose axles are alike it would double their error, from .9 to 1.7 %. So it counts by the information that it has beyond the
-//! slips' alone, 1/sigma_0^2 - (1 - r)/S, and not at all where it has none: what was known cannot pull the ratio away by half when the
-//! slips become a little less sure than the guess.
+//! A stated ratio that would be trusted by itself has been weighed, and counts by Bayes' rule. A wider one is a guess of a data
+//! sheet. On thirty machines with equal axles, Bayes' rule with a guess would double their error, from .9 to 1.7 %. So a guess
+//! counts by the information that it has beyond that of the slips alone, 1/sigma_0^2 - (1 - r)/S. It does not count where it has
+//! none. Otherwise it would pull the ratio away by half as soon as the slips became a little less certain than the guess.
 
 use crate::Quantity;
 use crate::math::sqrt;
 
-/// Both together; `limit`: the deviation at which a ratio is trusted.
+/// Returns the combined ratio; `limit`: the deviation at which a ratio is trusted.
 pub fn together(slips: Quantity, filter_std: f64, stated: Quantity, limit: f64) -> Quantity {
     let is_guess = stated.std > limit;
     if is_guess && stated.std > slips.std {
         return slips;
     }
-    let (told, before) = (filter_std * filter_std, stated.std * stated.std);
-    let left = (1.0 - told / before).max(0.0);
-    let rest = (slips.std * slips.std - told).max(0.0) * left;
-    let counted = if is_guess { told } else { before };
-    let way = (before / (counted + rest)).min(1.0);
-    let by_slips = way * way * left * (told + rest);
-    let by_stated = (1.0 - way * left) * stated.std;
+    let (filtered, before) = (filter_std * filter_std, stated.std * stated.std);
+    let left = (1.0 - filtered / before).max(0.0);
+    let rest = (slips.std * slips.std - filtered).max(0.0) * left;
+    let counted = if is_guess { filtered } else { before };
+    let weight = (before / (counted + rest)).min(1.0);
+    let by_slips = weight * weight * left * (filtered + rest);
+    let by_stated = (1.0 - weight * left) * stated.std;
     Quantity {
-        value: stated.value + (slips.value - stated.value) * way,
+        value: stated.value + (slips.value - stated.value) * weight,
         std: sqrt(by_slips + by_stated * by_stated),
     }
 }
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn slips_are_a_measurement_beside_what_was_weighed() {
-        // Known to 1e-4 by the filter, to .02 by what it leaves out: half and half.
+        // The deviation is 1e-4 in the filter and .02 by what it leaves out: equal weights.
         let both = together(slips(0.02), 1e-4, STATED, WEIGHED);
         assert!((both.value - 0.475).abs() < 1e-5, "{both:?}");
         assert!((both.std - 0.02 / 2.0_f64.sqrt()).abs() < 1e-5, "{both:?}");
@@ -93,7 +93,7 @@ mod tests {
             };
             assert_eq!(together(slips, STATED.std, STATED, limit), STATED);
         }
-        // It has seen as much as it knew: half of what it left out is already the prior's.
+        // Data and prior carry equal information: half of the error that the filter leaves out is already the prior's.
         let filter_std = 0.02 / 2.0_f64.sqrt();
         let slips = Quantity {
             value: 0.475,

@@ -1,12 +1,13 @@
-//! Two witnesses of one centre of gravity: the slips of the wheels, and the weight that the lift arm carries.
+//! Comparison of two estimates (*witnesses*) of one centre of gravity: by the slips of the wheels, and by the weight that the lift
+//! arm carries.
 //!
-//! They share no assumption but the empty machine and the payload. The sharper one answers; the other checks it, whenever it is
-//! sound by itself:
+//! They share only the empty machine and the payload. The one with the smaller deviation is reported. The other checks it, where
+//! the slips are trusted by themselves:
 //! ```text
 //! z^2 = (lam_s - lam_w)^2/(sigma_s^2 + sigma_w^2),   averaged over some seconds
 //! ```
-//! Where they differ by more than both claim, or a bucket would hold less than nothing, one of their assumptions is wrong and
-//! nobody says which: the interval spans both answers, and neither is believed.
+//! Where they differ by more than both claim, or the content of the bucket would be negative, an assumption of one of them is
+//! wrong. The data do not show which: the interval spans both, and neither is trusted.
 
 use crate::Quantity;
 use crate::loader::estimate::{Estimate, Status};
@@ -17,15 +18,15 @@ use crate::math::sqrt;
 
 /// Averaging time of the disagreement [s].
 const MEMORY: f64 = 5.0;
-/// Mean z^2 beyond which the witnesses differ: 1 in 100 by chance.
+/// Mean z^2 beyond which the witnesses disagree: 1 in 100 by chance.
 const DIFFER: f64 = 6.6;
-/// Standard deviation of a payload that may be believed, as a share of the machine's mass.
+/// Largest standard deviation of a trusted payload, as a share of the machine's mass.
 const KNOWN_PAYLOAD: f64 = 0.03;
-/// Of two places of the tilt cylinder one is true, and the mean of both is off by as much as either is away, for sure: at most this share of
-/// that deviation, a twentieth of the rated payload.
+/// Largest part of that deviation from the unknown place of the tilt cylinder, a twentieth of the rated payload. Of two places one
+/// is true, and the mean of both is certainly off by its distance from either.
 const UNDECIDED: f64 = 0.5;
 
-/// Memory of the comparison.
+/// State of the comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Witnesses {
@@ -34,7 +35,7 @@ pub struct Witnesses {
 }
 
 impl Witnesses {
-    /// Puts both together; `answer` is that of the slips, `dt` after the one before.
+    /// Merges `weighed` into `answer`, which is that of the slips, `dt` after the one before.
     pub fn judge(
         &mut self,
         settings: &Settings,
@@ -63,30 +64,30 @@ impl Witnesses {
         };
         answer.cg_distance = (1.0 - answer.cg_ratio.value) * settings.machine.wheelbase;
         answer.payload = Some(weighed.payload);
-        // Pressures see a load come and go that the wheels only suspect.
+        // Pressures show a load change directly, wheels only indirectly.
         answer.changing = weighed.carried.open;
         let limits = &settings.estimator;
         let (ratio, height) = (answer.cg_ratio, answer.cg_height);
         answer.converged_ratio = ratio.std <= limits.converged_ratio * ratio.value.abs();
         answer.converged_height = height.std <= limits.converged_height;
-        let believed = !weighed.carried.open && !differ && answer.status != Status::Diverged;
+        let trusted = !weighed.carried.open && !differ && answer.status != Status::Diverged;
         if by_weight || differ {
             (answer.excited_ratio, answer.identifiable_ratio) = (true, true);
-            answer.trusted_ratio = believed && answer.converged_ratio;
+            answer.trusted_ratio = trusted && answer.converged_ratio;
         }
         if height_by_weight || differ {
             (answer.excited_height, answer.identifiable_height) = (true, true);
-            answer.trusted_height = believed && answer.converged_height;
+            answer.trusted_height = trusted && answer.converged_height;
         }
         if by_weight && height_by_weight {
-            // What the slips lack is no matter of the weight.
+            // The weight does not depend on what the slips lack.
             (answer.fresh, answer.consistent, answer.reason) = (true, true, Reason::None);
         }
         let known = KNOWN_PAYLOAD * weighed.carried.mass;
-        // The interval holds the gain at a load. No work tells it, so trust in what the work tells does not ask for it.
+        // The interval includes the error of the gain at a load. Work does not identify it, so the limit of trust leaves it out.
         let (std, gain) = (weighed.payload.std, weighed.gain_left);
-        let is_told = std * std - gain * gain <= known * known;
-        answer.trusted_payload = believed && is_told && weighed.undecided <= UNDECIDED * known;
+        let is_precise = std * std - gain * gain <= known * known;
+        answer.trusted_payload = trusted && is_precise && weighed.undecided <= UNDECIDED * known;
         if differ {
             let reason = if weighed.wrong {
                 Reason::LiftCylinder
@@ -112,9 +113,9 @@ impl Witnesses {
     }
 }
 
-/// The sharper of both, and whether it is the weight's; slips that are not believed by themselves are never the sharper ones.
-fn sharper(slips: Quantity, weight: Quantity, believed: bool) -> (Quantity, bool) {
-    if believed && slips.std < weight.std {
+/// Returns the estimate with the smaller deviation, and whether it is that of the weight. Slips count only where they are trusted.
+fn sharper(slips: Quantity, weight: Quantity, trusted: bool) -> (Quantity, bool) {
+    if trusted && slips.std < weight.std {
         (slips, false)
     } else {
         (weight, true)
