@@ -6,7 +6,8 @@
 //! 1/K' = 1/K + tau g/v,   1/v the mean over the motion, weighted by v^2 f^2 as least squares does
 //! ```
 //! At 2 m/s a millisecond is a tenth of K. The timing of signals is known no better, and so K is known no better. Other errors
-//! common to the slips may shift K by any amount: a leaning accelerometer, wheels that spin, a speed that is not the body's. The distance of K from its prior indicates them:
+//! common to the slips may shift K by any amount: a leaning accelerometer, wheels that spin, a speed that is not the body's. The
+//! distance of K from its prior indicates them:
 //! ```text
 //! sigma_rep^2 = sigma^2 + (l K^2 g tau/v)^2 + p (K - K_0)^2,   p/(1 - p) = P/(1 - P) (1/R)/N(K - K_0; 0, sigma_0^2 + sigma^2 + ..)
 //! ```

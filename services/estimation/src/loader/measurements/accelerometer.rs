@@ -1,4 +1,4 @@
-//! Noise of the accelerometer where it is mounted: pitching and heaving move it, and no data sheet says so.
+//! Noise of the accelerometer at its mounting place: pitching and heaving move it, which no data sheet states.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
@@ -6,39 +6,39 @@
 //! | t1, t2 | `SHORT`, `LONG` | time constants of 5 Hz and 1 Hz | s |
 //! | sigma | `std` | white noise with the same density between 1 and 5 Hz | m/s^2 |
 //!
-//! A body pitches at 2 to 3 Hz. An accelerometer half a metre off its centre of gravity shows a tenth of m/s^2 of that, in step with the
-//! axle loads that make the slips waver: a filter that takes it for little white noise reads slips from it, ten percent off. The
-//! torques tell the acceleration in that band better, so what lies between them there is the sensor's:
+//! A body pitches at 2 to 3 Hz. An accelerometer half a metre off its centre of gravity shows a tenth of m/s^2 of that, in phase
+//! with the axle loads that make the slips fluctuate. A filter that treats it as small white noise derives slips from it that are
+//! ten percent off. In that band the torques determine the acceleration better, so the residual there is noise of the sensor:
 //! ```text
 //! e_b = e smoothed over t1, less e smoothed over t2
 //! E e_b^2 = sigma^2 dt [1/(2 t1) + 1/(2 t2) - 2/(t1 + t2)]
 //! ```
-//! What is described is the least. At the start much is doubted, for two seconds of driving.
+//! The stated noise is the lower bound. The initial noise is large, and counts like two seconds of driving.
 
 use crate::math::sqrt;
 
 /// Time constants of 5 Hz and of 1 Hz [s].
 const SHORT: f64 = 0.032;
 const LONG: f64 = 0.16;
-/// int h^2 of the band's kernel [1/s].
+/// Integral of h^2 over the kernel h of the band [1/s].
 const BAND: f64 = 0.5 / SHORT + 0.5 / LONG - 2.0 / (SHORT + LONG);
 /// Averaging time [s].
 const MEMORY: f64 = 20.0;
-/// Noise that is expected before the first row [m/s^2], and for how long it counts [s].
+/// Initial noise [m/s^2], and the time that it counts for [s].
 const EXPECTED: f64 = 0.15;
 const EXPECTED_TIME: f64 = 2.0;
-/// A residual beyond this is a force, no noise [m/s^2].
+/// Limit of a residual, beyond which a force acts [m/s^2].
 const MOST: f64 = 1.0;
-/// Found noise up to this multiple of the described one is the described one: chance, and the noise of the torques.
+/// Multiple of the stated noise up to which the stated one holds: chance, and noise of the torques, explain the rest.
 const SAME: f64 = 2.0;
 
-/// Memory of the residuals.
+/// Band-pass of the residuals and its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Shaking {
     short: f64,
     long: f64,
-    /// Mean sigma^2 and the time that it stands for.
+    /// Mean sigma^2, and the time that it counts for.
     square: f64,
     time: f64,
 }
@@ -55,7 +55,7 @@ impl Default for Shaking {
 }
 
 impl Shaking {
-    /// Takes the unexplained specific force of a row [m/s^2]; `counts` where torques and nothing else move the machine.
+    /// Updates with the unexplained specific force of a row [m/s^2]; `counts` where torques and nothing else move the machine.
     pub fn see(&mut self, residual: f64, counts: bool, dt: f64) {
         let residual = residual.clamp(-MOST, MOST);
         self.short += (dt / SHORT).min(1.0) * (residual - self.short);
@@ -68,7 +68,7 @@ impl Shaking {
         }
     }
 
-    /// Standard deviation of the specific force where `described` is what the sensor is said to have [m/s^2].
+    /// Standard deviation of the specific force, with `described` the stated one [m/s^2].
     pub fn std(&self, described: f64) -> f64 {
         let found = sqrt(self.square.max(0.0));
         if found > SAME * described {
@@ -83,7 +83,7 @@ impl Shaking {
 mod tests {
     use super::*;
 
-    /// What is found after a minute of residuals at 100 Hz.
+    /// Standard deviation after a minute of residuals at 100 Hz.
     fn found(residual: impl Fn(u32) -> f64) -> f64 {
         let mut shaking = Shaking::default();
         for k in 0..6000 {
@@ -105,7 +105,7 @@ mod tests {
             }
         });
         assert_eq!(white, 0.05);
-        // A slope that is off does not pitch.
+        // A constant error of the slope is no pitching.
         assert_eq!(found(|_| 0.3), 0.05);
     }
 }

@@ -1,26 +1,26 @@
-//! When the parameters are held: low speed, digging.
+//! Conditions in which the parameters are held: low speed and digging.
 
 use crate::loader::settings::{Estimator, Settings};
 
-/// What holds during one step.
+/// Conditions of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Conditions {
-    /// Slow or digging: no parameter noise, and the wheels tell little.
+    /// Slow or digging: no process noise of the parameters, and the wheels carry little information.
     pub frozen: bool,
-    /// Digging just ended: the bucket may be full.
+    /// Digging ended with this row: the bucket may be full.
     pub reopen: bool,
 }
 
-/// Memory of digging.
+/// Hold time of digging.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Digging {
-    /// For how long it still counts as digging [s].
+    /// Time for which the machine still counts as digging [s].
     hold: f64,
 }
 
 impl Digging {
-    /// Conditions of a step with this predicted speed and total spade force.
+    /// Returns the conditions of a step with this predicted speed and total spade force.
     pub fn conditions(
         &mut self,
         settings: &Settings,
@@ -50,7 +50,7 @@ impl Digging {
             return (false, false);
         }
         self.hold -= dt;
-        // Half a row of slack: times are rounded.
+        // Tolerance of half a row, because times are rounded.
         let over = self.hold < 0.5 * dt;
         if over {
             self.hold = 0.0;

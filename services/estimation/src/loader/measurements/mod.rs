@@ -1,15 +1,15 @@
-//! What the measurements show beside the model, and how noisy they are.
+//! Properties of the measurements that the model does not contain, and their noise.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `conditions` | when the parameters are held |
-//! | `wheel_noise` | how noisy the wheels are |
-//! | `wheel_lag` | how much later the rear wheel speed comes than the front one |
-//! | `slip_fluctuation` | slips that fluctuate: rough roads |
-//! | `windup` | tyres wind up under a growing torque |
-//! | `quantisation` | wheel speeds in steps |
-//! | `accelerometer` | its noise where it is mounted |
-//! | `slope` | how far the slope sensor is to be believed |
+//! | `conditions` | conditions in which the parameters are held |
+//! | `wheel_noise` | noise of the wheel speeds |
+//! | `wheel_lag` | lag of the rear wheel speed behind the front one |
+//! | `slip_fluctuation` | fluctuation of the slips: rough roads |
+//! | `windup` | wind-up of the tyres under a growing torque |
+//! | `quantisation` | quantised wheel speeds |
+//! | `accelerometer` | noise of the accelerometer where it is mounted |
+//! | `slope` | errors of the slope sensor beside its bias |
 
 pub(super) mod accelerometer;
 pub(super) mod conditions;

@@ -1,15 +1,16 @@
-//! Wheel speeds in steps. A signal with noise soon changes by next to nothing, and nothing is added. A filter that is given the noise of a resolver and gets steps of 0.05 rad/s is sure of a ratio that is 6 % off.
+//! Quantisation of the wheel speeds. A noisy signal soon changes by next to nothing, and then nothing is added. With the noise of a
+//! resolver stated, but steps of 0.05 rad/s, a filter without this term is certain of a ratio that is 6 % off.
 
 use crate::math::sqrt;
 use crate::quantum::Quantum;
 
-/// What has been seen of the front and the rear wheel speed.
+/// Least changes of the front and the rear wheel speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quantisation([Quantum; 2]);
 
 impl Quantisation {
-    /// Takes both wheel speeds of a row [rad/s]; what is not finite is missing.
+    /// Updates with both wheel speeds of a row [rad/s]; a value that is not finite is missing.
     pub fn see(&mut self, wheel_speeds: [f64; 2]) {
         for (speed, quantum) in wheel_speeds.into_iter().zip(&mut self.0) {
             if speed.is_finite() {
@@ -18,7 +19,7 @@ impl Quantisation {
         }
     }
 
-    /// Standard deviations of the sensors with the error of their quanta added [rad/s].
+    /// Standard deviations of the sensors, quantisation included [rad/s].
     pub fn widen(&self, std: f64) -> [f64; 2] {
         let widened = |q: f64| sqrt(std * std + q * q / 12.0);
         self.0.map(|quantum| quantum.least().map_or(std, widened))
@@ -43,7 +44,7 @@ mod tests {
         let [front, rear] = quantisation.widen(0.002);
         assert!((front - 0.05 / sqrt(12.0)).abs() < 2e-4, "{front}");
         assert!(rear < 0.005, "{rear}");
-        // A wheel that has not moved says nothing.
+        // A wheel that has not moved has no quantum.
         assert_eq!(Quantisation::default().widen(0.002), [0.002; 2]);
     }
 }

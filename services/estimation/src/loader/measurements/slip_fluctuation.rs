@@ -1,36 +1,36 @@
-//! How much the slips of the wheels waver, found in the innovations of their speeds.
+//! Fluctuation of the wheel slips, identified from the innovations of the wheel speeds.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
-//! | w | `by_slip` | wheel speed that the slip of the torque makes up [rad/s] |
-//! | V | `variance` | variance of the innovation without wavering: sensor, radius, relaxation, prediction |
+//! | w | `by_slip` | part of the wheel speed by the slip of the torque [rad/s] |
+//! | V | `variance` | variance of the innovation without fluctuation: sensor, radius, relaxation, prediction |
 //! | c^2 | `square` | variance of the slip, as a share of its square |
 //! | nu | `innovation` | innovation of the wheel speed [rad/s] |
 //!
-//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt. E nu^2 = V + c^2 w^2, so c^2 is the
-//! weighted mean of (nu^2 - V)/w^2 over the last rows, never below what the settings say, which count as much as a second of
-//! rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of least squares where c is what the settings say.
+//! On a rough road axle loads, and with them the slips, fluctuate far more than on asphalt. E nu^2 = V + c^2 w^2, so c^2 is the
+//! weighted mean of (nu^2 - V)/w^2 over the last rows. Its lower bound is the stated c_b^2, which counts like a second of rows. The
+//! weights, w^4/(V + c_b^2 w^2)^2, are those of least squares for c = c_b.
 //!
-//! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
-//! (`wheel_noise`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody
-//! says on which axle: the interval of what the slips tell carries it. Before the first rows nobody knows the road, so a rough
-//! one counts as some of them (`ROUGH_ROWS`).
+//! Waves of a few hertz last for many rows, which then share one error: the excess of c^2 over c_b^2 counts as often
+//! (`wheel_noise`, `TOGETHER`). Under loads that fluctuate by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., on an
+//! unknown axle. The interval of what the slips determine includes this. Before the first rows the road is unknown, so a rough one
+//! counts like some of them (`ROUGH_ROWS`).
 
-/// How far back rows count [s].
+/// Averaging time [s].
 const MEMORY: f64 = 20.0;
-/// The settings' share counts as so many rows that only waver.
+/// Weight of the stated c_b^2, in rows whose only noise is fluctuation.
 const PRIOR_ROWS: f64 = 100.0;
-/// At the start nobody knows the road: c of a rough one counts as so many rows.
+/// Initial c, that of a rough road, and its weight in rows: the road is unknown at the start.
 const ROUGH: f64 = 0.12;
 const ROUGH_ROWS: f64 = 16.0;
-/// An innovation of more standard deviations than this counts as this many: an outlier is no road.
+/// Standard deviations to which an innovation is limited: an outlier is no road.
 const MOST: f64 = 5.0;
 
-/// The wavering of the slips.
+/// Weighted mean of c^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlipFluctuation {
-    /// Weighted sum of c^2, and sum of the weights, in c_b^4.
+    /// Weighted sum of c^2, and sum of the weights, both times c_b^4.
     sums: [f64; 2],
 }
 
@@ -42,7 +42,7 @@ impl Default for SlipFluctuation {
     }
 }
 
-/// What a row says of one wheel.
+/// Values w and V of one wheel in a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wavering {
@@ -51,13 +51,13 @@ pub struct Wavering {
 }
 
 impl SlipFluctuation {
-    /// c^2, at least `usual` (c_b^2).
+    /// Returns c^2, at least `usual` (c_b^2).
     pub fn square(&self, usual: f64) -> f64 {
         let [sum, weight] = self.sums;
         ((sum + PRIOR_ROWS * usual) / (weight + PRIOR_ROWS)).max(usual)
     }
 
-    /// Takes a row's innovation of a wheel [rad/s].
+    /// Updates with a row's innovation of a wheel [rad/s]; `usual` is c_b.
     pub fn see(&mut self, innovation: f64, row: &Wavering, usual: f64) {
         let slip = row.by_slip * row.by_slip;
         let usually = row.variance + usual * usual * slip;
@@ -71,10 +71,10 @@ impl SlipFluctuation {
         }
     }
 
-    /// Forgets over `dt` [s].
+    /// Fades the sums over `dt` [s].
     pub fn forget(&mut self, dt: f64) {
-        let kept = 1.0 - (dt / MEMORY).min(1.0);
-        self.sums = self.sums.map(|sum| kept * sum);
+        let remaining = 1.0 - (dt / MEMORY).min(1.0);
+        self.sums = self.sums.map(|sum| remaining * sum);
     }
 }
 
@@ -108,7 +108,7 @@ mod tests {
             by_slip: 0.1,
             variance: 4e-6,
         };
-        // Four seconds of slips that waver as usual.
+        // Four seconds of slips that fluctuate as usual.
         for k in 0..400 {
             let size = (row.variance + usual * 0.01).sqrt();
             fluctuation.see(if k % 2 == 0 { size } else { -size }, &row, 0.05);
@@ -122,7 +122,7 @@ mod tests {
         // 740 of 840 rows are the new ones.
         assert!((found(0.3, 0.05) / 0.3 - 1.0).abs() < 0.1);
         assert!((found(0.02, 0.05) - 0.05).abs() < 1e-12);
-        // Rows without slips tell nothing: what is left is a row of the start's twenty, after three times the memory.
+        // Rows without slips carry no information. After three times the memory, less than one of the initial sixteen rows is left.
         let left = found(0.3, 0.0);
         assert!((0.05..0.0512).contains(&left), "{left}");
     }

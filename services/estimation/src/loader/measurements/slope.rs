@@ -1,12 +1,11 @@
-//! How far the slope sensor is to be believed: its errors beside a constant bias, seen in the motion.
+//! Size of the slope sensor's errors beside a constant bias, identified from the motion.
 //!
 //! ```text
 //! e = (a_x - g sin(slope) - dv/dt)/g
 //! ```
-//! with dv/dt from the wheels, all smoothed over half a second. An inclinometer that follows the acceleration, lags or shakes
-//! shows here; its bias, which the filter learns, does not. The size of e becomes the random walk of the bias: a sensor
-//! without such errors keeps a constant bias, and the slope then tells the acceleration. At the start nothing is known
-//! and much is doubted.
+//! with dv/dt from the wheels, all smoothed over half a second. An inclinometer that follows the acceleration, lags or shakes shows
+//! in e; its bias, which the filter estimates, does not. The size of e becomes the random walk of the bias. A sensor without such
+//! errors keeps a constant bias, and its slope then determines the acceleration. The initial size is large.
 
 use crate::math::{sin_cos, sqrt};
 
@@ -16,14 +15,14 @@ use crate::GRAVITY;
 const SMOOTH: f64 = 0.5;
 /// Averaging time of the mean and the variance of the error [s].
 const MEMORY: f64 = 10.0;
-/// Error that is doubted before the first second [rad].
+/// Initial standard deviation of the error [rad].
 const DOUBT: f64 = 0.01;
-/// Error that the slip of the wheels alone may show [rad].
+/// Error by the slip of the wheels alone [rad].
 const SLIP: f64 = 0.002;
-/// The error goes on for about this long: its random walk reaches its size in this time [s].
+/// Correlation time of the error [s]: the random walk reaches the size of the error in it.
 const CORRELATION: f64 = 1.0;
 
-/// Memory of the slope's errors.
+/// Running mean and variance of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlopeError {
@@ -48,7 +47,7 @@ impl Default for SlopeError {
 }
 
 impl SlopeError {
-    /// Takes the mean rim speed of the wheels [m/s], the specific force and the slope of a row.
+    /// Updates with the mean rim speed of the wheels [m/s], the specific force and the slope of a row.
     pub fn see(&mut self, rim_speed: f64, acceleration: f64, slope: f64, dt: f64) {
         let free = acceleration - GRAVITY * sin_cos(slope).0;
         if !self.started {
@@ -65,7 +64,7 @@ impl SlopeError {
         self.variance += weight * (away * away - self.variance);
     }
 
-    /// Size of the errors beside the bias [rad].
+    /// Standard deviation of the errors beside the bias [rad].
     pub fn size(&self) -> f64 {
         sqrt((self.variance - SLIP * SLIP).max(0.0))
     }

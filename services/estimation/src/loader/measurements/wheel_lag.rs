@@ -1,7 +1,7 @@
-//! How much later the wheel speed of the rear axle comes than that of the front one.
+//! Lag tau of the rear axle's wheel speed behind that of the front axle.
 //!
-//! Two controllers send them, each in frames of its own. While the machine accelerates by a, a lag of tau looks like slip: at 2 m/s a
-//! millisecond is 4 % of the ratio. Slip goes with the speed, and a lag does not, so a regression tells them apart:
+//! Two controllers send the wheel speeds, each in frames of its own. While the machine accelerates by a, a lag tau looks like slip:
+//! at 2 m/s a millisecond is 4 % of the ratio. Slip grows with the speed, and a lag does not, so a regression distinguishes them:
 //! ```text
 //! y = r (w_f - w_r) = x' theta + e,   x = [v, |v| f_f, |v| f_r, v a, a],   means over a block of 0.2 s
 //! ```
@@ -9,18 +9,19 @@
 //! |---|---|---|---|
 //! | f_i | - | force of an axle over the weight of the machine, T_i/(r m g) | 1 |
 //! | theta | `state` | unequal radii; slip per pull, 1/(K lam) and -1/(K (1 - lam)); radii under load; tau | 1, 1, 1, s/m, s |
-//! | P | `covariance` | of theta, which walks | |
+//! | P | `covariance` | of theta, a random walk | |
 //! | chi | `scatter` | mean of the squared normalised residuals | 1 |
 //!
-//! A turn makes the slips unequal by some deviation, and e by as much times v.
-//! Residuals are alike for 0.3 s, so tau is told with s^2 = P chi 0.3/0.2. Most machines send both speeds in one frame: tau = 0. Of the
-//! others each frame is anything up to 10 ms old, so the lag has a triangular density. The result is the mixture of both ([`crate::mixture`]),
-//! with the probability p that they come apart:
+//! A turn makes the slips unequal with some standard deviation, and adds v times that to e. Residuals are correlated
+//! for 0.3 s, so the variance of tau is s^2 = P chi 0.3/0.2.
+//!
+//! Most machines send both speeds in one frame: tau = 0. On the others each frame is up to 10 ms old, so the lag has a triangular
+//! density. The result is the mixture of both ([`crate::mixture`]), with the probability p of separate frames:
 //! ```text
 //! p/(1 - p) = P/(1 - P) d(tau)/N(tau; 0, s^2),   d = max(1 - |tau|/LONGEST, 0.1)/LONGEST,   P = 0.1
 //! ```
-//! On eight sound loaders of others without lift pressures it costs .005 of trust. With the rear speed shifted by -3 to 10 ms the
-//! trusted rows were wrong for .27 to 1.0 of the time, and are for .03 at most.
+//! On eight sound loaders of an independent simulator without lift pressures, this costs .005 of trust. With the rear speed shifted
+//! by -3 to 10 ms, trusted rows are wrong for .27 to 1.0 of the time without it, and for .03 at most with it.
 
 use core::f64::consts::{SQRT_2, TAU};
 
@@ -30,41 +31,41 @@ use crate::loader::physics::wheel_dynamics::WheelDynamics;
 use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
 
-/// How long a block lasts [s]: shorter than a pull, longer than the noise of a wheel.
+/// Duration of a block [s]: shorter than a pull, longer than the noise of a wheel speed.
 const BLOCK: f64 = 0.2;
-/// Residuals are alike for so long [s]: slips waver, and a machine pitches.
-const ALIKE: f64 = 0.3;
-/// Deviation of the mean of a block [m/s]: 1.1 to 2.2 mm/s on thirteen simulated machines of others.
+/// Correlation time of the residuals [s]: slips fluctuate, and a machine pitches.
+const CORRELATION_TIME: f64 = 0.3;
+/// Standard deviation of the mean of a block [m/s]: 1.1 to 2.2 mm/s on thirteen machines of an independent simulator.
 const NOISE: f64 = 0.002;
-/// Least mean of the squared normalised residuals: fewer blocks than [`MEMORY`] say no better.
+/// Least mean of the squared normalised residuals: blocks of a time shorter than [`MEMORY`] do not support less.
 const LEAST_SCATTER: f64 = 0.3;
-/// A squared normalised residual beyond this counts as this, and its block for so much less: wheels spin.
+/// Limit of a squared normalised residual. Beyond it the variance of the block grows in proportion: wheels spin.
 const OUTLIER: f64 = 4.0;
-/// How far back the residuals count [s].
+/// Averaging time of the residuals [s].
 const MEMORY: f64 = 20.0;
-/// Radii that differ by the load that an acceleration moves: at most by .4 % for 1 m/s2 [s2/m].
+/// Prior standard deviation of the difference of the radii by the load that an acceleration moves: at most .4 % for 1 m/s2 [s2/m].
 const RADII_BY_LOAD: f64 = 0.004;
-/// How far theta walks in a minute: a load changes slips by a fifth, clocks differ by 20 parts in a million.
+/// Random walk of theta in a minute: a load changes slips by a fifth, clocks differ by 20 parts in a million.
 const WALK: [f64; 5] = [0.001, 0.02, 0.02, 0.001, 0.001];
-/// So many machines send the speeds of their axles in frames of two controllers.
+/// Share of machines that send the speeds of their axles in frames of two controllers.
 const APART: f64 = 0.1;
-/// Frames of two controllers are at most so far apart [s]: each is anything up to 10 ms old.
+/// Largest lag between frames of two controllers [s]: each is up to 10 ms old.
 const LONGEST: f64 = 0.01;
-/// A lag at that limit, which is told to a millisecond, has this share of the density at 0.
+/// Density of a lag at that limit, as a share of the density at 0: the lag is measured to a millisecond.
 const LEAST_DENSITY: f64 = 0.1;
-/// Slower than this wheels say nothing [m/s].
+/// Speed below which wheel speeds carry no information [m/s].
 const SLOWEST: f64 = 0.5;
 
-/// What a row shows.
+/// One row of the regression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Speed after and before the row [m/s].
     pub speeds: [f64; 2],
-    /// Wheel speed of the front axle over that of the rear one [rad/s].
+    /// Wheel speed of the front axle less that of the rear one [rad/s].
     pub difference: f64,
-    /// Standard deviation of the slips by steering.
+    /// Standard deviation of the slips from steering.
     pub turn: f64,
-    /// Of the axles [N m].
+    /// Torques of the axles [N m].
     pub torques: [f64; 2],
 }
 
@@ -74,7 +75,7 @@ pub struct Row {
 struct Block {
     time: f64,
     rows: f64,
-    /// Largest deviation of the slips by steering.
+    /// Largest standard deviation of the slips from steering.
     turn: f64,
     /// Speed at its start [m/s].
     start: f64,
@@ -82,7 +83,7 @@ struct Block {
     sums: [f64; 4],
 }
 
-/// Memory of the regression.
+/// Regression and mixture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelLag {
@@ -94,7 +95,7 @@ pub struct WheelLag {
 }
 
 impl WheelLag {
-    /// What is expected of a machine of this slip stiffness and ratio, with rolling radii that are known to `radius_std`.
+    /// Prior for a machine of this slip stiffness and ratio, with rolling radii known to `radius_std`.
     pub fn new(stiffness: Quantity, ratio: Quantity, radius_std: f64) -> Self {
         let shares = [ratio.value, 1.0 - ratio.value];
         let [front, rear] = shares.map(|share| 1.0 / (stiffness.value * share));
@@ -124,17 +125,17 @@ impl WheelLag {
         lag
     }
 
-    /// By how much the rear wheel speed is later, with its deviation [s].
+    /// Lag of the rear wheel speed behind the front one, with its deviation [s].
     pub fn lag(&self) -> Quantity {
         self.lag
     }
 
-    /// A row in which the wheels do not count: the block begins anew.
+    /// Restarts the block at a row in which the wheels do not count.
     pub fn interrupt(&mut self) {
         self.block.time = 0.0;
     }
 
-    /// Takes a row in which both wheels count, `dt` after the last.
+    /// Adds a row in which both wheels count, `dt` after the last.
     pub fn see(&mut self, machine: &WheelDynamics, row: &Row, dt: f64) {
         let [speed, before] = row.speeds;
         let block = &mut self.block;
@@ -152,14 +153,14 @@ impl WheelLag {
         block.rows += 1.0;
         block.turn = block.turn.max(row.turn);
         block.time += dt;
-        // The row that comes nearest ends it: rounding has no say.
+        // The nearest row ends the block, whatever the rounding.
         if block.time >= BLOCK - 0.5 * dt {
             self.absorb(machine, speed);
             self.block.time = 0.0;
         }
     }
 
-    /// Takes the block that ends with this speed.
+    /// Updates the regression with the block that ends at speed `end`.
     fn absorb(&mut self, machine: &WheelDynamics, end: f64) {
         let block = &self.block;
         let [difference, speed, front, rear] = block.sums.map(|sum| sum / block.rows);
@@ -182,29 +183,30 @@ impl WheelLag {
         let by_turn = block.turn * speed;
         let noise = NOISE * NOISE + by_turn * by_turn;
         let residual = y - dot(&self.state, &x);
-        let mut told = Measurement::of(&self.covariance, &x, residual, noise);
-        let squared = residual * residual / told.variance;
+        let mut measured = Measurement::of(&self.covariance, &x, residual, noise);
+        let squared = residual * residual / measured.variance;
         if !squared.is_finite() {
             return;
         }
         let over = (squared / OUTLIER).max(1.0);
-        told.variance *= over;
-        told.take(&mut self.state, &mut self.covariance);
+        measured.variance *= over;
+        measured.take(&mut self.state, &mut self.covariance);
         self.scatter += BLOCK / MEMORY * (squared / over - self.scatter);
         self.weigh();
     }
 
-    /// The mixture of one frame and of two.
+    /// Computes the mixture of one frame and of two.
     fn weigh(&mut self) {
-        let told = self.state[4];
-        let own = self.covariance[4][4] * self.scatter.max(LEAST_SCATTER) * (ALIKE / BLOCK);
+        let tau = self.state[4];
+        let own =
+            self.covariance[4][4] * self.scatter.max(LEAST_SCATTER) * (CORRELATION_TIME / BLOCK);
         let variance = own.min(LONGEST * LONGEST / 6.0);
-        let together = exp(-0.5 * told * told / variance) / sqrt(TAU * variance);
-        let density = (1.0 - told.abs() / LONGEST).max(LEAST_DENSITY) / LONGEST;
+        let together = exp(-0.5 * tau * tau / variance) / sqrt(TAU * variance);
+        let density = (1.0 - tau.abs() / LONGEST).max(LEAST_DENSITY) / LONGEST;
         let apart = APART / (1.0 - APART) * density;
         let probability = apart / (apart + together);
-        let value = probability * told;
-        let apart = spread(probability, told - value, sqrt(variance));
+        let value = probability * tau;
+        let apart = spread(probability, tau - value, sqrt(variance));
         let together = spread(1.0 - probability, value, 0.0);
         self.lag = Quantity {
             value,
@@ -252,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_is_told_from_slip_and_none_is_none() {
+    fn a_lag_is_distinguished_from_slip_and_none_is_none() {
         for lag in [-0.008, -0.004, 0.005] {
             let told = shuttle(lag).lag();
             assert!((told.value - lag).abs() < 1.96 * told.std, "{lag} {told:?}");
@@ -311,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_or_hardly_moves_tells_nothing() {
+    fn slow_and_non_finite_rows_carry_no_information() {
         let mut lag = before();
         let row = Row {
             speeds: [0.1, 0.1],

@@ -1,4 +1,4 @@
-//! How noisy the wheels are: axle-load ripple, tyre relaxation, slips that fluctuate.
+//! Noise of the wheel speeds: axle-load ripple, tyre relaxation, fluctuating slips.
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
@@ -7,62 +7,62 @@
 //! | den | - | r K 0.5 m g: torque per unit slip of one axle |
 //! | Tlag | `lagged_torque` | axle torque through the relaxation length |
 //!
-//! The disturbances are correlated over some 10 ms and more. Sampling faster than that tells nothing new about them, so at
-//! higher rates their standard deviation grows with the root of the rate.
+//! The disturbances are correlated over some 10 ms and more. Faster sampling adds no information about them, so at higher rates
+//! their standard deviation grows with the root of the rate.
 
 use super::slip_fluctuation::{SlipFluctuation, Wavering};
 use crate::loader::physics::wheel_dynamics::{Inputs, WheelDynamics};
 use crate::loader::settings::Estimator;
 use crate::math::sqrt;
 
-/// Step length for which noises are stated [s].
+/// Sampling period for which noises are stated [s].
 pub const REFERENCE_STEP: f64 = 0.01;
 
-/// Relaxation length of a tyre as the noise model has it [m].
+/// Relaxation length of a tyre in the noise model [m].
 const RELAXATION_LENGTH: f64 = 0.3;
 
-/// The tyre relaxes at least as if it rolled at this speed [m/s].
+/// Least rolling speed at which the tyre relaxes [m/s].
 const LEAST_ROLLING_SPEED: f64 = 0.3;
 
 /// Least standard deviation of the wheel speeds while slow or digging [rad/s].
 const WEAK_WHEEL_STD: f64 = 0.3;
 
-/// Load sensitivity below which radius ripple is taken to be this [-].
+/// Least load sensitivity in the radius ripple [-].
 const LEAST_SENSITIVITY: f64 = 0.002;
 
-/// How long slips that waver more than usual do so together, and rows tell the same: a wave of a few hertz [s].
+/// Correlation time of slips that fluctuate more than usual [s]: a wave of a few hertz.
 const TOGETHER: f64 = 0.4;
 
-/// Standard deviations of a row beyond which a wheel hops, and tells less by as much.
+/// Standard deviations of a row beyond which a wheel hops, and its noise grows in proportion.
 const FAR: f64 = 3.0;
 
-/// Memory of the lagged torques and of the slips.
+/// Lagged torques and fluctuation of the slips.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelNoise {
     /// Axle torques through the relaxation length [N m].
     lagged_torque: [f64; 2],
     slip_fluctuation: SlipFluctuation,
-    /// Of the present row.
+    /// Slip speed and variance of each wheel in the present row.
     wavering: [Wavering; 2],
 }
 
-/// What the noise of the wheel speeds depends on.
+/// Inputs of the wheel-speed noise.
 #[derive(Clone, Copy)]
 pub struct WheelStep<'a> {
     pub machine: &'a WheelDynamics,
     pub inputs: &'a Inputs,
-    /// Of the sensors, with their steps [rad/s].
+    /// Standard deviations of the sensors, quantisation included [rad/s].
     pub sensor_std: [f64; 2],
     /// Slow or digging.
     pub weak: bool,
-    /// How much the slips waver is found in the innovations.
+    /// The fluctuation of the slips is identified from the innovations.
     pub learns_ripple: bool,
     pub dt: f64,
 }
 
 impl WheelNoise {
-    /// Standard deviations of the two wheel speeds under these conditions [rad/s].
+    /// Returns the standard deviations of the two wheel speeds under these conditions [rad/s].
     ///
     /// `speed` and `slip_stiffness` are the predicted ones.
     pub fn std(
@@ -111,27 +111,29 @@ impl WheelNoise {
         })
     }
 
-    /// By how much an innovation of a wheel is larger than a row's noise lets expect: rows that waver together count less each, and
-    /// yet one that lies far off is a wheel that hops. `more` is the variance of the prediction and of disturbances.
+    /// Factor by which an innovation of a wheel exceeds `FAR` standard deviations of a row, at least 1. Rows that fluctuate
+    /// together count less each, but one with a large deviation is a hopping wheel. `more` is the variance of the prediction and of
+    /// disturbances.
     pub fn far(&self, keys: &Estimator, wheel: usize, innovation: f64, more: f64) -> f64 {
         let variance = self.row_variance(keys)[wheel] + more;
         (innovation.abs() / (FAR * sqrt(variance))).max(1.0)
     }
 
-    /// Variance of both wheel speeds in this row by itself, whether others waver with it or not [rad^2/s^2].
+    /// Variance of both wheel speeds in this row alone, without the weight for rows that fluctuate together [rad^2/s^2].
     pub fn row_variance(&self, keys: &Estimator) -> [f64; 2] {
         let square = self.slip_fluctuation.square(keys.c_b * keys.c_b);
         self.wavering
             .map(|row| row.variance + square * row.by_slip * row.by_slip)
     }
 
-    /// By what share slips that waver more than usual are larger in the mean.
+    /// Share by which fluctuation beyond the usual increases the mean slip.
     pub fn wavering(&self, keys: &Estimator) -> f64 {
         let usual = keys.c_b * keys.c_b;
         self.slip_fluctuation.square(usual) - usual
     }
 
-    /// Innovations of both wheels that were accepted, with the standard deviations of their predictions, `dt` after the last [rad/s].
+    /// Updates with accepted innovations of both wheels and the standard deviations of their predictions, `dt` after the last
+    /// [rad/s].
     pub fn see(&mut self, keys: &Estimator, wheels: [(f64, f64); 2], dt: f64) {
         self.slip_fluctuation.forget(dt);
         for ((innovation, predicted), row) in wheels.into_iter().zip(self.wavering) {

@@ -1,4 +1,4 @@
-//! Tyres wind up: a wheel whose torque grows turns faster than in steady state.
+//! Wind-up of the tyres: a wheel whose torque grows turns faster than in steady state.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
@@ -6,33 +6,33 @@
 //! | sigma_i | - | slip of the axle in steady state, T_i/(r K F_zi) | 1 |
 //! | F_zi | `load` | static axle load, lam m g in front and (1 - lam) m g behind | N |
 //!
-//! The slip s of a relaxed tyre follows L s' = (r w - v) - |v| s, and the force, so the torque, goes with s. Hence
-//! r w - v = |v| sigma + L sigma': the process model has the first term, this file the second,
+//! The slip s of a relaxed tyre follows L s' = (r w - v) - |v| s, and the force, so the torque, is proportional to s. Hence r w - v
+//! = |v| sigma + L sigma'. The process model has the first term, this file the second:
 //! ```text
 //! dw_i = L (dT_i/dt)/(r^2 K F_zi)
 //! ```
-//! It is some mrad/s, and comes with every change of torque, which are the moments that tell the height. Unaccounted it
-//! makes the height 5 % too high.
+//! It is some mrad/s, at every change of torque, and these changes determine the height. Without this term the height is 5 % too
+//! high.
 
 use crate::loader::physics::wheel_dynamics::{Inputs, WheelDynamics};
 
-/// Torques are differentiated over at least this time [s]: at higher rates their noise would grow.
+/// Least time over which torques are differentiated [s]: at higher rates their noise would grow.
 const LEAST_TIME: f64 = 0.01;
 
-/// Least share of the weight on an axle that counts.
+/// Least share of the weight on an axle.
 pub const LEAST_SHARE: f64 = 0.1;
 
-/// Memory of the torques.
+/// Last torques and their rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Windup {
     last: Option<[f64; 2]>,
-    /// Rate of the torques [N m/s].
+    /// Rates of the torques [N m/s].
     rate: [f64; 2],
 }
 
 impl Windup {
-    /// By how much front and rear wheels turn faster than in steady state [rad/s].
+    /// Excess of front and rear wheel speed over steady state [rad/s].
     ///
     /// `relaxation_length` [m]; `stiffness` and `ratio` are the predicted K and lam.
     pub fn wheel_speeds(
