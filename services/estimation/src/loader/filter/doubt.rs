@@ -1,4 +1,4 @@
-//! What makes an estimate doubtful, and which cause is named first.
+//! Errors of an estimate beside its covariance (*doubts*), and the cause that is reported first.
 
 use super::{Belief, CgFilter};
 use crate::Quantity;
@@ -12,44 +12,44 @@ use crate::loader::settings::Settings;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
-/// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
+/// Standard deviations of the prior within which an estimate is as expected. One more beyond them contradicts the prior.
 const EXPECTED: f64 = 2.0;
-/// A state within this share of a bound is at it.
+/// Share of a bound within which a state counts as at it.
 const NEAR: f64 = 0.02;
 /// Standard deviations of the prior beyond which the delay of the speed is no sensor's.
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
 const DISAGREE: f64 = 2.0;
-/// A rolling radius so far from the described one is none of a worn or soft tyre, which is at most half as far away: a speed is wrong.
-/// Sound machines show up to .016.
+/// Relative error of a rolling radius that indicates a wrong speed: a worn or soft tyre has at most half of it. Sound machines show
+/// up to .016.
 const OTHER_RADIUS: f64 = 0.04;
-/// Where nobody states the radius it may be off by so many standard deviations of its prior.
+/// The same for a radius that is not stated, in standard deviations of its prior.
 const UNSTATED_RADIUS: f64 = 3.0;
-/// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
+/// Slip by steering or by unexplained forces from which on it is named as the cause: a tenth of the slips at work.
 const NOTED_SLIP: f64 = 0.005;
-/// An error of the slope beside its bias that is named as the cause [rad].
+/// Error of the slope beside its bias from which on it is named as the cause [rad].
 const NOTED_SLOPE: f64 = 0.02;
-/// Where a load sits, in bucket reaches ahead of the front axle.
+/// Position of a load ahead of the front axle, in bucket reaches.
 const LOAD_ARM: f64 = 0.75;
-/// Height of a load over where it is driven, in heights of the machine's centre: anything up to a truck's board, 2.
+/// Rms height of a load above the height at which it is driven, in heights of the machine's centre: up to a truck's board, 2.
 const LIFTED: f64 = 1.15;
-/// How long a load that nobody reported is felt [s], and what it may leave in the ratio, as a share of it.
+/// Time for which an unreported load widens the interval of the ratio [s], and the deviation that it adds, as a share of the ratio.
 const AFTER_UNREPORTED: f64 = 60.0;
 const UNREPORTED: f64 = 0.06;
-/// Standard deviation of an error that both slips share, as a share of how far the stiffness is from its prior: signals that do not come
-/// together, or a speed that is not the body's, look like another stiffness. A millisecond at 1.5 m/s is a twelfth of the slip. Chosen so that a
-/// good simulated machine stays trusted; .15 is wrong less often on machines by chance (docs/measurements, 24 November 2026).
+/// Standard deviation of an error common to both slips, as a share of the stiffness. Signals of different instants, or a speed that
+/// is not the body's, look like another stiffness: a millisecond at 1.5 m/s is a twelfth of the slip. Chosen so that a good
+/// simulated machine stays trusted; .15 is wrong less often on machines drawn at random (docs/measurements, 24 November 2026).
 const SHARED_SLIP: f64 = 0.07;
-/// How long a change is shown [s].
+/// Time for which a change is reported [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
-/// Signs of a model that does not hold.
+/// Indications that the model does not hold.
 struct Signs {
     /// The centre drive is locked, more probably than not.
     locked: bool,
     late: bool,
     at_limit: bool,
-    /// A wheel rolls on another radius than a tyre may.
+    /// A rolling radius is beyond what a tyre may have.
     radius: bool,
     /// The slip stiffness lies beyond its prior.
     stiffness: bool,
@@ -61,17 +61,17 @@ struct Signs {
     axle_torque: bool,
     /// By how much the machine is lighter than stated, as a share.
     lighter: f64,
-    /// The load may be another one, as far as the wheels tell.
+    /// The load may have changed, as far as the wheels show.
     changing: bool,
 }
 
-/// By how much a value lies beyond what is expected.
+/// Distance of a value from its prior, less [`EXPECTED`] standard deviations of it, at least 0.
 fn beyond(value: f64, (centre, std): (f64, f64)) -> f64 {
     ((value - centre).abs() - EXPECTED * std).max(0.0)
 }
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// What makes the estimate doubtful beside its own covariance.
+    /// Returns the errors of the estimate beside its own covariance.
     pub(in crate::loader) fn doubt(&self, settings: &Settings, learns: &Learns) -> Doubt {
         let at_limit = Each::of(|i| self.is_at_limit(settings, i));
         if !settings.at_work() {
@@ -83,7 +83,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let prior = &settings.prior;
         let expected = self.expected_centre(settings);
-        let ratio_std = norm(&[expected[1].1, self.told(settings, learns)]);
+        let ratio_std = norm(&[expected[1].1, self.sound_ratio_std(settings, learns)]);
         let away = self.away([expected[0], (expected[1].0, ratio_std)]);
         let stiffness = beyond(
             self.belief.state()[SLIP_STIFFNESS],
@@ -112,7 +112,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             changing: self.changed < CHANGE_SHOWN || lighter < 0.0,
         };
         let reason = self.cause(&signs);
-        // Where the model does not hold, nothing is known but what was known before.
+        // Where the model does not hold, only the prior remains.
         let doubted = match reason {
             Reason::Locked
             | Reason::Radius
@@ -138,7 +138,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What the filter estimates, so that no floor need hold it.
+    /// Parameters that the filter estimates, so that no floor has to include them.
     pub(in crate::loader) fn learns(&self, settings: &Settings) -> Learns {
         Learns {
             radii: const { Layout::of(N) }.radii.is_some(),
@@ -147,14 +147,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// How far the ratio of a sound machine may be told from the true one, however well that was known before: the filter's deviation
-    /// and the floors.
-    fn told(&self, settings: &Settings, learns: &Learns) -> f64 {
+    /// Standard deviation of the ratio of a sound machine: that of the filter, with the floors. A narrower prior does not reduce
+    /// it.
+    fn sound_ratio_std(&self, settings: &Settings, learns: &Learns) -> f64 {
         let own = Each::of(|i| self.belief.state()[i]);
         ratio_with_floors(settings, learns, own, self.belief.std(CG_RATIO))
     }
 
-    /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
+    /// Distance of height and ratio beyond their priors; 0 with a known load, whose report may be wrong.
     fn away(&self, [height, ratio]: Centre) -> Each<f64> {
         let state = self.belief.state();
         if self.known_load.is_some() {
@@ -166,8 +166,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What is known of the ratio beside the slips, of the empty machine. Nothing where a payload is weighed by another witness, or a load was
-    /// found that nobody reported.
+    /// Stated ratio of the empty machine. `None` where another witness weighs a payload, where the machine is loaded, or after an
+    /// unreported load was found.
     fn stated_ratio(&self, settings: &Settings, (value, std): (f64, f64)) -> Option<Quantity> {
         let mass = &self.disturbance.mass;
         let stated =
@@ -176,19 +176,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         (stated && !self.known_load.is_some()).then_some(Quantity { value, std })
     }
 
-    /// How far ahead of the centre of gravity a load sits [wheelbases].
+    /// Distance of a load ahead of the centre of gravity [wheelbases].
     fn ahead(&self, settings: &Settings) -> f64 {
         (1.0 + LOAD_ARM * self.reach(settings) - self.belief.state()[CG_RATIO]).abs()
     }
 
-    /// A state is at one of its bounds, or nearly.
+    /// Whether a state is at one of its bounds, or nearly.
     fn is_at_limit(&self, settings: &Settings, i: usize) -> bool {
         let Range { low, high } = settings.bounds()[i - SLIP_STIFFNESS];
         let value = self.belief.state()[i];
         value <= (1.0 + NEAR) * low || value >= (1.0 - NEAR) * high
     }
 
-    /// The speed comes later than a sensor may be.
+    /// Whether the estimated delay of the speed is beyond that of a sensor.
     fn is_late(&self, settings: &Settings) -> bool {
         let delay = const { Layout::of(N) }
             .speed_delay
@@ -197,7 +197,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std
     }
 
-    /// Speed and wheel speeds do not fit the described rolling radii.
+    /// Whether speed and wheel speeds contradict the stated rolling radii.
     fn has_other_radius(&self, settings: &Settings) -> bool {
         let prior = &settings.prior;
         let described = [prior.front_radius_error, prior.rear_radius_error];
@@ -209,7 +209,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         })
     }
 
-    /// How far height and ratio may be off: a mixture of what lies beyond what was known, and of that itself where the estimate is
+    /// Standard deviations of height and ratio by a mixture: the distance beyond the prior, and the prior itself with probability
     /// `doubted`.
     fn mixed(
         &self,
@@ -222,7 +222,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> Each<f64> {
         let state = self.belief.state();
         let Each { ratio, height } = self.with_other_load(settings, away, by_axle_torque);
-        // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
+        // A stiffness beyond its prior leaves that share of the slips unexplained, and of the height that they determine.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
         let spans = self.spanned(doubted, CG_HEIGHT, expected[0]);
@@ -232,13 +232,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What spans a state and what was known of it before, where the estimate is `doubted`.
+    /// Standard deviation that spans a state and its prior, for the probability `doubted`.
     fn spanned(&self, doubted: f64, i: usize, (centre, std): (f64, f64)) -> f64 {
         let moved = self.belief.state()[i] - centre;
         sqrt(doubted * (moved * moved + std * std))
     }
 
-    /// The first cause of doubt.
+    /// Returns the first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
         if signs.locked {
             Reason::Locked
@@ -261,7 +261,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What is not known of the radii's load sensitivity keeps the ratio from being trusted, and a drive the other way tells it.
+    /// Whether the unknown load sensitivity of the radii keeps the ratio from being trusted, and a drive in the other direction
+    /// would identify it.
     fn wants_a_drive_back(&self, settings: &Settings, learns: &Learns) -> bool {
         let converged = settings.estimator.converged_ratio;
         const { Layout::of(N) }.load_sensitivity.is_some()
@@ -269,8 +270,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             && RATIO_PER_SENSITIVITY * learns.load_sensitivity > converged
     }
 
-    /// What an error that both slips share does to the ratio, as a standard deviation: of a stiffness that is x off by it the ratio is
-    /// x (lam - 1/2) off where both axles pull alike.
+    /// Standard deviation of the ratio from an error common to both slips. An error of the stiffness by the share x shifts the
+    /// ratio by x (lam - 1/2) where both axles pull equally.
     fn by_shared_slip(&self, settings: &Settings) -> f64 {
         let (prior, state) = (&settings.prior, self.belief.state());
         let spread = prior.slip_stiffness_std / prior.slip_stiffness;
@@ -281,7 +282,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         sqrt(square) * (state[CG_RATIO] - 0.5).abs()
     }
 
-    /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
+    /// Adds the doubt of a load that is not reported, or may be stated wrongly, to height and ratio.
     fn with_other_load(
         &self,
         settings: &Settings,
@@ -290,7 +291,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> Each<f64> {
         let state = self.belief.state();
         let lighter = self.disturbance.mass.lighter();
-        // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
+        // An unreported load sits ahead of the front axle. A wrong torque of one axle moves the ratio twice as far.
         let off = self.disturbance.mass.off();
         let ahead = self.ahead(settings);
         let ratio = match lighter {
@@ -298,7 +299,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             x if x < 0.0 => ratio + off * ahead,
             _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
         };
-        // After a load that nobody reported, what slips and radii mean is known again only in part.
+        // After an unreported load, stiffness and radii are learnt again only in part.
         let unreported = self.disturbance.mass.since_load() < AFTER_UNREPORTED;
         let ratio = if unreported && !self.known_load.is_some() {
             ratio + UNREPORTED * state[CG_RATIO]
@@ -310,7 +311,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             height + off * state[CG_HEIGHT]
         };
-        // The floor is what no doubt has a name for: those that have one take its place.
+        // The floor stands for errors without a name. Those with a name replace it up to its size.
         let floor = settings.estimator.cg_ratio_floor * state[CG_RATIO];
         let named = norm(&[
             by_axle_torque,
@@ -323,9 +324,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if self.known_load.is_some() {
             return Each { ratio, height };
         }
-        // The bucket may have been filled or emptied since: a mixture of both.
+        // The bucket may have been filled or emptied since: a mixture of both hypotheses.
         let other = self.disturbance.mass.other_load();
-        // Whatever it carries may be lifted; who tells that the boom moves does not tell how far.
+        // The load may be lifted: a report that the boom moves does not state how far.
         let lifted = LIFTED * self.disturbance.mass.carried().max(self.load.share());
         let by_load = norm(&[other * HEIGHT_SPREAD, lifted]);
         Each {
@@ -334,7 +335,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What the time between both wheel speeds leaves of the ratio, as far as the slips have told it.
+    /// Standard deviation of the ratio from the lag between the wheel speeds, as far as the slips have determined the ratio.
     fn by_wheel_lag(&self, settings: &Settings) -> f64 {
         let [stiffness, ratio] = [SLIP_STIFFNESS, CG_RATIO].map(|i| self.belief.state()[i]);
         let before = settings.prior.cg_ratio_std;
@@ -342,12 +343,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         learnt * self.wheel_lag.lag().std * self.shared_slip.ratio_by_lag(stiffness, ratio)
     }
 
-    /// A doubt of this size alone keeps the ratio from being trusted.
+    /// Whether a doubt of this size alone keeps the ratio from being trusted.
     fn is_too_much(&self, settings: &Settings, ratio_std: f64) -> bool {
         ratio_std > settings.estimator.converged_ratio * self.belief.state()[CG_RATIO]
     }
 
-    /// What acts on the machine that its model does not have.
+    /// Returns an action on the machine that its model does not contain.
     fn acts(&self, settings: &Settings) -> Reason {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
@@ -373,7 +374,7 @@ mod tests {
 
     type Filter = CgFilter<9, 3, Ekf<9, 3>>;
 
-    /// Why a filter of these settings doubts a ratio that lies `ratio` beside its prior, and a front radius that is `radius` off.
+    /// Reason of a filter with these settings whose ratio lies `ratio` beside its prior, and whose front radius is `radius` off.
     fn reason(settings: &Settings, ratio: f64, radius: f64) -> Reason {
         let mut filter = Filter::new(settings, Method::FullEkf);
         // The axles have turned apart: the centre drive is not locked.

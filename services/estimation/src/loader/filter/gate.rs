@@ -1,4 +1,4 @@
-//! Which measurements are used, and how much.
+//! Which measurements are used, and with what weight.
 
 use super::report::RowReport;
 use super::{Belief, CgFilter};
@@ -8,7 +8,7 @@ use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
-/// Whether a measurement is used, and whether it was de-weighted; `std` grows in that case.
+/// Whether a measurement is used, and whether it is de-weighted; `std` grows in that case.
 fn gate(
     settings: &Settings,
     innovation: f64,
@@ -35,7 +35,7 @@ fn gate(
 }
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Gates every measurement of a row, and sets wheels aside that brakes move.
+    /// Gates every measurement of a row, and sets wheels aside while brakes act.
     pub(super) fn gates(
         &self,
         settings: &Settings,
@@ -52,7 +52,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 });
         }
         if settings.at_work() {
-            // A held torque is of another time, and a wheel without its torque tells nothing.
+            // A held torque belongs to another time, and a wheel without its torque carries no information.
             let driven = sample.front_torque.is_some() && sample.rear_torque.is_some();
             let (braking, accepted) = (self.effect.braking, &mut report.accepted);
             report.set_aside = driven && braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];

@@ -1,4 +1,4 @@
-//! What the machine carries: a load that is known, or a mass that steps and moves the centre of gravity.
+//! Load of the machine: a known payload, or a mass that steps and moves the centre of gravity.
 
 use super::{Belief, CgFilter};
 use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
@@ -7,11 +7,11 @@ use crate::loader::load::mass_step::Centre;
 use crate::loader::physics::cg_model::Loading;
 use crate::loader::settings::Settings;
 
-/// Share of the mass from which on the machine is loaded.
+/// Share of the mass from which on the machine counts as loaded.
 const LEAST_LOAD: f64 = 0.04;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Takes what the lift pressure says of the next row; `empty` is what it knows of the empty machine.
+    /// Sets the load that the lift pressure shows for the next row; `empty` is its estimate of the empty machine.
     pub(in crate::loader) fn set_weighed(
         &mut self,
         settings: &Settings,
@@ -24,7 +24,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// The row has informed the ratio, whose variance was `predicted`, under the present load.
+    /// Takes the gain of a row on the ratio, whose variance was `predicted`, under the present load.
     pub(super) fn learn_under_load(&mut self, predicted: f64) {
         let variance = || self.belief.variance(CG_RATIO);
         self.known_load
@@ -41,12 +41,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         known.unwrap_or(self.hold.mass)
     }
 
-    /// The machine carries a load, as its mass tells.
+    /// Whether the machine carries a load, by its mass.
     pub(super) fn is_loaded(&self) -> bool {
         self.load.share() > LEAST_LOAD
     }
 
-    /// The machine is loaded, and nobody would say if the boom moved.
+    /// Whether the machine is loaded, and no boom motion would be reported.
     pub(in crate::loader) fn lifts_unreported(&self, settings: &Settings) -> bool {
         settings.at_work() && !self.boom_reported && self.is_loaded()
     }
@@ -56,13 +56,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         settings.machine.bucket_reach / self.dynamics.wheelbase
     }
 
-    /// Height and ratio as they may be under the present load, where the motion has shown nothing.
+    /// Height and ratio expected under the present load, without information from the motion.
     pub(super) fn expected_centre(&self, settings: &Settings) -> Centre {
         self.load
             .expected(settings.prior.centre(), self.reach(settings))
     }
 
-    /// A step of the mass moves the centre of gravity and makes it uncertain.
+    /// Moves the centre of gravity with a step of the mass, and widens its covariance.
     pub(super) fn weigh(&mut self, settings: &Settings, dt: f64) {
         let state = *self.belief.state();
         let centre = CENTRE.map(|i| (state[i], self.belief.std(i)));
@@ -77,7 +77,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.belief.state_mut()[CG_RATIO] = ratio;
         self.loosen_by(CG_HEIGHT, shift.height_std(state[CG_HEIGHT]));
         self.loosen_by(CG_RATIO, ratio_std);
-        // The bucket was dug full, and what it holds is weighed: no longer anything.
+        // After digging the covariance was opened for an unknown content, which now is weighed.
         for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre(settings)) {
             if self.belief.std(i) > most {
                 self.belief.separate(&[(i, most)], &[0.0; N]);
@@ -86,7 +86,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.clamp(settings);
     }
 
-    /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
+    /// Restores height and ratio, without correlation with the other states.
     fn restore(&mut self, [height, ratio]: Centre) {
         self.belief
             .separate(&[(CG_HEIGHT, height.1), (CG_RATIO, ratio.1)], &[0.0; N]);

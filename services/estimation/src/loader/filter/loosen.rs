@@ -1,4 +1,4 @@
-//! What the next step may change more than usual: what must be learnt again, and what cannot be learnt yet.
+//! Additional process noise of the next step: for what must be learnt again, and for what is not observable yet.
 
 use super::{Belief, CgFilter};
 use crate::loader::doubts::directions::BothDirections;
@@ -7,15 +7,17 @@ use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
-/// A load sensitivity that is learnt may differ by as much, whatever is stated: two drives know it better than any statement. Opened
-/// wider than this, the first drive back takes other errors for the tyres' (docs/measurements/2026-11-27-loader-covers.md).
+/// Standard deviation of the load sensitivity once it is observable, whatever is stated: two drives determine it better than any
+/// statement. Opened wider, the first drive back attributes other errors to the tyres
+/// (docs/measurements/2026-11-27-loader-covers.md).
 const LEARNT_STD: f64 = 0.005;
 
-/// What the load sensitivity of an axle's radius differs by from that of both, where that is a state: a tenth of the usual .01.
+/// Standard deviation of an axle's load sensitivity about that of both axles, where the latter is a state: a tenth of the usual
+/// .01.
 const AXLES_DIFFER: f64 = 0.001;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Load sensitivity of the radii and its variance; 0 where it is no state.
+    /// Error of the radii's load sensitivity and its variance; 0 where it is no state.
     pub(super) fn sensitivity(&self) -> (f64, f64) {
         const { Layout::of(N) }
             .load_sensitivity
@@ -24,7 +26,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             })
     }
 
-    /// Says what the next step may change more than usual; `sensitivity` is what it was before the row.
+    /// Sets the additional process noise of the next step; `sensitivity` is that before the row.
     pub(super) fn loosen(
         &mut self,
         settings: &Settings,
@@ -93,16 +95,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         .state()
     }
 
-    /// State `i` keeps its value and its variance of before the row, with its process noise; what the row would have shown of it
-    /// comes back with the next step's. What the row tells of the others takes its variance into account.
+    /// Makes state `i` a consider parameter: it retains value and variance of before the row, with its process noise. The variance
+    /// that the row took from it returns with the noise of the next step. The updates of the other states account for its variance.
     fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
         self.belief.state_mut()[i] = value;
         let lost = variance + process_std * process_std - self.belief.variance(i);
         self.loosened[i] = sqrt(lost.max(0.0));
     }
 
-    /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
-    /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
+    /// Opens the load sensitivity, which is observable from now on, and the ratio that is correlated with it. The height opens so
+    /// that its product with the sensitivity, which moves the radii, stays. A sensitivity that is known exactly opens nothing.
     fn open_sensitivity(&mut self, settings: &Settings, i: usize) {
         if settings.load_sensitivity_std() == 0.0 {
             return;
@@ -111,19 +113,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let ratio = RATIO_PER_SENSITIVITY * LEARNT_STD * state[CG_RATIO];
         let sensitivity = settings.machine.radius_load_sensitivity + state[i];
         let height = (state[CG_HEIGHT] * LEARNT_STD / sensitivity).abs();
-        // Where the tyres may be rigid, no radius tells of the height: the whole prior.
+        // Where the tyres may be rigid, the radii carry no information about the height: the whole prior.
         let height = settings.prior.cg_height_std.min(height);
         for (i, std) in [(i, LEARNT_STD), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
             self.loosen_by(i, std);
         }
     }
 
-    /// The next step may change state `i` by so much more, as a standard deviation.
+    /// Adds a standard deviation to the process noise of state `i` in the next step.
     pub(super) fn loosen_by(&mut self, i: usize, std: f64) {
         self.loosened[i] = sqrt(self.loosened[i] * self.loosened[i] + std * std);
     }
 
-    /// Standard deviation of the load sensitivity of the rolling radii that the covariance does not hold.
+    /// Standard deviation of the radii's load sensitivity that the covariance does not include.
     pub(in crate::loader) fn sensitivity_left(&self, settings: &Settings) -> f64 {
         let before = settings.load_sensitivity_std();
         match const { Layout::of(N) }.load_sensitivity {
@@ -139,7 +141,7 @@ mod tests {
     use crate::ekf::Ekf;
     use crate::loader::Method;
 
-    /// What a ratio that moves by .2, after it was known once, opens of the radii.
+    /// Standard deviation by which a ratio that moves by .2, after it was known once, opens the radii.
     fn opened<const N: usize, const M: usize>() -> f64
     where
         Ekf<N, M>: Belief<N, M>,
@@ -155,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_opens_the_radii_by_what_no_state_says_of_their_sensitivity() {
+    fn a_load_opens_the_radii_by_the_part_of_their_sensitivity_that_is_no_state() {
         let stated = Settings::DEFAULT.machine.radius_load_sensitivity_std;
         assert!(stated > AXLES_DIFFER);
         for (opened, std) in [

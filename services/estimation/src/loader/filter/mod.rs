@@ -1,21 +1,21 @@
-//! The estimator on a fixed number of states: what happens with one row.
+//! The estimator on a fixed number of states: the processing of one row.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `belief` | the state and its uncertainty: sigma points, or the model's tangent |
-//! | `prior` | what is believed before the first row |
-//! | `signals` | a row's signals made true |
+//! | `belief` | state and uncertainty: sigma points, or the model's tangent |
+//! | `prior` | state and uncertainty before the first row |
+//! | `signals` | correction of a row's signals |
 //! | `spin` | wheels that spin |
-//! | `load` | what the machine carries |
+//! | `load` | load of the machine |
 //! | `noise` | process and measurement noise of a step |
-//! | `update` | the step with every rule |
+//! | `update` | the step with all protections |
 //! | `gate` | which measurements are used |
-//! | `wheels` | what wheels show beside the state |
-//! | `loosen` | what the next step may change more than usual |
+//! | `wheels` | what is learnt from wheels beside the state |
+//! | `loosen` | additional process noise of the next step |
 //! | `printed` | the step as the paper prints it |
 //! | `recovery` | starts, gaps, restarts, bounds |
-//! | `doubt` | what makes an estimate doubtful |
-//! | `report` | what a row did |
+//! | `doubt` | errors beside the covariance |
+//! | `report` | result of a row |
 
 use super::Method;
 use super::doubts::axles::Axles;
@@ -69,11 +69,11 @@ pub(super) use belief::Belief;
 pub(super) use report::RowReport;
 use spin::Spin;
 
-/// A longer step between rows is a jump, whatever the settings take for a gap [s].
+/// Longest step between rows [s]. A longer one is a jump, whatever the stated gap.
 const LONGEST_STEP: f64 = 1.0;
 
-/// The filter with `N` states (6, 8, 9, 10 or 12, see [`super::physics::cg_model`]) and `M` measurements (3, or 4 with the specific force),
-/// which keeps its state as a `B`.
+/// The filter with `N` states (6, 8, 9, 10 or 12, see [`super::physics::cg_model`]), `M` measurements (3, or 4 with the specific
+/// force), and a belief of type `B`.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
@@ -93,7 +93,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     steady: Steady,
     stuck: Stuck,
     disturbance: Disturbance,
-    /// What it does to the wheels in this row.
+    /// Effect of the disturbances on the wheels in this row.
     effect: Effect,
     inclinometer: Inclinometer,
     slope_error: SlopeError,
@@ -101,12 +101,12 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     constancy: Constancy,
     coupling: Coupling,
     curves: Curves,
-    /// Somebody reports how the machine turns.
+    /// Articulation or yaw rate is reported.
     turning_reported: bool,
     directions: Directions,
-    /// Stiffness and radii are opened with the next change.
+    /// The next change opens stiffness and radii as well.
     reopens: bool,
-    /// How long ago something changed that the load may explain [s].
+    /// Time since a change that the load may explain [s].
     changed: f64,
     pub(in crate::loader) load: Load,
     /// The boom's motion is reported.
@@ -174,7 +174,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What is known beforehand of the time between both wheel speeds.
+    /// Prior of the lag between both wheel speeds.
     fn wheel_lag(settings: &Settings) -> WheelLag {
         let prior = &settings.prior;
         let quantity = |value, std| Quantity { value, std };
@@ -195,7 +195,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.belief.std(i)
     }
 
-    /// Slip stiffness with what the slips share.
+    /// Slip stiffness, with errors common to all slips in its deviation.
     pub(in crate::loader) fn slip_stiffness(&self, settings: &Settings) -> Quantity {
         let quantity = |value: f64, std: f64| Quantity { value, std };
         let prior = &settings.prior;
@@ -208,7 +208,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         quantity(own.value, std)
     }
 
-    /// Standard deviation of the ratio: that of the filter, or more where one axle alone pulls.
+    /// Standard deviation of the ratio: that of the filter, or a larger one where only one axle pulls.
     fn ratio_std(&self, settings: &Settings, expected_std: f64) -> f64 {
         let prior = &settings.prior;
         let ratio = Quantity {
@@ -230,7 +230,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.clock.refuses(time, settings.gap().min(LONGEST_STEP))
     }
 
-    /// Takes one plausible row, and what is no measurement out of it.
+    /// Processes one plausible row, and removes from it what is no measurement.
     pub fn step(&mut self, settings: &Settings, sample: &mut Sample) -> RowReport<M> {
         Self::correct(settings, sample);
         let gap = settings.gap();
@@ -273,14 +273,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.finish(settings, report, sample, dt)
     }
 
-    /// Time passes, and a row says what acts and which signals there are.
+    /// Advances the time, and takes the inputs of a row and the presence of its signals.
     fn note(&mut self, settings: &Settings, sample: &Sample, step: &StepInputs, dt: f64) {
         let inputs = &step.inputs;
         self.spade_force_x = inputs.spade_force_x;
         self.dynamics.mass = self.mass(settings);
         let torque = inputs.front_torque + inputs.rear_torque;
         let speed = self.belief.state()[SPEED];
-        // Along the road, measured, or what the torques would give without slip.
+        // Along the road: measured, or that of the torques without slip.
         let acceleration = if M > 3 {
             step.acceleration
                 .map(|a| a - self.dynamics.gravity * step.sine)
@@ -298,7 +298,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.changed += dt;
     }
 
-    /// The slips by which the axles pull with these torques, to first order.
+    /// Slips of the axles by these torques, to first order.
     fn pulled_slips(&self, inputs: &Inputs) -> [f64; 2] {
         let state = self.belief.state();
         let (ratio, machine) = (state[CG_RATIO], &self.dynamics);
@@ -310,7 +310,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         ]
     }
 
-    /// What a mass that steps, or the motion, says of the load.
+    /// Updates the load from a mass that steps, or from the motion.
     fn watch_load(&mut self, settings: &Settings, step: &StepInputs, dt: f64) {
         let at_work = settings.at_work();
         if at_work && !self.known_load.is_some() {
@@ -320,7 +320,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.effect = self.disturbance.update(&self.dynamics, step, at, dt);
         let known = self.known_load.is_some() || !self.relearning.settled();
         if at_work && self.disturbance.mass.load_stepped() && !known {
-            // A load came or went that nobody reported, and was taken for another stiffness and other radii.
+            // An unreported load came or went, and was learnt as another stiffness and other radii.
             self.changed = 0.0;
             self.reopens = true;
         }

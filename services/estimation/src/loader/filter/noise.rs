@@ -11,7 +11,7 @@ use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Process noise of a step, by state: what wanders, and what was loosened.
+    /// Process noise of a step, by state: random walks, and what was loosened.
     pub(super) fn process_std(
         &self,
         settings: &Settings,
@@ -21,7 +21,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> [f64; N] {
         let mut std = self.walk_std(settings, conditions, boom_moving, dt);
         for (std, more) in std.iter_mut().zip(self.loosened) {
-            // The usual noise keeps its bits.
+            // Without loosening the noise is unchanged to the bit.
             if more > 0.0 {
                 *std = sqrt(*std * *std + more * more);
             }
@@ -29,7 +29,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         std
     }
 
-    /// How far the states wander in a time.
+    /// Random walk of the states over `dt`.
     pub(super) fn walk_std(
         &self,
         settings: &Settings,
@@ -65,7 +65,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         std
     }
 
-    /// Height and ratio of a machine whose load nobody knows may change: the boom moves, or the bucket was dug full.
+    /// Opens height and ratio of a machine with an unknown load: the boom moves, or the bucket was dug full.
     fn free_centre(
         &self,
         settings: &Settings,
@@ -81,20 +81,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let weighed = self.is_loaded();
         if weighed {
-            // However long the boom may have moved, it has not left the machine.
+            // However long the boom moves, the centre stays within that of a loaded machine.
             for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre(settings)) {
                 let room = (most * most - self.belief.variance(i)).max(0.0);
                 std[i] = std[i].min(sqrt(room));
             }
         }
-        // What is weighed needs no guess of what the bucket holds.
+        // A weighed load needs no guess of the bucket's content.
         if conditions.reopen && keys.reopen > 0.0 && !weighed {
             std[CG_HEIGHT] = keys.reopen * prior.cg_height_std;
             std[CG_RATIO] = keys.reopen * prior.cg_ratio_std;
         }
     }
 
-    /// Noise of the sensors by themselves.
+    /// Noise of the sensors alone.
     pub(super) fn sensor_std(&self, settings: &Settings) -> [f64; M] {
         let sensors = &settings.sensors;
         let acceleration_std = if settings.at_work() {
@@ -111,7 +111,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         core::array::from_fn(|j| all[j])
     }
 
-    /// Noise of the wheel speed sensors, with that of their steps [rad/s].
+    /// Noise of the wheel speed sensors, quantisation included [rad/s].
     fn wheel_sensor_std(&self, settings: &Settings) -> [f64; 2] {
         let stated = settings.sensors.wheel_speed_std;
         if settings.at_work() {
@@ -121,7 +121,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Noise of a row's measurements; of the wheels with that of slips, tyres and what disturbs them.
+    /// Noise of a row's measurements; that of the wheels includes slips, tyres and disturbances.
     pub(super) fn measurement_std(
         &mut self,
         settings: &Settings,
@@ -153,7 +153,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         std
     }
 
-    /// What turns and forces that no model holds do to a wheel's speed [rad/s].
+    /// Standard deviation of a wheel speed from turns and forces that the model does not contain [rad/s].
     pub(super) fn disturbed_slip(&self, speed: f64) -> f64 {
         let effect = &self.effect;
         let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);

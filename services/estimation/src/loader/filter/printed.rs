@@ -1,4 +1,4 @@
-//! The step as the paper prints it; only held inputs and missing measurements are treated beyond it.
+//! The step as the paper prints it; beyond the paper, inputs are held and measurements may be missing.
 
 use super::report::RowReport;
 use super::update::measurements;
@@ -9,7 +9,7 @@ use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 
-/// Measurement noise that stands for "not measured".
+/// Standard deviation of a measurement that stands for "not measured".
 const NOT_MEASURED_STD: f64 = 1e6;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {

@@ -1,10 +1,10 @@
-//! What the filter believes before its first row, by state.
+//! Prior of the filter, by state.
 
 use super::{Belief, CgFilter};
 use crate::loader::layout::{ByState, Layout};
 use crate::loader::settings::Settings;
 
-/// Standard deviation of a state that is not estimated yet: next to nothing, and not nothing, which no covariance root has.
+/// Standard deviation of a state that is not estimated yet: next to 0, which a covariance root cannot represent.
 const UNOPENED: f64 = 1e-9;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {

@@ -1,4 +1,4 @@
-//! When the filter starts, and when it lost its way: gaps, restarts, bounds.
+//! Start, gaps, restarts and bounds of the filter.
 
 use super::{Belief, CgFilter, RowReport};
 use crate::loader::doubts::axles::Axles;
@@ -14,25 +14,26 @@ use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
-/// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
+/// Time for which every measured speed is rejected before the filter is taken to be wrong, and not the sensors [s].
 ///
-/// Rejected rows have no normalised innovation, so the reset rule alone would never see this.
+/// Rejected rows have no normalised innovation, so the reset rule alone would not detect this.
 const LOCKED_OUT: f64 = 1.0;
 
-/// Time constant of the mean that tells a filter which lost its way [s].
+/// Time constant of the mean that detects a diverged filter [s].
 const JUDGED_OVER: f64 = 2.0;
 
 /// Shortest time between the start, or a reset, and the next reset [s].
 const HOLD_OFF: f64 = 3.0;
 
-/// A centre of gravity further away than this has no interval: its square's square is no number. The paper's filters have no bounds.
+/// Magnitude of the centre of gravity beyond which it has no interval: the square of its square may overflow. The paper's filters
+/// have no bounds.
 const ENDLESS: f64 = 1e50;
 
-/// A first mass that differs from the described one by less than this share is that of the empty machine: no load is so small.
+/// Relative difference from the stated mass below which the first mass is that of the empty machine: no load is so small.
 const EMPTY: f64 = 0.05;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// The first row with a time starts the filter.
+    /// Starts the filter with the first row that has a time.
     pub(super) fn first(&mut self, sample: &Sample) -> RowReport<M> {
         self.hold.advance(sample, false, false);
         let stated = self.hold.mass / self.dynamics.empty_mass;
@@ -50,7 +51,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         RowReport::without_update(Status::First, false)
     }
 
-    /// Counts the row, and restarts a filter that lost its way.
+    /// Counts the row, and restarts a filter that has diverged.
     pub(super) fn finish(
         &mut self,
         settings: &Settings,
@@ -93,7 +94,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         report
     }
 
-    /// Covariance back to the prior, speeds to their measurements; the parameters keep their values.
+    /// Resets the covariance to the prior and the speeds to their measurements; the parameters retain their values.
     pub(super) fn restart(&mut self, settings: &Settings, sample: &Sample) {
         self.anchor(sample);
         let prior: [(usize, f64); N] = {
@@ -110,7 +111,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.relearning = Relearning::new([state[SLIP_STIFFNESS], state[CG_RATIO]]);
     }
 
-    /// The clock was set back: what was measured before is of another time, what was learnt is not.
+    /// Bridges a clock that was set back: earlier measurements belong to another time, learnt parameters remain valid.
     pub(super) fn set_back(&mut self, settings: &Settings, sample: &Sample) -> RowReport<M> {
         self.evidence.restart();
         RowReport {
@@ -119,8 +120,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay, but for what
-    /// they may have wandered while nothing was measured, for `away` [s], not beyond the prior.
+    /// Resets the speeds after a gap, uncorrelated with the rest. The parameters and their joint covariance stay. Their random walk
+    /// over the time `away` [s] without measurements is added, not beyond the prior.
     pub(super) fn bridge_gap(
         &mut self,
         settings: &Settings,
@@ -144,7 +145,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         RowReport::without_update(Status::Gap, self.frozen)
     }
 
-    /// Process noise of the parameters over a time without rows, by state. What was loosened is the next step's.
+    /// Process noise of the parameters over a time without rows, by state. What was loosened belongs to the next step.
     fn wandering(&self, settings: &Settings, away: f64) -> [f64; N] {
         if away <= 0.0 || !settings.at_work() {
             return [0.0; N];

@@ -1,11 +1,11 @@
-//! What a row did to the filter.
+//! Result of a row in the filter.
 
 use crate::loader::estimate::Status;
 
-/// What a row did.
+/// Result of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::loader) struct RowReport<const M: usize> {
-    /// How the row was taken.
+    /// Status of the row.
     pub status: Status,
     /// Normalised innovation squared, the sum over the accepted measurements.
     pub nis: f64,
@@ -15,12 +15,12 @@ pub(in crate::loader) struct RowReport<const M: usize> {
     pub deweighted: [bool; M],
     /// Slow or digging.
     pub frozen: bool,
-    /// The wheels came with their torques, but something else moves them: brakes.
+    /// Wheels and their torques are present, but brakes act.
     pub set_aside: bool,
 }
 
 impl<const M: usize> RowReport<M> {
-    /// No measurement was used.
+    /// A report without any measurement.
     pub fn without_update(status: Status, frozen: bool) -> Self {
         Self {
             status,

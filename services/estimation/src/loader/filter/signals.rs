@@ -1,4 +1,4 @@
-//! A row's signals made true before they are used: known gains and offsets, values that leap or are stuck, the slope of the road.
+//! Correction of a row's signals before use: stated gains and offsets, values that leap or are stuck, the slope of the road.
 
 use super::{Belief, CgFilter};
 use crate::loader::input::stuck::Witness;
@@ -10,7 +10,8 @@ use crate::loader::settings::{Machine, Settings};
 const UNEXPLAINED: f64 = 0.15;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
-    /// Makes torques and specific force true, and where the filter does not learn its bias, the slope.
+    /// Corrects torques and specific force by the stated gains and offset. Corrects the slope by its stated bias where the filter
+    /// does not estimate it.
     pub(super) fn correct(settings: &Settings, sample: &mut Sample) {
         let sensors = &settings.sensors;
         sample.front_torque = sample.front_torque.map(|t| t / sensors.front_torque_gain);
@@ -22,7 +23,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Makes the slope that of the road, a bias that the filter learns left in it.
+    /// Replaces the slope by that of the road; a bias that the filter estimates is left in it.
     pub(super) fn level(&mut self, settings: &Settings, sample: &mut Sample, dt: f64) {
         let bias = const { Layout::of(N) }
             .slope_bias
@@ -30,19 +31,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         sample.slope = self.inclinometer.road(&settings.sensors, bias, sample, dt);
     }
 
-    /// Takes the values that leap out of a row.
+    /// Removes values that leap from a row.
     pub(super) fn drop_leaps(&mut self, machine: &Machine, sample: &mut Sample, dt: f64) {
         let (mass, radius) = (machine.mass, machine.wheel_radius);
         self.steady.watch(sample, mass, radius, dt);
     }
 
-    /// Takes the values that are stuck out of a row.
+    /// Removes values that are stuck from a row.
     pub(super) fn drop_stuck(&mut self, settings: &Settings, sample: &mut Sample, dt: f64) {
         let witness = self.witness(settings, sample);
         self.stuck.watch(sample, &witness, dt);
     }
 
-    /// What the motion says of a row beside its own signals.
+    /// Returns what the motion shows, to check the signals of a row.
     fn witness(&self, settings: &Settings, sample: &Sample) -> Witness {
         let (state, sensors) = (self.belief.state(), &settings.sensors);
         let radius = self.dynamics.wheel_radius;
@@ -67,7 +68,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Wheels, specific force and slope of a row show how far the slope is to be believed.
+    /// Updates the error of the slope sensor with wheels, specific force and slope of a row.
     pub(super) fn watch_slope(&mut self, sample: &Sample, dt: f64) {
         let wheels = sample.front_wheel_speed.zip(sample.rear_wheel_speed);
         let road = sample.acceleration.zip(sample.slope);

@@ -1,4 +1,4 @@
-//! The consistent step with every rule: predict, doubt, absorb.
+//! The consistent step with all protections: prediction, de-weighting, update.
 
 use super::report::RowReport;
 use super::wheels::{Before, Seen};
@@ -10,7 +10,7 @@ use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 
-/// The measurements of a row; NaN where missing.
+/// Measurements of a row; NaN where missing.
 pub(super) fn measurements<const M: usize>(sample: &Sample, acceleration: Option<f64>) -> [f64; M] {
     let all = [
         sample.speed,
@@ -77,7 +77,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Under which a row is taken.
+    /// Conditions of a row.
     fn conditions(
         &mut self,
         settings: &Settings,
@@ -91,14 +91,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut conditions = self.digging.conditions(settings, state[SPEED], force, dt);
         let other_mass = settings.at_work() && self.disturbance.mass.lighter() != 0.0;
         if self.known_load.is_open() || other_mass {
-            // Neither the mass nor where it sits is known.
+            // Neither the mass nor the position of the load is known.
             conditions.frozen = true;
         }
         conditions
     }
 
-    /// What was measured beyond the prediction; of the wheels at work without what winds up the tyres, what bends the machine,
-    /// and how much later one of them comes.
+    /// Innovations. Those of the wheels at work exclude the wind-up of the tyres, the bending of the machine, and the lag between
+    /// the axles.
     fn innovation(
         &mut self,
         settings: &Settings,
@@ -118,8 +118,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 model.dt,
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
             );
-            // Nobody says on which body the speed is measured: half of it each.
-            // So it is with the time: half of the lag each.
+            // It is unknown on which body the speed is measured, and which wheel speed is in time with it: half of each correction
+            // for each axle.
             let gained = (state[SPEED] - before.speed) / model.dt * self.wheel_lag.lag().value;
             let apart = 0.5 * (self.effect.closing - gained) / self.dynamics.wheel_radius;
             innovation[FRONT_WHEEL] += apart - windup[0];
@@ -128,7 +128,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         innovation
     }
 
-    /// Makes wheels that hop count less; the variance of each wheel that is no other row's [rad^2/s^2].
+    /// De-weights wheels that hop; returns the variance of each wheel in this row alone [rad^2/s^2].
     fn doubt_hops(
         &self,
         settings: &Settings,

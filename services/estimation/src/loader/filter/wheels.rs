@@ -1,5 +1,5 @@
-//! What a row in which both wheels count shows beside the state: whether slips fluctuate and manoeuvres agree, whether the machine
-//! turns, and whether its centre drive is locked.
+//! What is learnt beside the state from a row in which both wheels count: fluctuation of slips, agreement of manoeuvres, curves,
+//! and a locked centre drive.
 
 use super::{Belief, CgFilter};
 use crate::loader::doubts::coupling::Turning;
@@ -11,7 +11,7 @@ use crate::loader::measurements::windup::LEAST_SHARE;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::settings::Settings;
 
-/// What held before the row.
+/// Values before the row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Before {
     pub speed: f64,
@@ -28,7 +28,7 @@ pub(super) struct Seen<'a, const N: usize, const M: usize> {
     pub measured: &'a [f64; M],
     pub innovation: &'a [f64; M],
     pub std: &'a [f64; M],
-    /// Variance of each wheel that is no other row's [rad^2/s^2].
+    /// Variance of each wheel in this row alone [rad^2/s^2].
     pub noise: [f64; 2],
     /// Sine of the slope.
     pub sine: f64,
@@ -58,7 +58,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .manoeuvres
             .take(&slip, seen.before.ratio_variance, model.dt);
         if disagrees && self.relearning.settled() {
-            // A leg that lies far off reopens height and ratio.
+            // A leg with a large deviation opens height and ratio again.
             self.changed = 0.0;
         }
         let predicted = B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
@@ -78,7 +78,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         });
     }
 
-    /// What a row shows of the time between both wheel speeds; a machine that brakes shows nothing, one that bends less.
+    /// Updates the lag between both wheel speeds. Braking carries no information about it, bending less.
     fn see_lag(&mut self, seen: &Seen<N, M>, model: &CgModel) {
         if self.effect.braking {
             return self.wheel_lag.interrupt();
@@ -93,7 +93,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.wheel_lag.see(&self.dynamics, &row, model.dt);
     }
 
-    /// What a row shows of the difference of the rim speeds.
+    /// Returns the difference of the rim speeds in a row, for its leg.
     fn slip(&self, seen: &Seen<N, M>, model: &CgModel) -> Slip {
         let (machine, inputs) = (&self.dynamics, &model.inputs);
         let radius = machine.wheel_radius;
@@ -115,7 +115,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// A row of a machine of which nobody says how it turns; `variances` are those of prediction and row [rad^2/s^2].
+    /// Updates the unreported curves. `variances`: those of prediction and row [rad^2/s^2].
     fn watch_curves(
         &mut self,
         settings: &Settings,

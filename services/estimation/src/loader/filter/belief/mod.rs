@@ -1,7 +1,7 @@
-//! What a filter believes, a state and how uncertain it is, and how the model's step changes it: by sigma points on a covariance
-//! root (`sigma_points`), or by the model's tangent on the covariance (`tangent`).
+//! Belief of a filter, its state and uncertainty, and the update of it by the model's step: with sigma points on a covariance root
+//! (`sigma_points`), or with the model's tangent on the covariance (`tangent`).
 //!
-//! All else of a row (inputs, conditions, noise, gates, verdict) is [`super::CgFilter`]'s and the same for both.
+//! All other parts of a row (inputs, conditions, noise, gates, verdict) are in [`super::CgFilter`], and the same for both.
 
 use core::fmt::Debug;
 
@@ -17,12 +17,12 @@ mod tangent;
 pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     Copy + Debug
 {
-    /// The step of the model before its noise.
+    /// Result of the model's step, before its noise.
     type Ahead;
-    /// The measurements that follow from it.
+    /// Measurements predicted from it.
     type Expected;
 
-    /// At `state`, with independent standard deviations.
+    /// Belief at `state`, with independent standard deviations.
     fn new(state: [f64; N], std: &[f64; N], spread: Spread) -> Self;
 
     fn state(&self) -> &[f64; N];
@@ -31,20 +31,19 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     /// Variance of a state.
     fn variance(&self, i: usize) -> f64;
 
-    /// Finite, and every variance positive.
+    /// Whether all numbers are finite, and every variance is positive.
     fn is_sound(&self) -> bool;
 
-    /// These states are known anew, each with a standard deviation, and nothing of them is known by the others, which get
-    /// process noise.
+    /// Resets each of these states to a standard deviation of its own, uncorrelated with the others. The others get process noise.
     fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]);
 
-    /// One step of the model; the belief itself stays.
+    /// Computes one step of the model; the belief itself stays.
     fn ahead(&self, model: &CgModel) -> Self::Ahead;
 
-    /// The state after that step.
+    /// State after that step.
     fn state_ahead(ahead: &Self::Ahead) -> &[f64; N];
 
-    /// Takes the step, with process noise.
+    /// Applies the step, with process noise.
     fn predict(
         &mut self,
         ahead: &mut Self::Ahead,
@@ -52,16 +51,16 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
         process_std: &[f64; N],
     ) -> Self::Expected;
 
-    /// The predicted measurement.
+    /// Predicted measurement.
     fn measurement(expected: &Self::Expected) -> &[f64; M];
 
-    /// Its standard deviation, sensor noise not included.
+    /// Standard deviation of the predicted measurement, sensor noise not included.
     fn measurement_std(expected: &Self::Expected, j: usize) -> f64;
 
     /// Variance of the predicted difference of two measurements that are states, sensor noise not included.
     fn difference_variance(expected: &Self::Expected, of: [usize; 2]) -> f64;
 
-    /// Absorbs the accepted measurements; returns the normalised innovation squared.
+    /// Updates with the accepted measurements; returns the normalised innovation squared.
     fn update(
         &mut self,
         expected: &mut Self::Expected,
@@ -70,7 +69,7 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
         accepted: &[bool; M],
     ) -> f64;
 
-    /// The filter that can step as the paper prints it.
+    /// Returns the sigma-point filter, which can step as the paper prints it.
     fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>>;
 
     /// Standard deviation of a state.

@@ -1,4 +1,4 @@
-//! The belief as a covariance root, carried by sigma points.
+//! Belief as a covariance root, propagated by sigma points.
 
 use super::Belief;
 use crate::ekf::add;
@@ -30,7 +30,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
     }
 
     fn is_sound(&self) -> bool {
-        // A sum of numbers that are finite by far is finite.
+        // Entries far below overflow have a finite sum.
         let mut sum = self.state;
         for row in &self.root {
             add(&mut sum, 1.0, row);

@@ -1,4 +1,4 @@
-//! The belief as a covariance, carried by the model's tangent.
+//! Belief as a covariance, propagated by the model's tangent.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -11,10 +11,10 @@ use crate::loader::physics::wheel_dynamics::Road;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
 
-/// A measurement that is made of the speed after the step and two states before it, to first order.
+/// A measurement as a function of the speed after the step and of two states before it, to first order.
 struct Made {
-    /// How much of the noise of the new speed it sees, as [`CgModel`] says. Of a late speed that is the noise of an earlier step,
-    /// as large: not 1 - tau/dt times that of this one.
+    /// Gain of the new speed's noise in it, as in [`CgModel`]. A late speed contains the noise of an earlier step, of equal size,
+    /// and not 1 - tau/dt times that of this one.
     noise: f64,
     new_speed: f64,
     old: [(usize, f64); 2],
@@ -50,7 +50,7 @@ impl Made {
         }
     }
 
-    /// Its covariance with something, from that of the new speed and of the old states.
+    /// Its covariance with another quantity, from those of the new speed and of the old states.
     #[inline(always)]
     fn of_columns(&self, new_speed: f64, old: impl Fn(usize) -> f64) -> f64 {
         let [(first, by_first), (second, by_second)] = self.old;
@@ -86,7 +86,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
     }
 
     fn is_sound(&self) -> bool {
-        // What is not finite beside the diagonal shows in the state with the next row.
+        // An entry beside the diagonal that is not finite reaches the state with the next row.
         let (mut sum, mut positive) = (0.0, true);
         for i in 0..N {
             sum += self.state[i] + self.covariance[i][i];
@@ -124,7 +124,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         &ahead.state
     }
 
-    /// As [`Ekf::predict`], in the blocks that the loader has: three states that move, and measurements that follow from them.
+    /// As [`Ekf::predict`], with the block structure of the loader: three states that move, and measurements that follow from them.
     #[inline(always)]
     fn predict(
         &mut self,
