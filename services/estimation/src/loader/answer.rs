@@ -1,4 +1,4 @@
-//! What is said after a row: values, intervals and verdict.
+//! The estimate after a row: values, intervals and verdict.
 
 use super::Method;
 use super::doubts::stated_ratio::together;
@@ -11,7 +11,7 @@ use super::verdict::{Doubt, Intervals};
 use crate::Quantity;
 use crate::math::norm;
 
-/// Centre of gravity with its load, and the deviations of filter and report.
+/// Centre of gravity with its load, and the standard deviations of filter and report.
 fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! What the estimator answers to each row: values, standard deviations, and whether to believe them.
+//! The estimate after each row: values, standard deviations, and whether to trust them.
 
 use super::{Method, Reason};
 use crate::Quantity;
@@ -16,13 +16,13 @@ pub enum Status {
     Updated,
     /// The time did not increase or is not finite: the row was ignored, the state is untouched.
     Refused,
-    /// The row came after a gap: speeds re-anchored on the measurements, parameters kept.
+    /// The row came after a gap: speeds re-anchored on the measurements, parameters unchanged.
     Gap,
-    /// The clock was set back and stayed so: time goes on from this row; speeds re-anchored, parameters kept.
+    /// The clock was set back and stayed so: time continues from this row; speeds re-anchored, parameters unchanged.
     ClockSetBack,
-    /// The innovations stayed too large for too long: the covariance restarted, the values kept.
+    /// The innovations stayed too large for too long: the covariance restarted, the values are unchanged.
     Reset,
-    /// The filter left the finite numbers: everything restarted from the prior.
+    /// The filter had a value that is not finite: everything restarted from the prior.
     Diverged,
 }
 
@@ -50,11 +50,11 @@ pub struct Estimate {
     pub cg_distance: f64,
     /// Force on the bucket tip, measured plus unknown part, positive backward \[N\].
     pub spade_force_x: Option<Quantity>,
-    /// What the bucket holds, weighed by the lift pressure \[kg\].
+    /// Content of the bucket, weighed by the lift pressure \[kg\].
     pub payload: Option<Quantity>,
-    /// The payload may be believed: the bucket neither turns nor touches the ground, and the interval is narrow.
+    /// The payload is trusted: the bucket neither turns nor touches the ground, and the interval is narrow.
     pub trusted_payload: bool,
-    /// The load may be changing, whatever else is the reason.
+    /// The load may be changing, whatever `reason` names.
     pub changing: bool,
     /// Bias of the slope sensor, true slope = measured - bias \[rad\].
     pub slope_bias: Option<f64>,
@@ -66,7 +66,7 @@ pub struct Estimate {
     pub speed_delay: Option<Quantity>,
     /// Normalised innovation squared of this row per accepted measurement; 1 is the expected value.
     pub nis: f64,
-    /// The torques changed enough to tell the axle loads apart.
+    /// The torques changed enough to distinguish the axle loads.
     pub excited_ratio: bool,
     /// The acceleration changed enough to shift load between the axles.
     pub excited_height: bool,
@@ -86,11 +86,11 @@ pub struct Estimate {
     pub frozen: bool,
     /// A reset happened within the last 2 s.
     pub reset: bool,
-    /// The ratio may be believed: excited, consistent, fresh, converged, identifiable, and not just reset.
+    /// The ratio is trusted: excited, consistent, fresh, converged, identifiable, and not just reset.
     pub trusted_ratio: bool,
-    /// The height may be believed: excited, consistent, fresh, converged, identifiable, and not just reset.
+    /// The height is trusted: excited, consistent, fresh, converged, identifiable, and not just reset.
     pub trusted_height: bool,
-    /// Why it is not fresh or not consistent.
+    /// Why the estimate is not fresh or not consistent.
     pub reason: Reason,
     /// What was done with the row.
     pub status: Status,
@@ -103,12 +103,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The row was refused; the state is untouched.
+    /// Whether the row was refused; the state is then untouched.
     pub fn is_refused(&self) -> bool {
         self.status == Status::Refused
     }
 
-    /// The filter left the finite numbers at this row and began anew.
+    /// Whether the filter had a value that is not finite at this row, and restarted from the prior.
     pub fn has_diverged(&self) -> bool {
         self.status == Status::Diverged
     }

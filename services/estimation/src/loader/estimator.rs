@@ -1,4 +1,4 @@
-//! The estimator of the centre of gravity: one row in, one answer out.
+//! The estimator of the centre of gravity: one row in, one estimate out.
 
 use super::answer::answer;
 use super::doubts::witnesses::Witnesses;
@@ -14,7 +14,7 @@ use crate::ekf::Ekf;
 #[cfg(feature = "every-method")]
 use crate::srukf::SquareRootUkf;
 
-/// The filter that a method runs on. A controller with little flash has those of `full-ekf` alone (without the feature
+/// The filter that a method runs on. A controller with little flash has only those of `full-ekf` (without the feature
 /// `every-method`).
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // no allocator
@@ -39,7 +39,7 @@ enum Filter {
     TwelveByTangent(CgFilter<12, 4, Ekf<12, 4>>),
 }
 
-/// The same with whichever filter it is.
+/// Applies an expression to whichever filter it is.
 macro_rules! each {
     ($filter:expr, $f:ident => $then:expr) => {
         match $filter {
@@ -65,8 +65,8 @@ macro_rules! each {
 
 /// Estimates the centre of gravity of a wheel loader while it works.
 ///
-/// Every call of [`CgEstimator::step`] answers with finite numbers, whatever the row holds. A row whose time does not
-/// increase is refused and changes nothing. A step does not allocate, does not read a clock, and does the same work each time.
+/// Every call of [`CgEstimator::step`] returns finite numbers, whatever the row contains. A row whose time does not increase is
+/// refused and changes nothing. A step does not allocate, does not read a clock, and does the same work each time.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CgEstimator {
@@ -85,10 +85,10 @@ pub struct CgEstimator {
 }
 
 impl CgEstimator {
-    /// An estimator that waits for its first row.
+    /// An estimator before its first row.
     ///
-    /// `full` and `full-ekf` need the acceleration column for their 12 states and run on 9 without it; on 10 and 8 where the machine is
-    /// not taken for one at work.
+    /// `full` and `full-ekf` need the acceleration column for their 12 states and run on 9 without it. They run on 10 and 8 where
+    /// the machine is not taken for one at work.
     ///
     /// # Errors
     /// Names the first setting that cannot be used.
@@ -131,7 +131,7 @@ impl CgEstimator {
         })
     }
 
-    /// Takes one row and answers.
+    /// Processes one row and returns the estimate.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let machine = &self.settings.machine;
         let mut sample = sample.plausible(machine.mass, machine.wheel_radius);
@@ -147,7 +147,7 @@ impl CgEstimator {
             answer = self.stale();
         } else {
             let period = answer.time - self.last.time;
-            // A clock that was set back says nothing of the time between rows.
+            // A clock that was set back carries no information about the time between rows.
             if period > 0.0 {
                 self.period = period;
             }
@@ -164,12 +164,12 @@ impl CgEstimator {
         self.last
     }
 
-    /// Whether the clock will refuse a row of this time; asked where a lift arm takes rows beside the filter.
+    /// Whether the clock will refuse a row of this time; called where a lift arm takes rows beside the filter.
     fn refuses(&self, time: f64) -> bool {
         self.lift.is_some() && each!(&self.filter, f => f.refuses(&self.settings, time))
     }
 
-    /// The last answer to a row that was refused; believed only as long as inputs count as fresh.
+    /// The last estimate, for a row that was refused; trusted only as long as inputs count as fresh.
     fn stale(&self) -> Estimate {
         let mut answer = Estimate {
             status: Status::Refused,
@@ -184,11 +184,11 @@ impl CgEstimator {
         answer
     }
 
-    /// Tells the payload from weighing and boom position for the rows to come, or that there is none to be reported.
+    /// Sets the payload, from weighing and boom position, for the rows to come; `None` where no payload is reported.
     ///
-    /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
-    /// empty). The reported values stay those of the loaded machine. While the lift pressures weigh the load, the weighing counts
-    /// and not this payload.
+    /// From the first payload on, prior and states refer to the empty machine, so report it from the first row (mass 0 when empty).
+    /// The estimate remains that of the loaded machine. While the lift pressures weigh the load, the weighing counts and not this
+    /// payload.
     pub fn set_payload(&mut self, payload: Option<Payload>) {
         each!(&mut self.filter, f => f.known_load.report(payload));
     }
@@ -198,7 +198,7 @@ impl CgEstimator {
         self.method
     }
 
-    /// The last answer; before the first row the prior.
+    /// The last estimate; before the first row the prior.
     pub fn last(&self) -> &Estimate {
         &self.last
     }
@@ -234,7 +234,7 @@ fn other(
     })
 }
 
-/// Left out of this build.
+/// Not in this build.
 #[cfg(not(feature = "every-method"))]
 fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, SettingsError> {
     Err(SettingsError {
@@ -244,7 +244,7 @@ fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, Sett
     })
 }
 
-/// What the lift pressure says of a plausible row that the clock will take.
+/// Returns what the lift pressure shows in a plausible row that the clock will accept.
 fn weigh<'a>(
     lift: &'a mut LiftWitness,
     filter: &mut Filter,
@@ -253,7 +253,7 @@ fn weigh<'a>(
 ) -> Option<Said<'a>> {
     let empty = lift.empty();
     let weighed = lift.step(sample, settings.estimator.fresh);
-    // What is reported is more than what may be.
+    // A reported payload is better than an unknown one.
     let counts =
         |said: &Said<'_>| !said.silent || !each!(&*filter, f => f.known_load.is_reported());
     let weighed = weighed.filter(counts);

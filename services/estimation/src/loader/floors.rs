@@ -1,16 +1,16 @@
-//! Floors of the reported intervals: errors that cannot be learnt on line.
+//! Floors of the reported intervals: errors that cannot be identified on line.
 //!
-//! Load sensitivity of the radius, torque ratio, and what the model leaves out are added to the variance in the report only, never
-//! in the filter:
+//! Load sensitivity of the radius, torque ratio, and errors of the model are added to the variance in the report only, never in the
+//! filter:
 //! ```text
 //! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + ((1 - lam) sigma_Kratio)^2 + 0.011^2] + (h sigma_z/(g l))^2
 //! sd_h,rep^2   = sd_h^2 + (0.04 m)^2 + (h sigma_p)^2 + (13 h sigma_rho)^2
 //! ```
-//! z: the zero of the accelerometer, which is taken for a load that is always shifted. p: the slip stiffness falls with the
-//! load as F_z^-p. Of the ratio that is a difference of the axles' stiffnesses, which sigma_Kratio holds already.
+//! z: the zero of the accelerometer, whose error looks like a load that is always shifted. p: the slip stiffness falls with the
+//! load as F_z^-p. For the ratio this is a difference of the axles' stiffnesses, which sigma_Kratio already includes.
 //!
-//! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
-//! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
+//! The methods of the paper take the rolling radii as exact. On a real machine this error exceeds all others, and their own
+//! interval does not include it. So it is added as well: their interval then covers it, and they are never trusted.
 
 use super::layout::Each;
 use super::settings::Settings;
@@ -19,9 +19,9 @@ use crate::math::norm;
 
 /// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).
 ///
-/// An acceleration a moves the load m h a/l. That makes the slips differ by (a/(2 g K)) [1/lam^2 + 1/(1 - lam)^2] for a unit of
-/// the share, and the radii by 4 h a/(g l) for a unit of their sensitivity: both go with a, so one looks like the other.
-/// With the K and h of the machine in place of the reference's it was no better: they are estimates too.
+/// An acceleration a moves the load m h a/l. The slips then differ by (a/(2 g K)) [1/lam^2 + 1/(1 - lam)^2] for a unit of the
+/// share, and the radii by 4 h a/(g l) for a unit of their sensitivity. Both are proportional to a, so one looks like the other. K
+/// and h of the machine in place of the reference's gave no improvement: they are estimates too.
 pub(super) const RATIO_PER_SENSITIVITY: f64 = 16.0;
 /// Relative error of the height per load sensitivity, as measured on six machines of 5 to 20 t: 12 to 14.
 const HEIGHT_PER_SENSITIVITY: f64 = 13.0;
@@ -29,21 +29,21 @@ const HEIGHT_PER_SENSITIVITY: f64 = 13.0;
 const RATIO_PER_RADIUS: f64 = 170.0;
 /// Error of the height per the same: 0.1 % drives it to its bound [m].
 const HEIGHT_PER_RADIUS: f64 = 600.0;
-/// How well rolling radii are known beforehand, where the filter does not learn them.
+/// Standard deviation of the relative rolling radii, where the filter does not estimate them.
 const RADIUS_STD: f64 = 0.003;
 
-/// What a filter estimates, so that its covariance holds it and no floor need.
+/// Parameters that a filter estimates, so that its covariance includes them and no floor has to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Learns {
     /// The rolling radii.
     pub radii: bool,
-    /// What it leaves of the standard deviation of their load sensitivity.
+    /// Remaining standard deviation of their load sensitivity.
     pub load_sensitivity: f64,
-    /// What moves load between the axles, by an accelerometer.
+    /// Acceleration that moves load between the axles, by an accelerometer.
     pub acceleration: bool,
 }
 
-/// Standard deviations with the floors.
+/// Standard deviations, floors included.
 pub(super) fn with_floors(
     settings: &Settings,
     learns: &Learns,
@@ -70,7 +70,7 @@ pub(super) fn with_floors(
     }
 }
 
-/// The standard deviation of the ratio with the floors.
+/// Standard deviation of the ratio, floors included.
 pub(super) fn ratio_with_floors(
     settings: &Settings,
     learns: &Learns,
@@ -102,7 +102,7 @@ pub(super) fn ratio_with_floors(
     norm(&[std, ratio * relative, shifted])
 }
 
-/// What is not known of the rolling radii where the filter takes them as exact.
+/// Standard deviation of the relative rolling radii where the filter takes them as exact, otherwise 0.
 fn radius_std(learns: &Learns) -> f64 {
     if learns.radii { 0.0 } else { RADIUS_STD }
 }

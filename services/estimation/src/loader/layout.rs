@@ -1,4 +1,4 @@
-//! Where each quantity stands in the state of a filter and among its measurements.
+//! Position of each quantity in the state of a filter and among its measurements.
 //!
 //! | states | x |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | 9 | those of 8, tau |
 //! | 12 | those of 10, e, tau |
 //!
-//! The measurements are v, w_f, w_r and the specific force: the first three stand where their states do.
+//! The measurements are v, w_f, w_r and the specific force. The first three have the positions of their states.
 
 use core::ops::Range;
 
@@ -43,7 +43,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// That of a filter with so many states.
+    /// Layout of a filter with this number of states.
     pub const fn of(states: usize) -> Self {
         let (spade_force, radii, slope_bias) = match states {
             10..=12 => (Some(6), Some([7, 8]), Some(9)),
@@ -73,7 +73,7 @@ impl Layout {
     }
 }
 
-/// Something of each of the two quantities that carry a verdict.
+/// A value for each of the two quantities that have a verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Each<T> {
     /// Of the share of the weight in front.
@@ -83,7 +83,7 @@ pub(super) struct Each<T> {
 }
 
 impl<T> Each<T> {
-    /// From what stands in their places of the state.
+    /// From the values at their positions in the state.
     pub fn of(place: impl Fn(usize) -> T) -> Self {
         Self {
             ratio: place(CG_RATIO),
@@ -108,7 +108,7 @@ pub(super) struct ByState {
 }
 
 impl ByState {
-    /// The values where their states stand; what the filter does not have is left out.
+    /// Returns the values at the positions of their states, without states that the filter does not have.
     #[inline(always)]
     pub fn state<const N: usize>(self) -> [f64; N] {
         let layout = const { Layout::of(N) };

@@ -1,4 +1,4 @@
-//! How the centre of gravity is estimated.
+//! Methods that estimate the centre of gravity.
 
 use crate::methods::methods;
 
@@ -10,7 +10,7 @@ impl Method {
         matches!(self, Self::IsrUkfPrinted | Self::IsrUkf | Self::Ekf)
     }
 
-    /// Whether it takes the model's tangent, and not sigma points.
+    /// Whether it uses the model's tangent, and not sigma points.
     pub(super) const fn takes_tangent(self) -> bool {
         matches!(self, Self::Ekf | Self::FullEkf)
     }

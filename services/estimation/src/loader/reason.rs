@@ -1,4 +1,4 @@
-//! Why an estimate is not believed: the rows are in the sheet.
+//! Reasons why an estimate is not trusted: the rows are in the sheet.
 
 use crate::reasons::reasons;
 

@@ -1,8 +1,8 @@
-//! One row of loader signals, and which of them the source has at all.
+//! One row of loader signals, and which of them the source provides.
 
 use super::keys::Description;
 
-/// One row of signals; `None` is a missing sample, a value that is not finite counts as missing.
+/// One row of signals. `None` is a missing value; a value that is not finite counts as missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Time of the measurement \[s\]; rows must increase.
@@ -43,42 +43,41 @@ pub struct Sample {
     pub lift_head_pressure: Option<f64>,
     /// Pressure at the rod side of the lift cylinders, their mean \[Pa\].
     pub lift_rod_pressure: Option<f64>,
-    /// Number of the truck that is loaded; another number begins the next truck.
+    /// Number of the truck that is loaded; a change begins the next truck.
     pub truck: Option<f64>,
 }
 
-/// Which of the signals that make states the source has.
+/// Signals of the source that determine the states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
     /// An accelerometer along the body axis; without it `full` runs on 9 states instead of 12.
     pub acceleration: bool,
 }
 
-/// Beyond this a speed is no measurement [m/s].
+/// Largest plausible speed [m/s].
 const SPEED_LIMIT: f64 = 200.0;
-/// Beyond this a wheel speed is no measurement [rad/s].
+/// Largest plausible wheel speed [rad/s].
 const WHEEL_SPEED_LIMIT: f64 = 1000.0;
-/// Beyond this a specific force is no measurement [m/s^2].
+/// Largest plausible specific force [m/s^2].
 const ACCELERATION_LIMIT: f64 = 1000.0;
-/// Beyond this a yaw rate is no measurement [rad/s].
+/// Largest plausible yaw rate [rad/s].
 const YAW_LIMIT: f64 = 10.0;
-/// Beyond this a slope is no measurement [rad].
+/// Largest plausible slope [rad].
 pub(super) const SLOPE_LIMIT: f64 = 0.8;
-/// Beyond this the angle between front and rear body is no measurement [rad].
+/// Largest plausible angle between front and rear body [rad].
 const ARTICULATION_LIMIT: f64 = 1.5;
-/// Beyond this the angle of a joint is no measurement [rad]: a full turn.
+/// Largest plausible angle of a joint [rad]: a full turn.
 const ANGLE_LIMIT: f64 = core::f64::consts::TAU;
-/// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
+/// Largest plausible pressure [Pa]: five times that of mobile hydraulics (40 MPa).
 const PRESSURE_LIMIT: f64 = 2e8;
-/// Beyond this multiple of the weight a force on the bucket is no measurement.
+/// Largest plausible force on the bucket, over the weight.
 const FORCE_LIMIT: f64 = 10.0;
-/// Beyond this multiple of the weight the pull of an axle is no measurement: tyres hold once the weight.
+/// Largest plausible pull of an axle, over the weight: tyres hold once the weight.
 const PULL_LIMIT: f64 = 3.0;
-/// Beyond this factor of the machine's mass a mass is no measurement.
+/// Largest plausible factor between a mass and that of the machine.
 const MASS_LIMIT: f64 = 20.0;
 
-/// The largest value of a signal that counts: a larger one is missing. None where any counts, or the mass of the machine
-/// decides.
+/// Largest plausible value of a signal of the described machine: a larger one is missing. `None` for a signal without such a limit.
 #[must_use]
 pub fn largest(signal: &str, described: &Description) -> Option<f64> {
     let weight = described.machine.mass * crate::GRAVITY;
@@ -103,8 +102,8 @@ pub fn largest(signal: &str, described: &Description) -> Option<f64> {
 impl Sample {
     /// The sample without values that no machine of this mass [kg] and wheel radius [m] can have.
     ///
-    /// Gates judge a measurement against the prediction; this is for what has no prediction (inputs, first rows,
-    /// restarts) and keeps every later number finite: what is not a finite number is not plausible either.
+    /// Gates test a measurement against its prediction. This test is for what has no prediction (inputs, first rows, restarts), and
+    /// keeps every later number finite: a value that is not finite is not plausible either.
     pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
         let weight = mass * crate::GRAVITY;

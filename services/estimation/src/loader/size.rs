@@ -1,4 +1,4 @@
-//! A description from a few numbers: what a loader of some mass is like.
+//! Description of a loader from a few numbers: the usual values for its mass.
 
 use nalgebra::ComplexField;
 
@@ -13,7 +13,7 @@ const WHEELBASE: f64 = 0.136;
 const RADIUS: f64 = 0.0289;
 const REACH: f64 = 0.094;
 const HEIGHT: f64 = 0.051;
-/// Relative standard deviation of a radius that nobody states.
+/// Relative standard deviation of a radius that is not stated.
 const RADIUS_STD: f64 = 0.05;
 /// Inertia of an axle over mass times squared wheel radius: two wheels of 3.5 % of the mass each, with .7 of the radius as radius of gyration.
 const AXLE: f64 = 0.035;
@@ -21,18 +21,18 @@ const AXLE: f64 = 0.035;
 const SPADE: f64 = 0.0638;
 const DIG: f64 = 0.532;
 const EXCITED: f64 = 0.116;
-/// Shares of the height: its spread, its limits, what an estimate leaves open, what is enough, its random walk.
+/// Shares of the height: its prior deviation, its limits, its floor, its limit of convergence, its random walk.
 const SPREAD: f64 = 0.145;
 const LIMITS: [f64; 2] = [0.33, 2.8];
 const FLOOR: f64 = 0.0444;
 const ENOUGH: f64 = 0.0889;
 const WALK: f64 = 3.3e-5;
 
-/// A mass that differs by no more from the reference machine's is its own, weighed or calibrated.
+/// Relative difference from the reference machine's mass within which the machine counts as that one, weighed or calibrated.
 const SAME: f64 = 0.05;
 
 impl Description {
-    /// What counts its loads is given, as far as the machine tells it. Its weights know nothing that all share.
+    /// Settings of the ledger of its loads, as far as the machine determines them. No error common to all weights is stated.
     #[must_use]
     pub fn loads(&self) -> loads::Settings {
         loads::Settings::with_rated(RATED_SHARE * self.machine.mass)
@@ -70,7 +70,7 @@ impl Description {
         m.wheel_radius = radius;
         m.bucket_reach = REACH * length;
         m.axle_inertia = AXLE * mass * radius * radius;
-        // Also where it followed from the mass before.
+        // Also where the radius followed from the mass before.
         if radius == RADIUS * length {
             p.radius_std = RADIUS_STD;
         }

@@ -1,4 +1,4 @@
-//! Whether to believe the estimate: excitation, consistency, freshness, convergence, and the first reason why not.
+//! Whether to trust the estimate: excitation, consistency, freshness, convergence, and the first reason why not.
 
 use super::input::stuck::WATCHED;
 use super::layout::Each;
@@ -10,7 +10,7 @@ use crate::math::sqrt;
 
 /// Averaging time of the excitation [s].
 const EXCITATION_TIME: f64 = 5.0;
-/// How long a reset is shown [s].
+/// Time for which a reset is reported [s].
 const RESET_SHOWN: f64 = 2.0;
 /// Share of the prior's standard deviation below which the data determine the parameter.
 const OBSERVABLE: Each<f64> = Each {
@@ -18,32 +18,32 @@ const OBSERVABLE: Each<f64> = Each {
     height: 0.36,
 };
 
-/// What makes an estimate doubtful beside its own covariance.
+/// Errors of an estimate beside its own covariance (*doubts*).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Doubt {
     /// Standard deviation of the ratio: that of the filter, or more where one axle alone pulls.
     pub ratio_std: f64,
     /// Birge ratio of the manoeuvres.
     pub birge: f64,
-    /// What slips that waver may do to their mean, as a share of it.
+    /// Error of the mean slips by their fluctuation, as a share of it.
     pub wavering: f64,
-    /// How far it lies beyond what the prior lets expect.
+    /// Standard deviations by the distance beyond the prior, an unknown load, and other doubts.
     pub beyond: Each<f64>,
-    /// What is known of the ratio beside the slips.
+    /// Stated ratio, independent of the slips.
     pub stated: Option<Quantity>,
-    /// What spans both, where the ratio is doubted, as a standard deviation.
+    /// Standard deviation that spans the ratio and its prior, where the ratio is doubted.
     pub spans: f64,
-    /// It is at a bound.
+    /// The state is at a bound.
     pub at_limit: Each<bool>,
-    /// The machine is loaded, and nobody would say if the boom lifted the load.
+    /// The machine is loaded, and a lift of the load would not be reported.
     pub unknown_height: bool,
     /// The first cause.
     pub reason: Reason,
-    /// The load may be another one, as far as the wheels tell.
+    /// The load may have changed, as far as the wheels show.
     pub changing: bool,
-    /// What acts on the machine that its model does not have: names innovations that are too large.
+    /// Action on the machine that its model does not contain: the reason of innovations that are too large.
     pub acts: Reason,
-    /// A drive the other way would tell what keeps the ratio from being trusted.
+    /// A drive in the other direction would identify the error that keeps the ratio from being trusted.
     pub one_way: bool,
 }
 
@@ -99,7 +99,7 @@ impl Variation {
     }
 }
 
-/// What is remembered for the verdict.
+/// Memory of the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Evidence {
@@ -113,7 +113,7 @@ pub(super) struct Evidence {
     accelerometer: bool,
     /// A signal is stuck.
     pub stuck: Option<usize>,
-    /// How long every motion measurement that came was rejected [s].
+    /// Time for which every measured speed and wheel speed was rejected [s].
     pub locked_out: f64,
     /// Running mean of the normalised innovation squared per measurement.
     pub consistency: f64,
@@ -163,7 +163,7 @@ impl Evidence {
         }
     }
 
-    /// Time passes; the motion of the row counts as excitation.
+    /// Advances the time; the motion of the row counts as excitation.
     pub fn advance(&mut self, dt: f64, total_torque: f64, acceleration: Option<f64>) {
         let weight = (dt / EXCITATION_TIME).min(1.0);
         self.torque.update(total_torque, weight);
@@ -179,7 +179,7 @@ impl Evidence {
         self.since_reset += dt;
     }
 
-    /// The plausible inputs that came with the row.
+    /// Takes the plausible inputs of the row.
     pub fn receive(&mut self, sample: &Sample) {
         let inputs = [
             sample.front_torque,
@@ -204,12 +204,12 @@ impl Evidence {
         }
     }
 
-    /// A torque has been missing for longer than an input stays fresh: the wheels tell nothing.
+    /// Whether a torque has been missing for longer than an input stays fresh: the wheels then carry no information.
     pub fn torque_lost(&self, limit: f64) -> bool {
         self.age[3].max(self.age[4]) > limit
     }
 
-    /// How many of the watched inputs are required.
+    /// Number of the watched inputs that are required.
     fn required(&self) -> usize {
         WATCHED - usize::from(!self.accelerometer)
     }
@@ -219,13 +219,13 @@ impl Evidence {
         self.stuck.is_none() && self.age[..self.required()].iter().all(|age| *age <= limit)
     }
 
-    /// Whether a required input did not come; one that came may have been rejected.
+    /// Whether a required input is missing; one that is present may have been rejected.
     fn missing(&self, limit: f64) -> bool {
         let inputs = &self.age[3..self.required()];
         self.came.iter().chain(inputs).any(|age| *age > limit)
     }
 
-    /// The row's measurements came and were accepted, or not.
+    /// Takes which of the row's measurements were accepted; `came`: any of them was present.
     pub fn admit(&mut self, came: bool, accepted: &[bool], dt: f64) {
         if accepted.iter().take(3).any(|a| *a) {
             self.locked_out = 0.0;
@@ -239,17 +239,17 @@ impl Evidence {
         }
     }
 
-    /// Wheel speeds that came and fit, but are not used.
+    /// Counts the wheel speeds as fresh: they are present and consistent, but not used.
     pub fn set_aside(&mut self) {
         (self.age[1], self.age[2]) = (0.0, 0.0);
     }
 
-    /// The normalised innovation squared of the row, per accepted measurement.
+    /// Updates the mean with the normalised innovation squared of the row, per accepted measurement.
     pub fn judge(&mut self, nis: f64, weight: f64) {
         self.consistency += weight * (nis - self.consistency);
     }
 
-    /// The filter restarted.
+    /// Takes a restart of the filter.
     pub fn restart(&mut self) {
         self.consistency = 1.0;
         self.since_reset = 0.0;
@@ -268,7 +268,7 @@ impl Evidence {
         let consistent = self.consistency <= limits.consistent_nis && doubt.reason == Reason::None;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
         let (known, prior) = (intervals.filter, &settings.prior);
-        // A ratio that was known well before need not be known better by the slips, but checked.
+        // A ratio with a narrow prior need not be narrowed by the slips, but checked.
         let checked = limits.converged_ratio * intervals.ratio;
         let observable = Each {
             ratio: known.ratio <= OBSERVABLE.ratio * prior.cg_ratio_std.max(checked),
@@ -299,7 +299,7 @@ impl Evidence {
         }
     }
 
-    /// Why the estimate is not fresh or not consistent, or what keeps it from being known.
+    /// Returns why the estimate is not fresh or not consistent, or what keeps it from being known.
     fn reason(&self, limit: f64, [fresh, consistent]: [bool; 2], doubt: &Doubt) -> Reason {
         match self.stuck {
             Some(signal) => Reason::stuck(signal),
@@ -312,7 +312,7 @@ impl Evidence {
     }
 }
 
-/// What an accelerometer would tell apart from slope and slip: without it these reasons may be false.
+/// Replaces reasons that may be false without an accelerometer, which distinguishes slope from slip.
 fn without_accelerometer(reason: Reason) -> Reason {
     match reason {
         Reason::Stiffness

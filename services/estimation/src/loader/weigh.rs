@@ -7,13 +7,13 @@
 //! | s | - | share of the front axle, F_f/(F_f + F_r) | - |
 //! | lam, h | result | ratio and height of the centre of gravity | -, m |
 //!
-//! Moments about the wheel contacts give s = lam - (h/l) tan th, whether the scales lie in the inclined plane or level
-//! under the wheels. So lam and h/l are intercept and slope of a straight line through the readings: level readings
-//! alone give lam, height needs at least two inclinations. After Fig. 6 of Yang, Wang, Han 2021, who average ten readings.
+//! Moments about the wheel contacts give s = lam - (h/l) tan th, whether the scales lie in the inclined plane or level under the
+//! wheels. So lam and h/l are intercept and slope of a straight line through the readings. Level readings alone give lam; the
+//! height needs at least two inclinations. After Fig. 6 of Yang, Wang, Han 2021, who average ten readings.
 //!
-//! The standard deviations come from the scatter of the readings about the line, together with the stated accuracy
-//! of the scales, which counts like two further readings: two or three readings prove little by themselves.
-//! What this is not: a calibration. An error common to all readings (a scale that reads high) does not average.
+//! The standard deviations follow from the scatter of the readings about the line and the stated accuracy of the scales. The latter
+//! counts like two further readings, because two or three readings are weak evidence. This is no calibration: an error common to
+//! all readings (a scale that reads high) does not average out.
 
 use core::fmt;
 
@@ -26,7 +26,7 @@ const STATED_WEIGHT: f64 = 2.0;
 /// Range of inclinations, as tan, below which the height is not estimated.
 const LEAST_TILT: f64 = 0.02;
 
-/// A steeper machine would roll off its scales [rad].
+/// Largest inclination: a steeper machine would roll off its scales [rad].
 const STEEPEST: f64 = 0.8;
 
 /// One weighing.
@@ -139,7 +139,7 @@ impl Weighing {
         })
     }
 
-    /// Takes a reading; a bad one is refused and changes nothing.
+    /// Adds a reading; a bad one is refused and changes nothing.
     ///
     /// # Errors
     /// The pitch or a load cannot be true.
@@ -172,7 +172,7 @@ impl Weighing {
         Ok(())
     }
 
-    /// What the readings say.
+    /// Returns the centre of gravity from the readings.
     ///
     /// # Errors
     /// There is no reading.
@@ -218,7 +218,7 @@ impl Weighing {
         })
     }
 
-    /// Scatter of one reading: the residuals and the stated accuracy, weighted by what stands behind each.
+    /// Standard deviation of one reading: residuals and stated accuracy, weighted by their numbers of readings.
     fn share_std(&self, slope: f64, tilted: bool) -> f64 {
         let stated = core::f64::consts::SQRT_2 * self.share * (1.0 - self.share) * self.scale_std;
         let residual = (self.share_squared - slope * self.tilt_share).max(0.0);
