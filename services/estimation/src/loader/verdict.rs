@@ -369,8 +369,8 @@ mod tests {
     }
 
     #[test]
-    fn a_ratio_that_stays_unknown_without_an_accelerometer_says_so() {
-        let said = |ratio: f64, accelerometer: bool| {
+    fn a_ratio_that_stays_unknown_without_an_accelerometer_has_that_reason() {
+        let reported = |ratio: f64, accelerometer: bool| {
             let mut evidence = rejected(|_| {});
             evidence.accelerometer = accelerometer;
             evidence.age = [0.0; WATCHED];
@@ -387,8 +387,8 @@ mod tests {
             let verdict = evidence.verdict(&Settings::DEFAULT, &intervals, &doubt, false);
             verdict.reason
         };
-        assert_eq!(said(0.1, false), Reason::Accelerometer);
-        assert_eq!(said(0.1, true), Reason::Stiffness);
-        assert_eq!(said(0.01, false), Reason::Stiffness);
+        assert_eq!(reported(0.1, false), Reason::Accelerometer);
+        assert_eq!(reported(0.1, true), Reason::Stiffness);
+        assert_eq!(reported(0.01, false), Reason::Stiffness);
     }
 }

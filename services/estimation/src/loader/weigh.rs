@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn level_readings_say_nothing_about_the_height() {
+    fn level_readings_carry_no_information_about_the_height() {
         let reference = weigh(&[exact(0.0), exact(0.001), exact(-0.001)]);
         assert_eq!(reference.cg_height, None);
         assert!((reference.cg_ratio.value - 0.45).abs() < 1e-3);

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_forgotten() {
+    fn a_row_that_is_not_finite_resets_the_means() {
         let mut curves = Curves::default();
         let row = Difference {
             innovation: f64::INFINITY,

@@ -401,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn a_radius_that_nobody_stated_may_be_off_by_its_spread() {
+    fn a_radius_that_is_not_stated_may_be_off_by_its_spread() {
         let mut settings = Settings::DEFAULT;
         assert_eq!(reason(&settings, 0.0, 0.06), Reason::Radius);
         settings.prior.radius_std = 0.05;

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nobody_states_it_a_tyre_may_be_rigid_and_the_first_drive_back_opens_no_more_than_for_a_stated_one()
+    fn a_tyre_with_unstated_sensitivity_may_be_rigid_and_the_first_drive_back_opens_no_more_than_for_a_stated_one()
      {
         let machine = Settings::DEFAULT.machine;
         let rigid = machine.radius_load_sensitivity / machine.radius_load_sensitivity_std;

@@ -1,29 +1,30 @@
-//! How a loader carries its bucket while it drives: flat or turned in. Where it mostly seems to hang down, or to be turned over, the
-//! angle of the lift arm or of the bucket has the other sign, or another zero.
+//! How a loader carries its bucket while it drives: flat or turned in. A bucket that mostly seems to hang down or to be turned over
+//! indicates a wrong sign or zero of the angle of the lift arm or of the bucket.
 
 use crate::math::round;
 use core::f64::consts::TAU;
 
-/// Faster than this it drives [m/s].
+/// Speed above which the machine drives [m/s].
 const DRIVES: f64 = 1.0;
 /// Angles of the bucket's floor to the horizontal, from a levelling one to a full one: -40 to 57 degrees; -16 to 47 were recorded [rad].
 const CARRIED: [f64; 2] = [-0.7, 1.0];
-/// Driving for so long tells something [s].
+/// Least time of driving for a result [s].
 const ENOUGH: f64 = 2.0;
-/// A longer time between two rows is a gap [s].
+/// Time between two rows beyond which there is a gap [s].
 const GAP: f64 = 0.5;
 
-/// How the bucket was carried so far.
+/// Times of driving so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Carriage {
-    /// Time of driving, and of that with the bucket as none is carried [s].
+    /// Time of driving, and the part of it with the bucket in a position in which none is carried [s].
     driven: f64,
     odd: f64,
 }
 
 impl Carriage {
-    /// A row `dt` \[s\] after the one before: speed [m/s], angles of the lift arm to the horizontal and of the bucket to the arm \[rad\].
+    /// Adds a row `dt` \[s\] after the one before: speed [m/s], angles of the lift arm to the horizontal and of the bucket to the
+    /// arm \[rad\].
     pub fn see(&mut self, speed: f64, [lift, tilt]: [f64; 2], dt: f64) {
         if !((0.0..GAP).contains(&dt) && speed.abs() > DRIVES) {
             return;
@@ -36,7 +37,7 @@ impl Carriage {
         }
     }
 
-    /// Whether no bucket is carried so.
+    /// Whether the bucket was mostly in a position in which none is carried.
     #[must_use]
     pub fn is_odd(&self) -> bool {
         self.driven > ENOUGH && 2.0 * self.odd > self.driven

@@ -1,10 +1,10 @@
-//! The slope of the road, from an inclinometer that is late and follows the acceleration.
+//! Slope of the road, from an inclinometer that is late and follows the acceleration.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
-//! | s, b | `slope`, `bias` | what it shows, and shows on level ground at rest | rad |
+//! | s, b | `slope`, `bias` | its reading, and its reading on level ground at rest | rad |
 //! | tau | `slope_delay` | its time constant | s |
-//! | kappa | `slope_acceleration_sensitivity` | share of dv/dt that it takes for a slope of (dv/dt)/g | 1 |
+//! | kappa | `slope_acceleration_sensitivity` | share of dv/dt that it shows as a slope of (dv/dt)/g | 1 |
 //! | a_x | `acceleration` | the accelerometer's dv/dt + g sin th | m/s^2 |
 //!
 //! ```text
@@ -12,18 +12,18 @@
 //! q = (s - b - kappa L[a_x]/g)/(1 - kappa),  tau L' + L = a_x    (2): the slope alone, late
 //! th + b = b + q + tau q'                                        (3)
 //! ```
-//! What is fast in s is the acceleration, which (2) takes out without a derivative; the slope left changes over metres, so
-//! that its rate may be smoothed. What the smoothing leaves is of second order: tau times [`SMOOTH`] times th''. A pure delay
-//! is taken out to first order. Without an accelerometer in the recording only the delay is.
+//! The fast part of s is the acceleration, which (2) removes without a derivative. The remaining slope changes over metres, so its
+//! rate may be smoothed. The error of the smoothing is of second order: tau times [`SMOOTH`] times th''. A pure delay is corrected
+//! to first order. Without an accelerometer in the recording only the delay is corrected.
 
 use crate::GRAVITY;
 use crate::loader::sample::{SLOPE_LIMIT, Sample};
 use crate::loader::settings::Sensors;
 
-/// Smoothing of the slope's rate [s]: less lets the noise through, more leaves of the delay.
+/// Smoothing of the slope's rate [s]: less passes the noise, more leaves a part of the delay.
 const SMOOTH: f64 = 0.2;
 
-/// A first-order low pass of values at uneven times; a ramp comes out late by exactly its time constant.
+/// First-order low pass of values at uneven times; a ramp comes out late by exactly its time constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Lag {
@@ -46,7 +46,7 @@ impl Lag {
     }
 }
 
-/// Memory of the sensor.
+/// State of the correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inclinometer {
@@ -55,7 +55,7 @@ pub struct Inclinometer {
 }
 
 impl Inclinometer {
-    /// b + th at a plausible row `dt` after the one before; exactly what the sensor shows where it has no such errors.
+    /// Returns b + th at a plausible row `dt` after the one before; exactly the reading where the sensor has no such errors.
     pub fn road(&mut self, sensors: &Sensors, bias: f64, sample: &Sample, dt: f64) -> Option<f64> {
         let (delay, sensitivity) = (sensors.slope_delay, sensors.slope_acceleration_sensitivity);
         if delay == 0.0 && sensitivity == 0.0 {
@@ -86,8 +86,8 @@ mod tests {
     };
     const BIAS: f64 = 0.02;
 
-    /// Largest errors from 2 s on of what the sensor shows and of what is made of it, on waves of 12 m at 3 m/s under accelerations
-    /// to and fro, rows of 10 ms, some `lost`.
+    /// Largest errors from 2 s on, of the reading and of the corrected slope, on waves of 12 m at 3 m/s under accelerations to and
+    /// fro. Rows of 10 ms, some `lost`.
     fn errors(sensors: &Sensors, lost: impl Fn(u32) -> bool) -> [f64; 2] {
         let mut inclinometer = Inclinometer::default();
         let (mut shown, mut largest) = (0.0, [0.0_f64; 2]);

@@ -4,10 +4,10 @@ use crate::loader::physics::wheel_dynamics::Inputs;
 use crate::loader::sample::Sample;
 use crate::math::sin_cos;
 
-/// A mass holds for so long after the last row that stated it: then a bucket may have been filled or emptied \[s\].
+/// Time for which a stated mass is valid after its last row: then a bucket may have been filled or emptied \[s\].
 const HOLDS: f64 = 10.0;
 
-/// Slower than this a yaw rate does not tell how the machine bends [m/s].
+/// Speed below which a yaw rate does not determine the angle between the bodies [m/s].
 const SLOWEST: f64 = 0.5;
 
 /// The last finite input of each kind, the mass, and the last specific force.
@@ -20,11 +20,11 @@ pub struct InputHold {
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
-    /// When a row stated it last \[s\].
+    /// Time of the last row that stated it \[s\].
     weighed: f64,
 }
 
-/// What a row means for the step that ends at it.
+/// Inputs of the step that ends at a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepInputs {
     pub inputs: Inputs,
@@ -63,12 +63,12 @@ impl InputHold {
         }
     }
 
-    /// Takes a plausible row over and returns what acted during the step that it ends.
+    /// Takes a plausible row, and returns the inputs of the step that ends at it.
     ///
-    /// An input that is missing keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held
-    /// value and the new one, otherwise the older one is held over the step as the paper does. Where `anew`, a value that comes
-    /// after missing ones stands alone: what was held is of another time.
-    pub fn advance(&mut self, sample: &Sample, midpoint: bool, anew: bool) -> StepInputs {
+    /// A missing input keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held value and the new
+    /// one. Otherwise the older one is held over the step, as in the paper. With `restart`, a value that follows missing ones
+    /// stands alone, because the held one is of another time.
+    pub fn advance(&mut self, sample: &Sample, midpoint: bool, restart: bool) -> StepInputs {
         let row = [
             sample.front_torque,
             sample.rear_torque,
@@ -81,7 +81,7 @@ impl InputHold {
         for ((used, (held, missing)), new) in used.iter_mut().zip(memory).zip(row) {
             if let Some(new) = new {
                 *used = match midpoint {
-                    true if anew && *missing => new,
+                    true if restart && *missing => new,
                     true => 0.5 * (*held + new),
                     false => *used,
                 };

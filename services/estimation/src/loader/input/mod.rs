@@ -6,8 +6,8 @@
 //! | `stuck` | a sensor whose value never changes |
 //! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `inputs` | inputs between rows |
-//! | `plausible` | whether units, signs and machine are those that are meant |
-//! | `carriage` | how the bucket is carried, which shows signs that are wrong |
+//! | `plausible` | check of units, signs and machine |
+//! | `carriage` | check of the bucket's angle while driving: wrong signs and zeros |
 
 pub(super) mod carriage;
 pub(super) mod inclinometer;

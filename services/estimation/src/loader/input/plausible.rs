@@ -1,30 +1,30 @@
-//! Are the data in the units and signs that are meant, and of the described machine?
+//! Check of data for the expected units and signs, and the described machine.
 //!
 //! | what | model | found by |
 //! |---|---|---|
 //! | wheels | v = r w | the ratio of the sums of v w and w w: an effective radius |
 //! | torques | integral of T / r = m (dv + g integral of the slope) + f integral of sign(v), in spans of a second | least squares: an effective mass m |
 //!
-//! Slip, tyres and loads change both by parts of their size; a wrong unit, sign or machine by several times.
+//! Slip, tyres and loads change radius and mass by a fraction; a wrong unit, sign or machine by a factor of several.
 
 use super::super::sample::Sample;
 use crate::GRAVITY;
 
-/// Rows and spans that are enough.
+/// Least number of rows and of spans for a result.
 const ROWS: f64 = 500.0;
 const SPANS: f64 = 10.0;
-/// Length of a span, and a longer time between two rows is a gap [s].
+/// Length of a span, and time between two rows beyond which there is a gap [s].
 const SPAN: f64 = 1.0;
 const GAP: f64 = 0.2;
-/// Slower than this it may stand [m/s].
+/// Speed below which the machine may stand [m/s].
 const STANDS: f64 = 0.2;
-/// Share of the squares that the model must explain, of the wheels and of the torques.
+/// Least share of the squares that the model explains, of the wheels and of the torques.
 const WHEELS_EXPLAINED: f64 = 0.95;
 const TORQUES_EXPLAINED: f64 = 0.9;
-/// Another tyre or load stays within this factor, a unit that is meant within the second.
+/// Factor within which another tyre or load stays, and factor within which a supposed unit must fit.
 const ALIKE: f64 = 2.0;
 const ABOUT: f64 = 1.3;
-/// Units of a speed in a metre per second; a radius that is stated is within their distance.
+/// Units of a speed per metre per second, and the factor within which a stated radius is right, less than their spacing.
 const SPEEDS: [(&str, f64); 4] = [
     ("knot", 1.944),
     ("mph", 2.237),
@@ -32,29 +32,29 @@ const SPEEDS: [(&str, f64); 4] = [
     ("km/h", 3.6),
 ];
 const STATED: f64 = 1.08;
-/// Wheel speeds in m/s are those of the machine, within slip.
+/// Slip within which wheel speeds in m/s equal the speed of the machine.
 const SLIP: f64 = 0.05;
 
-/// What data and description disagree in.
+/// Disagreement of data and description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mismatch {
     /// The speed, or one of the wheel speeds, has the other sign.
     SpeedSign,
-    /// That of the front or the rear wheels has.
+    /// The speed of the front or of the rear wheels has the other sign.
     WheelSign(&'static str),
     /// The speed is in this unit.
     Speed(&'static str),
     /// The wheel speeds are in revolutions per minute.
     Revolutions,
-    /// They are those of the tread, in the unit of the speed.
+    /// The wheel speeds are those of the tread, in the unit of the speed.
     Tread,
-    /// The speed is so many times that of the wheels.
+    /// The speed is this multiple of that of the wheels.
     Radius(f64),
     /// The torques are in kilonewton metres.
     Kilonewtons,
-    /// They have the other sign.
+    /// The torques have the other sign.
     TorqueSign,
-    /// They accelerate so many times the described mass.
+    /// The torques accelerate this multiple of the described mass.
     Mass(f64),
 }
 
@@ -74,7 +74,7 @@ impl core::fmt::Display for Mismatch {
     }
 }
 
-/// Sums of a wheel: speed times its own, and the squares.
+/// Sums of a wheel: speed times wheel speed, and the squares.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wheel {
     both: f64,
@@ -91,14 +91,14 @@ impl Wheel {
         self.rows += f64::from(u8::from(speed.abs() > STANDS));
     }
 
-    /// Effective radius, where the two belong together [m].
+    /// Effective radius, where speed and wheel speed are proportional [m].
     fn radius(&self) -> Option<f64> {
         let together = self.both * self.both > WHEELS_EXPLAINED * self.own * self.speed;
         (self.rows >= ROWS && together).then(|| self.both / self.own)
     }
 }
 
-/// A span under way.
+/// Sums over the present span.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     begin: f64,
@@ -108,7 +108,7 @@ struct Span {
     rolled: f64,
 }
 
-/// Looks at the rows of a recording.
+/// Check of the rows of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Plausible {
     mass: f64,
@@ -146,7 +146,7 @@ impl Plausible {
         }
     }
 
-    /// Takes a row.
+    /// Adds a row.
     pub fn push(&mut self, sample: &Sample) {
         let sample = sample.plausible(self.mass, self.radius);
         let dt = self
@@ -203,7 +203,7 @@ impl Plausible {
         self.rolled_impulse += span.rolled * span.impulse;
     }
 
-    /// What data and description disagree in, if they do.
+    /// Returns the disagreement of data and description, if there is one.
     #[must_use]
     pub fn mismatch(&self) -> Option<Mismatch> {
         self.of_wheels().or_else(|| self.of_torques())
@@ -245,7 +245,7 @@ impl Plausible {
         if explained < TORQUES_EXPLAINED * self.impulse {
             return None;
         }
-        // The wheels tell their radius themselves.
+        // The wheels determine their radius themselves.
         let rolled = self.wheels[0].radius().unwrap_or(self.radius);
         let ratio = mass / self.mass * (self.radius / rolled).abs();
         match () {
@@ -257,7 +257,7 @@ impl Plausible {
     }
 }
 
-/// The unit that makes a machine so many times as fast as its wheels, the nearest of them.
+/// The unit that explains this ratio of speed to wheel speed, the nearest of them.
 fn speed_unit(ratio: f64) -> Option<&'static str> {
     let distance = |unit: f64| (ratio / unit).max(unit / ratio);
     let nearest = SPEEDS
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn units_and_signs_are_told() {
+    fn units_and_signs_are_identified() {
         let torques = |by: f64| {
             move |s: &mut Sample| {
                 times(&mut s.front_torque, by);
@@ -343,7 +343,7 @@ mod tests {
         );
         let front = seen(|s| times(&mut s.front_wheel_speed, -1.0));
         assert_eq!(front, Some(Mismatch::WheelSign("front")));
-        // Noise is no sign, and what is short tells nothing.
+        // Noise is no sign, and too short a recording gives no result.
         assert_eq!(
             seen(|s| s.speed = Some(crate::math::sin_cos(1e3 * s.time).0)),
             None

@@ -1,14 +1,14 @@
-//! What no drive and no road of a loader can do is missing.
+//! Removal of torques and slopes that leap further than a loader and its road allow.
 
 use crate::GRAVITY;
 use crate::leap::{Leap, SteadyTorque};
 use crate::loader::sample::Sample;
 
-/// An axle pulls at least this share of the weight.
+/// Least full-scale pull of an axle, as a share of the weight.
 const LEAST_PULL: f64 = 0.02;
-/// No road and no lag of its sensor tilts the machine faster [rad/s].
+/// Largest rate at which road and sensor lag can tilt the machine [rad/s].
 const TILTING: f64 = 2.0;
-/// Roughness of a road, and the noise of the sensor, from row to row [rad].
+/// Roughness of a road and noise of the sensor, from row to row [rad].
 const ROUGHNESS: f64 = 0.15;
 
 /// Torques and slope without their leaps.
@@ -20,7 +20,7 @@ pub(in crate::loader) struct Steady {
 }
 
 impl Steady {
-    /// Takes what leaps out of a row `dt` after the one before, of a machine of this mass [kg] and wheel radius [m].
+    /// Removes leaping values from a row `dt` after the one before, of a machine of this mass [kg] and wheel radius [m].
     pub(in crate::loader) fn watch(
         &mut self,
         sample: &mut Sample,

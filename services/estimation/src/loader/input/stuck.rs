@@ -1,10 +1,11 @@
-//! A sensor that is stuck: a value that never changes although it would have to.
+//! Detection of a stuck sensor: a value that never changes although it would have to.
 //!
-//! Noise changes a value with every row, so one that repeats itself is either quantised coarsely or no measurement any more.
-//! The changes tell which: where they have often been smaller than the stated noise, a value that holds for longer than an
-//! input stays fresh is stuck. Where it is larger (steps of an encoder, a torque command that is constant), the value is
-//! stuck when the motion says that it must have changed: another speed has moved by several steps, or the acceleration is
-//! not the one that the torques give.
+//! Noise changes a value with every row. So a value that repeats is either quantised coarsely or no measurement any more. The size
+//! of the changes distinguishes them:
+//!
+//! * Changes have often been smaller than the stated noise: a value that holds for longer than an input stays fresh is stuck.
+//! * Changes are larger (steps of an encoder, a constant torque command): the value is stuck when the motion shows that it must have
+//!   changed. Another speed has moved by several steps, or the acceleration is not the one that the torques give.
 //!
 //! A machine at rest may repeat every value, so nothing is stuck below the freezing speed.
 
@@ -16,52 +17,52 @@ pub const WATCHED: usize = 7;
 
 /// Changes below this, relative to the value, are rounding.
 const ROUNDING: f64 = 1e-12;
-/// A reference must have moved by this many standard deviations and steps.
+/// Change of a reference, in standard deviations and steps, beyond which the signal must have changed.
 const MOVED: f64 = 5.0;
-/// A signal whose noise has shown this often must show it.
+/// Number of changes below the stated noise from which on the signal must show noise.
 const NOISY: u32 = 50;
 
-/// What is known of one signal.
+/// Changes of one signal so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Trace {
     last: Option<f64>,
-    /// How long it has not changed [s].
+    /// Time without a change [s].
     unchanged: f64,
-    /// The smallest change ever seen.
+    /// Smallest change so far.
     step: Option<f64>,
-    /// How many changes were smaller than the stated noise.
+    /// Number of changes below the stated noise.
     small: u32,
-    /// What the reference showed when it changed last.
+    /// Reference at the last change.
     reference: f64,
 }
 
-/// What the motion says beside the signals.
+/// Motion shown by other signals, as a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Witness {
     /// The machine moves.
     pub moving: bool,
-    /// Speeds, each as the others show it: speed [m/s], front and rear wheel speed [rad/s].
+    /// Speeds, each from the other signals: speed [m/s], front and rear wheel speed [rad/s].
     pub speeds: [f64; 3],
     /// The acceleration is not the one that the torques give.
     pub unexplained: bool,
     /// Stated noise of each signal; 0 where it is none (torques: relative).
     pub std: [f64; WATCHED],
-    /// How long a value may repeat [s].
+    /// Time for which a value may repeat [s].
     pub patience: f64,
 }
 
-/// Memory of the watched signals.
+/// State of the watched signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stuck {
     traces: [Trace; WATCHED],
-    /// Which are stuck.
+    /// Whether each is stuck.
     pub now: [bool; WATCHED],
 }
 
 impl Stuck {
-    /// Takes a plausible row `dt` after the one before, and takes the values that are stuck out of it.
+    /// Updates with a plausible row `dt` after the one before, and removes stuck values from it.
     pub fn watch(&mut self, sample: &mut Sample, witness: &Witness, dt: f64) {
         let signals = [
             &mut sample.speed,

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn slips_that_waver_are_found_and_no_less_than_usual_is_believed() {
+    fn fluctuating_slips_are_found_and_the_stated_fluctuation_is_the_lower_bound() {
         // 740 of 840 rows are the new ones.
         assert!((found(0.3, 0.05) / 0.3 - 1.0).abs() < 0.1);
         assert!((found(0.02, 0.05) - 0.05).abs() < 1e-12);

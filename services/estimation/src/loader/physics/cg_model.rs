@@ -1,21 +1,22 @@
-//! The estimator's model of the loader: states, measurements, and the payload that is known beforehand.
+//! The estimator's model of the loader: states, measurements, and the known payload.
 //!
 //! | states | x | filter |
 //! |---|---|---|
 //! | 6 | v, w_f, w_r, K, h, lam | the paper, (15)-(17) |
 //! | 8 | .., d_f, d_r | no accelerometer |
 //! | 10 | .., F_x, d_f, d_r, b | a calibrated machine |
-//! | 9 | those of 8, tau | no accelerometer; the speed comes late |
-//! | 12 | those of 10, e, tau | recommended: the radii give with the load, by more or less than is stated |
+//! | 9 | those of 8, tau | no accelerometer; the speed is late |
+//! | 12 | those of 10, e, tau | recommended: the load sensitivity of the radii differs from the stated one |
 //!
-//! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
-//! A late speed is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is
-//! twice the slip speed.
-//! The load that an acceleration moves changes the radii with the acceleration, as the slips change that tell the ratio: driving
-//! forward, e and lam look alike. Driving backward the slips change their sign against the acceleration, and the radii do not:
-//! then both are known. So e is a state, for both to be as uncertain as they are.
-//! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
-//! the measurement noise); (17) rewrites (15), not (12).
+//! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis. A late speed
+//! is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is twice the slip speed.
+//!
+//! The load that an acceleration moves changes the radii in proportion to the acceleration, as it does the slips that determine the
+//! ratio. Driving forward, e and lam are not distinguishable. Driving backward, the slips change their sign relative to the
+//! acceleration and the radii do not: then both are observable. With e as a state, the covariance of both is right.
+//!
+//! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is the
+//! measurement noise); (17) rewrites (15), not (12).
 
 use core::ops::Range;
 
@@ -56,14 +57,14 @@ pub struct CgModel {
     pub inputs: Inputs,
     /// Length of the step \[s\].
     pub dt: f64,
-    /// Parts into which the step is divided.
+    /// Number of substeps.
     pub substeps: u32,
     /// Known payload.
     pub loading: Loading,
 }
 
 impl CgModel {
-    /// The parameters of a state, the payload added.
+    /// Parameters of a state, the payload included.
     #[inline(always)]
     fn parameters<T: Scalar, const N: usize>(&self, state: &[T; N]) -> Parameters<T> {
         let Loading {
@@ -79,7 +80,7 @@ impl CgModel {
         }
     }
 
-    /// The motion one step later, and the road.
+    /// Motion one step later, and the road.
     #[inline(always)]
     fn advance<T: Scalar, const N: usize>(&self, state: &[T; N]) -> (Motion<T>, Road<T>) {
         let (old, parameters) = (Motion::of(state), self.parameters(state));
@@ -95,7 +96,7 @@ impl CgModel {
         (new, road)
     }
 
-    /// The same with its derivatives by the state.
+    /// The same, with its derivatives by the state.
     pub(in crate::loader) fn tangent<const N: usize>(
         &self,
         state: &[f64; N],
@@ -128,7 +129,7 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         None => N,
     };
 
-    // Inlined: what is the same for all sigma points is worked out once.
+    // Inlined: values common to all sigma points are computed once.
     #[inline(always)]
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
         let (old, (new, road)) = (Motion::of(state), self.advance(state));
@@ -144,7 +145,7 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         (next, measurement)
     }
 
-    /// The delay of the speed moves nothing.
+    /// The delay of the speed does not affect the motion.
     fn measure<T: Scalar>(
         &self,
         state: &[T; N],
@@ -158,8 +159,9 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         (next, measurement)
     }
 
-    /// The speed noise of the step acts on the specific force as q_v/dt, and what measures a state sees its noise. So does a late speed:
-    /// its noise came some steps ago, and the rate v' of its tau v' is that of the machine, not of one step's noise.
+    /// The speed noise of the step acts on the specific force as q_v/dt. A measurement of a state contains the noise of that state,
+    /// and so does that of a late speed. Its noise is some steps old, and the rate v' of its tau v' is that of the machine, not of
+    /// one step's noise.
     fn noise_coupling(&self) -> [[f64; N]; M] {
         let mut coupling = [[0.0; N]; M];
         for (j, row) in coupling.iter_mut().enumerate().take(3) {

@@ -1,9 +1,9 @@
-//! The machine as the process model knows it, and the road under it.
+//! The machine in the process model, and the road under it.
 
 use crate::loader::settings::{LoadTransfer, Settings};
 use crate::scalar::Scalar;
 
-/// The machine as the process model knows it.
+/// The machine in the process model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelDynamics {
@@ -11,7 +11,7 @@ pub struct WheelDynamics {
     pub gravity: f64,
     /// Mass \[kg\].
     pub mass: f64,
-    /// Mass of the empty machine, for which the tyres are described \[kg\].
+    /// Mass of the empty machine, to which the tyre parameters refer \[kg\].
     pub empty_mass: f64,
     /// Nominal rolling radius \[m\].
     pub wheel_radius: f64,
@@ -31,7 +31,7 @@ pub struct WheelDynamics {
     pub minimum_speed: f64,
     /// Sign of the load transfer.
     pub load_transfer: LoadTransfer,
-    /// How the tyres of the axles differ.
+    /// Differences between the tyres of the axles.
     pub tyres: Tyres,
 }
 
@@ -61,19 +61,19 @@ impl WheelDynamics {
     }
 }
 
-/// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):
-/// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0 of the empty machine.
+/// Difference of an axle's slip stiffness from K, as identified by a calibration (`heft calibrate`): K_i = K q_i (F_zi/F_0)^-p with
+/// half the weight F_0 of the empty machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tyres {
-    /// q_f and q_r = 1/q_f, whose ratio is that of the stiffnesses.
+    /// q_f and q_r = 1/q_f; their ratio is that of the stiffnesses.
     pub gains: [f64; 2],
     /// p.
     pub load_exponent: f64,
 }
 
 impl Tyres {
-    /// Alike on both axles, under every load.
+    /// Equal on both axles, under every load.
     pub const ALIKE: Self = Self {
         gains: [1.0; 2],
         load_exponent: 0.0,

@@ -1,4 +1,4 @@
-//! Which settings can be used.
+//! Checks of the settings.
 
 use core::fmt;
 
@@ -10,13 +10,13 @@ use crate::keys::{Range, Table};
 pub struct SettingsError {
     /// The key, as in the description file.
     pub key: &'static str,
-    /// What it is.
+    /// Its value.
     pub value: f64,
-    /// What it must be.
+    /// The requirement.
     pub must_be: MustBe,
 }
 
-/// What a setting must be.
+/// Requirement on a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MustBe {
     /// Within the range of its key.

@@ -5,7 +5,7 @@ use crate::loader::Method;
 use crate::loader::keys::{Description, Tuning};
 
 impl Settings {
-    /// What a method is given under a description: the keys that act, the others at the defaults of their filter.
+    /// Settings of a method under a description: the keys that act; the others have the defaults of their filter.
     #[must_use]
     pub fn of(description: &Description, method: Method) -> Self {
         let keys = description.estimator;
@@ -27,7 +27,7 @@ impl Settings {
             prior: description.prior,
             estimator: Estimator {
                 inputs: if held { Inputs::Hold } else { Inputs::Midpoint },
-                // What it chose is the realism.
+                // It has determined the realism.
                 tuning: Tuning::Paper,
                 ..estimator
             },
@@ -36,7 +36,7 @@ impl Settings {
     }
 }
 
-/// The paper's filter, exactly; what the paper leaves open is as stated.
+/// The paper's filter, exactly; what the paper leaves open has the stated values.
 fn as_printed(keys: Estimator) -> Estimator {
     Estimator {
         load_transfer: keys.load_transfer,

@@ -1,9 +1,9 @@
-//! What the estimator is given: the tables of a description, read as they are, and how much of a real machine the filter
-//! reckons with. SI units.
+//! Settings of the estimator: the tables of a description, read as they are, and how much of a real machine the filter models. SI
+//! units.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `described` | what a description means for a method |
+//! | `described` | from a description to the settings of a method |
 //! | `presets` | each filter as a difference to the defaults of the keys |
 //! | `check` | which settings can be used |
 
@@ -22,7 +22,7 @@ pub use check::{MustBe, SettingsError};
 /// Gravity of the paper and of the golden vectors of the filters that it specifies [m/s^2].
 const PAPERS_GRAVITY: f64 = 9.81;
 
-/// How much of a real machine the filter reckons with, each more than the one before.
+/// How much of a real machine the filter models, each level more than the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Realism {
@@ -32,14 +32,15 @@ pub enum Realism {
     Tyre,
     /// Bad input: gates, digging, gaps, restarts.
     Protected,
-    /// A machine at work: tyres wind up, wheel speeds come in steps, speeds late, loads shift, what the start taught is
-    /// learnt again, parameters wander in gaps, and inputs are doubted: a value that never changes is missing, wheel
-    /// speeds count only with their torques and without brakes and steering, the slope as far as the motion bears it out,
-    /// and manoeuvres must agree.
+    /// A machine at work. Tyres wind up, wheel speeds are quantised, speeds are late, loads shift, and parameters wander in gaps.
+    /// What the start taught is learnt again.
+    ///
+    /// Inputs are checked: a value that never changes is missing, and wheel speeds count only with their torques, without brakes
+    /// and steering. The slope counts as far as the motion confirms it, and manoeuvres must agree.
     AtWork,
 }
 
-/// Everything the estimator is given.
+/// All settings of the estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
@@ -55,7 +56,7 @@ pub struct Settings {
     pub prior: Prior,
     /// Noises, protections, floors and limits of the verdict.
     pub estimator: Estimator,
-    /// What of them acts.
+    /// Which of them act.
     pub realism: Realism,
 }
 
@@ -65,13 +66,13 @@ impl Settings {
         self.realism >= Realism::Tyre
     }
 
-    /// Standard deviation of the load sensitivity of the rolling radii, however sure the description is.
+    /// Standard deviation of the load sensitivity of the rolling radii, at least its floor.
     pub(super) fn load_sensitivity_std(&self) -> f64 {
         let stated = self.machine.radius_load_sensitivity_std;
         stated.max(self.estimator.load_sensitivity_floor)
     }
 
-    /// Whether bad input is expected.
+    /// Whether the filter is protected against bad input.
     pub(super) fn protected(&self) -> bool {
         self.realism >= Realism::Protected
     }
@@ -81,7 +82,7 @@ impl Settings {
         self.realism >= Realism::AtWork
     }
 
-    /// Gravity: standard but for the filters whose numbers others have printed [m/s^2].
+    /// Gravity: the standard value, but for the filters with published numbers [m/s^2].
     pub(super) fn gravity(&self) -> f64 {
         if self.at_work() {
             GRAVITY
@@ -99,7 +100,7 @@ impl Settings {
         }
     }
 
-    /// Step between rows after which speeds are taken anew [s].
+    /// Step between rows after which speeds are reset to their measurements [s].
     pub(super) fn gap(&self) -> f64 {
         if self.protected() {
             self.estimator.gap

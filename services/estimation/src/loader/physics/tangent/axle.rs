@@ -1,4 +1,4 @@
-//! An axle in a pass: its load and its grip, and what they depend on.
+//! One axle in a pass: load, grip, and their derivatives.
 
 use super::{H, LAM, Step, V, W, at};
 use crate::loader::LoadTransfer;
@@ -6,10 +6,10 @@ use crate::loader::layout::Layout;
 use crate::loader::physics::axle_loads::{LEAST_LOAD, axle_loads};
 use crate::loader::physics::wheel_dynamics::{MOST_USED, WheelDynamics};
 
-/// Use of the friction limit below which a tyre does not bend.
+/// Use of the friction limit below which a tyre does not saturate.
 const LEAST_USED: f64 = 1e-6;
 
-/// Load of an axle and its derivatives; they vanish where the floor holds it.
+/// Load of an axle and its derivatives, which are 0 where its floor applies.
 #[derive(Clone, Copy)]
 pub(super) struct Load {
     pub value: f64,
@@ -27,7 +27,7 @@ pub(super) struct Axle {
     pub conductance: f64,
     pub per_denominator: f64,
     pub grip: f64,
-    /// Wheel speed without the ground.
+    /// Wheel speed without the force of the ground.
     pub spun: f64,
     /// Derivatives of the conductance: by the radius alone, by the load with its radius, by acceleration, speed, wheel speed.
     pub by_radius: f64,
@@ -38,7 +38,7 @@ pub(super) struct Axle {
 }
 
 impl Axle {
-    /// Adds what comes with the load and the radius of axle `i`: the derivatives by their parameters.
+    /// Adds the derivatives by the parameters through the load and the radius of axle `i`.
     #[inline(always)]
     pub fn put<const N: usize>(
         &self,
@@ -124,7 +124,7 @@ impl Step<'_> {
         let per_radius = 1.0 / radius;
         let inertia = m.axle_inertia * per_radius * per_demand;
         let by_slowest = -conductance / slowest;
-        // Which of the three the denominator is, as `max` decides.
+        // The denominator is one of three, selected as `max` does.
         let (mut by_speed, mut by_wheel, mut slowest_by_radius) = (0.0, 0.0, 0.0);
         if slowest > m.minimum_speed {
             if speed.abs() > rim.abs() {
@@ -153,7 +153,7 @@ impl Step<'_> {
         }
     }
 
-    /// eta of a tyre of this phi, and one over the torque that it must bear; 0, 0 where the stiffness does not bend.
+    /// Returns eta of a tyre with this phi, and one over the torque that it bears; 0, 0 where the stiffness does not saturate.
     #[inline(always)]
     fn saturation(
         &self,

@@ -1,13 +1,13 @@
-//! The implicit step of [`super::wheel_dynamics`] with its derivatives written out: the model's tangent at one state.
+//! The implicit step of [`super::wheel_dynamics`] with its derivatives in closed form: the model's tangent at one state.
 //!
-//! Each quantity of an axle depends on few others, so its derivatives are a handful of numbers; the acceleration and the speeds
-//! of the first pass alone depend on everything and are rows. A fifth of the work of dual numbers, and equal to them but for
-//! rounding (a test compares). The values are computed by the model's own functions.
+//! Each quantity of an axle depends on few others, so its derivatives are a handful of numbers. Only the acceleration and the
+//! speeds of the first pass depend on everything, and are rows. This takes a fifth of the work of dual numbers, and equals them but
+//! for rounding (a test compares). The model's own functions compute the values.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `stage` | how far the step has been worked out |
-//! | `axle` | an axle: its load, its grip, and what they depend on |
+//! | `stage` | intermediate result of the step |
+//! | `axle` | one axle: load, grip, and their derivatives |
 //! | `pass` | speeds under the loads and grips of the stage before |
 //!
 //! | symbol | code | meaning |
@@ -64,7 +64,7 @@ struct Drag {
     by_bias: f64,
 }
 
-/// What does not change from pass to pass.
+/// Values common to all passes.
 struct Step<'a> {
     machine: &'a WheelDynamics,
     old: [f64; 3],

@@ -1,4 +1,4 @@
-//! A pass: speeds under the loads and grips of the stage before, with their derivatives.
+//! One pass: speeds under the loads and grips of the stage before, with their derivatives.
 
 use super::axle::Axle;
 use super::stage::Stage;
@@ -7,7 +7,7 @@ use crate::ekf::add;
 use crate::loader::layout::Layout;
 
 impl Step<'_> {
-    /// Speeds under the loads and grips of the stage before; the `FIRST` has unit rows.
+    /// Returns the speeds under the loads and grips of the stage before; the `FIRST` pass starts from unit rows.
     #[inline(always)]
     pub(super) fn pass<const N: usize, const FIRST: bool>(&self, from: &Stage<N>) -> Stage<N> {
         let (m, dt, layout) = (self.machine, self.dt, Layout::of(N));
@@ -65,7 +65,7 @@ impl Step<'_> {
         }
     }
 
-    /// Speed of wheel `i` behind a speed of the machine, and its derivatives.
+    /// Returns the speed of wheel `i` at a speed of the machine, and its derivatives.
     #[inline(always)]
     fn wheel<const N: usize, const FIRST: bool>(
         &self,

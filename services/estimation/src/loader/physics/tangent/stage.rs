@@ -1,10 +1,10 @@
-//! How far the step has been worked out, with its derivatives; and where it starts, the rigid machine.
+//! Intermediate result of the step with its derivatives, and its initial value, the rigid machine.
 
 use super::{Step, V, W, at};
 use crate::ekf::add;
 use crate::loader::layout::Layout;
 
-/// The step as far as it has been worked out: the acceleration that the loads are taken at, and the motion with its derivatives.
+/// Intermediate result of the step: the acceleration at which the loads are taken, and the motion with its derivatives.
 ///
 /// Before the first pass the motion is the old one, whose rows are unit rows; the first row is then that of the acceleration.
 pub(super) struct Stage<const N: usize> {
@@ -14,7 +14,7 @@ pub(super) struct Stage<const N: usize> {
 }
 
 impl<const N: usize> Stage<N> {
-    /// Adds to a row what depends on this stage's acceleration and motion; a = (v - v_old)/dt behind a pass.
+    /// Adds to a row what depends on this stage's acceleration and motion; after a pass a = (v - v_old)/dt.
     #[inline(always)]
     pub fn chain<const FIRST: bool>(
         &self,
@@ -42,7 +42,7 @@ impl<const N: usize> Stage<N> {
 }
 
 impl Step<'_> {
-    /// The rigid machine.
+    /// Initial stage: the rigid machine.
     #[inline(always)]
     pub(super) fn start<const N: usize>(&self) -> Stage<N> {
         let (m, layout) = (self.machine, Layout::of(N));

@@ -1,5 +1,5 @@
-//! The linearly implicit step: backward Euler with frozen loads and slip denominators, in closed form. Unconditionally stable,
-//! constant cost, any sign of v, standstill included. Loads and friction are inserted into the step twice.
+//! The linearly implicit step: backward Euler with frozen loads and slip denominators, in closed form. It is unconditionally stable
+//! at constant cost, for any sign of v, standstill included. Two passes update loads and friction.
 
 use super::{Inputs, Motion, Parameters, Road, WheelDynamics};
 use crate::loader::physics::axle_loads::axle_loads;
@@ -19,7 +19,7 @@ struct Axle<T> {
     acceleration: T,
 }
 
-/// What does not change from pass to pass.
+/// Values common to all passes.
 struct Step<'a, T> {
     machine: &'a WheelDynamics,
     old: &'a Motion<T>,
@@ -31,7 +31,7 @@ struct Step<'a, T> {
 }
 
 impl<T: Scalar> Step<'_, T> {
-    /// The motion under the loads of an acceleration and the slips of the pass before.
+    /// Returns the motion under the loads of an acceleration and the slips of the pass before.
     #[inline(always)]
     fn pass(&self, acceleration: T, before: &Motion<T>) -> Motion<T> {
         let Self {
@@ -78,7 +78,7 @@ impl<T: Scalar> Step<'_, T> {
     }
 }
 
-/// What one wheel contributes to the implicit step.
+/// Contribution of one wheel to the implicit step.
 pub(in crate::loader::physics) struct Wheel<T> {
     /// r_i c_i: force per slip speed times radius.
     pull: T,
@@ -86,7 +86,7 @@ pub(in crate::loader::physics) struct Wheel<T> {
     pub denominator: T,
     /// g_i = c_i/N_i.
     pub grip: T,
-    /// r_i w_i + dt r_i T_i/I: rim speed without the ground.
+    /// r_i w_i + dt r_i T_i/I: rim speed without the force of the ground.
     free_rim_speed: T,
 }
 
@@ -114,12 +114,12 @@ impl WheelDynamics {
             dt,
             drag,
         };
-        // No loop over the passes: it would fetch anew what they share.
+        // No loop over the passes: it would load their common values again.
         let first = step.pass(acceleration, old);
         step.pass((first.speed - old.speed) / dt, &first)
     }
 
-    /// What an axle contributes at the speeds of body and wheels of the pass before.
+    /// Contribution of an axle at the speeds of body and wheels of the pass before.
     #[inline(always)]
     fn grip<T: Scalar>(
         &self,

@@ -30,10 +30,10 @@ mod implicit;
 /// Width of the rolling resistance at standstill [m/s].
 pub(in crate::loader) const ROLLING_WIDTH: f64 = 0.05;
 
-/// Use of the friction limit beyond which a tyre saturates no further: at 1 it would slip without end.
+/// Limit of the use of friction, at which the saturation of a tyre stops: at 1 the slip would be infinite.
 pub(super) const MOST_USED: f64 = 0.995;
 
-/// What drives the machine during a step.
+/// Inputs of the machine during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inputs {
     /// Front axle torque [N m].
@@ -69,7 +69,7 @@ impl Inputs {
     }
 }
 
-/// The part of the state that moves.
+/// Dynamic part of the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<T> {
     /// Body speed [m/s].
@@ -80,7 +80,7 @@ pub struct Motion<T> {
     pub rear_wheel_speed: T,
 }
 
-/// The part of the state that is constant during a step.
+/// Part of the state that is constant during a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
     /// Slip stiffness.
@@ -102,7 +102,7 @@ pub struct Parameters<T> {
 }
 
 impl<T: Scalar> Motion<T> {
-    /// The motion at the head of a state vector.
+    /// Motion at the head of a state vector.
     pub fn of<const N: usize>(x: &[T; N]) -> Self {
         Self {
             speed: x[SPEED],
@@ -111,7 +111,7 @@ impl<T: Scalar> Motion<T> {
         }
     }
 
-    /// Puts it at the head of a state vector.
+    /// Writes it to the head of a state vector.
     pub(in crate::loader) fn put<const N: usize>(self, x: &mut [T; N]) {
         x[SPEED] = self.speed;
         x[FRONT_WHEEL] = self.front_wheel_speed;
@@ -120,7 +120,7 @@ impl<T: Scalar> Motion<T> {
 }
 
 impl<T: Scalar> Parameters<T> {
-    /// The parameters of a state vector; what it does not have is 0.
+    /// Parameters of a state vector; those that it does not have are 0.
     pub fn of<const N: usize>(x: &[T; N]) -> Self {
         let zero = T::constant(0.0);
         let layout = const { Layout::of(N) };
@@ -140,7 +140,7 @@ impl<T: Scalar> Parameters<T> {
 }
 
 impl WheelDynamics {
-    /// Acceleration that the torques would give without slip: the start of the loads [m/s^2].
+    /// Acceleration of the torques without slip, from which the loads start [m/s^2].
     #[inline(always)]
     pub(super) fn rigid_acceleration<T: Scalar>(
         &self,
@@ -156,12 +156,12 @@ impl WheelDynamics {
         force / (spin(radius_front) + spin(radius_rear) + self.mass)
     }
 
-    /// Mass with the inertia of the axles at their rims [kg].
+    /// Mass with the inertia of the axles, as at their rims [kg].
     pub(in crate::loader) fn rolling_mass(&self) -> f64 {
         self.mass + 2.0 * self.axle_inertia / (self.wheel_radius * self.wheel_radius)
     }
 
-    /// Acceleration that the torques would give without slip on this slope, at nominal radii [m/s^2].
+    /// Acceleration of the torques without slip on this slope, at nominal radii [m/s^2].
     pub(in crate::loader) fn free_acceleration(&self, u: &Inputs, speed: f64, sine: f64) -> f64 {
         let pull = (u.front_torque + u.rear_torque) / self.wheel_radius;
         let weight = self.mass * self.gravity;
