@@ -20,8 +20,8 @@ use crate::math::norm;
 /// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).
 ///
 /// An acceleration a moves the load m h a/l. The slips then differ by (a/(2 g K)) [1/lam^2 + 1/(1 - lam)^2] for a unit of the
-/// share, and the radii by 4 h a/(g l) for a unit of their sensitivity. Both are proportional to a, so one looks like the other. K
-/// and h of the machine in place of the reference's gave no improvement: they are estimates too.
+/// share. The radii differ by 4 h a/(g l) for a unit of their sensitivity. Both are proportional to a, so one looks like the other.
+/// K and h of the machine in place of the reference's gave no improvement: they are estimates too.
 pub(super) const RATIO_PER_SENSITIVITY: f64 = 16.0;
 /// Relative error of the height per load sensitivity, as measured on six machines of 5 to 20 t: 12 to 14.
 const HEIGHT_PER_SENSITIVITY: f64 = 13.0;

@@ -16,9 +16,9 @@ use crate::math::sqrt;
 const MEMORY: f64 = 60.0;
 /// Least duration of a drive that carries information about the sensitivity [s], in each direction.
 const LEAST_DRIVE: f64 = 1.0;
-/// Standard deviation of the sensitivity after a pair of drives. With .002, each line of `heft evaluate loader --table honesty` but
-/// that of everything at once is wrong for at most .03 of the trusted time, without it for up to .15. With .003 a sound machine is
-/// trusted for .65, not .74.
+/// Standard deviation of the sensitivity after a pair of drives. With .002, each line of `heft evaluate loader --table honesty` is
+/// wrong for at most .03 of the trusted time, except that of everything at once. Without it, they are wrong for up to .15. With
+/// .003 a sound machine is trusted for .65, not .74.
 const PAIR_STD: f64 = 0.002;
 /// Standard deviation common to all pairs: errors that change their sign with the direction do not average out. Rolling resistance
 /// f moves the load by f r/l against the motion, half a percent of it, which shifts the ratio by about a percent. The size was

@@ -18,7 +18,7 @@
 //! of their prior standard deviations: the error of a tangent grows with the square of the distance.
 //!
 //! **A shifted load.** The rolling radii are learnt under one share of the load. When a payload moves the share by D, the
-//! uncertainty of the load sensitivity rho moves the radii by 2 sigma_rho D, down in front and up behind. Radii that are held fixed
+//! uncertainty of the load sensitivity rho moves the radii by 2 sigma_rho D: down in front, up behind. Radii that are held fixed
 //! turn that into a height that is wrong by a third.
 
 use crate::loader::settings::Prior;

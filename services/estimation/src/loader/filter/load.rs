@@ -24,7 +24,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Takes the gain of a row on the ratio, whose variance was `predicted`, under the present load.
+    /// Updates the error of a weighed load in the ratio of the empty machine; `predicted`: variance of the ratio before the row.
     pub(super) fn learn_under_load(&mut self, predicted: f64) {
         let variance = || self.belief.variance(CG_RATIO);
         self.known_load

@@ -8,7 +8,7 @@ use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// Standard deviation of the load sensitivity once it is observable, whatever is stated: two drives determine it better than any
-/// statement. Opened wider, the first drive back attributes other errors to the tyres
+/// statement. With a wider one, the first drive back attributes other errors to the tyres
 /// (docs/measurements/2026-11-27-loader-covers.md).
 const LEARNT_STD: f64 = 0.005;
 

@@ -81,7 +81,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let weighed = self.is_loaded();
         if weighed {
-            // However long the boom moves, the centre stays within that of a loaded machine.
+            // However long the boom moves, the variance stays within that expected of a loaded machine.
             for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre(settings)) {
                 let room = (most * most - self.belief.variance(i)).max(0.0);
                 std[i] = std[i].min(sqrt(room));

@@ -1,5 +1,5 @@
 //! How a loader carries its bucket while it drives: flat or turned in. A bucket that mostly seems to hang down or to be turned over
-//! indicates a wrong sign or zero of the angle of the lift arm or of the bucket.
+//! indicates a wrong angle. That of the lift arm or of the bucket has another sign or zero.
 
 use crate::math::round;
 use core::f64::consts::TAU;

@@ -6,9 +6,9 @@
 //! | t1, t2 | `SHORT`, `LONG` | time constants of 5 Hz and 1 Hz | s |
 //! | sigma | `std` | white noise with the same density between 1 and 5 Hz | m/s^2 |
 //!
-//! A body pitches at 2 to 3 Hz. An accelerometer half a metre off its centre of gravity shows a tenth of m/s^2 of that, in phase
-//! with the axle loads that make the slips fluctuate. A filter that treats it as small white noise derives slips from it that are
-//! ten percent off. In that band the torques determine the acceleration better, so the residual there is noise of the sensor:
+//! A body pitches at 2 to 3 Hz. An accelerometer half a metre off its centre of gravity shows a tenth of m/s^2 of that. It is in
+//! phase with the axle loads that make the slips fluctuate. A filter that treats it as small white noise derives slips from it that
+//! are ten percent off. In that band the torques determine the acceleration better, so the residual there is noise of the sensor:
 //! ```text
 //! e_b = e smoothed over t1, less e smoothed over t2
 //! E e_b^2 = sigma^2 dt [1/(2 t1) + 1/(2 t2) - 2/(t1 + t2)]
@@ -29,7 +29,7 @@ const EXPECTED: f64 = 0.15;
 const EXPECTED_TIME: f64 = 2.0;
 /// Limit of a residual, beyond which a force acts [m/s^2].
 const MOST: f64 = 1.0;
-/// Multiple of the stated noise up to which the stated one holds: chance, and noise of the torques, explain the rest.
+/// Ratio of found to stated noise up to which the stated one is used: chance and the noise of the torques explain the rest.
 const SAME: f64 = 2.0;
 
 /// Band-pass of the residuals and its variance.

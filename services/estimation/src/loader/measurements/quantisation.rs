@@ -1,5 +1,5 @@
-//! Quantisation of the wheel speeds. A noisy signal soon changes by next to nothing, and then nothing is added. With the noise of a
-//! resolver stated, but steps of 0.05 rad/s, a filter without this term is certain of a ratio that is 6 % off.
+//! Quantisation of the wheel speeds. A noisy signal soon changes by next to nothing, and then nothing is added. Without this term,
+//! a filter with the noise of a resolver and steps of 0.05 rad/s is certain of a ratio that is 6 % off.
 
 use crate::math::sqrt;
 use crate::quantum::Quantum;

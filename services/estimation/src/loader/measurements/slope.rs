@@ -19,7 +19,7 @@ const MEMORY: f64 = 10.0;
 const DOUBT: f64 = 0.01;
 /// Error by the slip of the wheels alone [rad].
 const SLIP: f64 = 0.002;
-/// Correlation time of the error [s]: the random walk reaches the size of the error in it.
+/// Correlation time of the error [s]: the random walk reaches the size of the error in this time.
 const CORRELATION: f64 = 1.0;
 
 /// Running mean and variance of the error.

@@ -21,7 +21,7 @@
 //! p/(1 - p) = P/(1 - P) d(tau)/N(tau; 0, s^2),   d = max(1 - |tau|/LONGEST, 0.1)/LONGEST,   P = 0.1
 //! ```
 //! On eight sound loaders of an independent simulator without lift pressures, this costs .005 of trust. With the rear speed shifted
-//! by -3 to 10 ms, trusted rows are wrong for .27 to 1.0 of the time without it, and for .03 at most with it.
+//! by -3 to 10 ms, trusted rows are wrong for .03 of the time at most. Without it they are wrong for .27 to 1.0.
 
 use core::f64::consts::{SQRT_2, TAU};
 

@@ -6,8 +6,8 @@
 //! | sigma_i | - | slip of the axle in steady state, T_i/(r K F_zi) | 1 |
 //! | F_zi | `load` | static axle load, lam m g in front and (1 - lam) m g behind | N |
 //!
-//! The slip s of a relaxed tyre follows L s' = (r w - v) - |v| s, and the force, so the torque, is proportional to s. Hence r w - v
-//! = |v| sigma + L sigma'. The process model has the first term, this file the second:
+//! The slip s of a tyre with relaxation follows L s' = (r w - v) - |v| s, and force and torque are proportional to s. Hence
+//! r w - v = |v| sigma + L sigma'. The process model has the first term, this file the second:
 //! ```text
 //! dw_i = L (dT_i/dt)/(r^2 K F_zi)
 //! ```

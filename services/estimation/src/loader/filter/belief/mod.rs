@@ -1,5 +1,5 @@
-//! Belief of a filter, its state and uncertainty, and the update of it by the model's step: with sigma points on a covariance root
-//! (`sigma_points`), or with the model's tangent on the covariance (`tangent`).
+//! Belief of a filter: its state and uncertainty, and their change in the model's step. That is by sigma points on a covariance root
+//! (`sigma_points`), or by the model's tangent on the covariance (`tangent`).
 //!
 //! All other parts of a row (inputs, conditions, noise, gates, verdict) are in [`super::CgFilter`], and the same for both.
 
