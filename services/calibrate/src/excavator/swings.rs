@@ -90,7 +90,7 @@ pub struct Swings {
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// Upper bound of the usual loads of the described machine \[kg\].
+    /// A load that is plausible for the described machine \[kg\].
     pub full_bucket: f64,
     /// Recording of each block, and number of its swing.
     blocks: Vec<(usize, usize)>,
