@@ -9,7 +9,7 @@
 //! | supervisor | `go N T L` | begin; a source begins with sample N, sample 0 was due at T ns, and the latest has the time L ns |
 //! | worker | `ended` | the source has no more samples |
 //! | worker | `refused E` | the source cannot use its input; E is the error in its three lines |
-//! | supervisor | `seen N` | N samples have passed every channel; a lossless source stays within a window of them |
+//! | supervisor | `seen N` | the supervisor has received N samples in every channel; a lossless source stays within a window of them |
 //! | supervisor | `drain` | answer all waiting messages, then confirm |
 //! | worker | `drained` | no message is waiting |
 //! | supervisor | `exit` | end |

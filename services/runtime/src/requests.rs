@@ -23,7 +23,7 @@ pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
     latest_ns: AtomicU64,
-    /// Number of samples that have passed every channel; the maximum means not stated.
+    /// Number of samples that the supervisor has received in every channel; the maximum means not stated.
     seen: AtomicU64,
     go: AtomicBool,
     drain: AtomicBool,
