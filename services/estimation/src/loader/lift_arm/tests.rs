@@ -578,7 +578,7 @@ fn weighed_without(lost: impl Fn(u32, &mut Sample)) -> Vec<(Second, Option<Weigh
 }
 
 /// Number of seconds that end with a known load; none of them may be wrong.
-fn known_loads(said: &[(Second, Option<Weighed>)]) -> usize {
+fn known_loads(estimates: &[(Second, Option<Weighed>)]) -> usize {
     let closed = |(second, weighed): &(Second, Option<Weighed>)| {
         let Weighed {
             payload,
