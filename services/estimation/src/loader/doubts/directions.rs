@@ -38,7 +38,7 @@ pub enum BothDirections {
     LongAgo,
 }
 
-/// Driving times forward and backward, which fade with [`MEMORY`] [s].
+/// Driving times forward and backward, which fade with `MEMORY` [s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Directions {
