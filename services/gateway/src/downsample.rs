@@ -1,11 +1,11 @@
-//! Which messages are sent. One rule, applied to the channels by the gateway as it runs, and to the recording
-//! when something is asked for again: so both give the same messages with the same numbers.
+//! Selection of the messages to send. The same rule applies to the channels of a running machine and to its recording, so a
+//! repeated message has the same content and number.
 //!
 //! | stream | message |
 //! |---|---|
 //! | `estimate/CHANNEL` | the first estimate of each second, and each at which the verdict changes (ten a second at most) |
 //! | `loads/CHANNEL` | the estimate that reports a swing or a drive |
-//! | `ledger/MACHINE` | what is reported of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
+//! | `ledger/MACHINE` | the account of bucket, loads and trucks: the first of each ten seconds, and each with a change of load, stage or truck |
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
@@ -20,12 +20,12 @@ use crate::label::{LIFE, Label};
 use crate::load::Loads;
 use crate::track::{Continuity, Mark, Track};
 
-/// Reports of health a second.
+/// Rate of health reports [1/s].
 const HEALTH_RATE: f64 = 1.0 / 0.3;
 
-/// Accounts of loads a second.
+/// Rate of the accounts of loads [1/s].
 const LEDGER_RATE: f64 = 10.0;
-/// One of them is sent in each of these periods [s].
+/// Period in which one of them is sent [s].
 const LEDGER_PERIOD: f64 = 10.0;
 
 /// A stream of messages of one machine.
@@ -33,7 +33,7 @@ const LEDGER_PERIOD: f64 = 10.0;
 pub struct StreamInfo {
     /// `KIND/NAME`.
     pub name: String,
-    /// The channel that it is a selection of.
+    /// The channel that its messages are selected from.
     pub channel: &'static Channel,
     /// Samples between two messages, 0 where there is no period.
     pub per_period: f64,
@@ -43,7 +43,7 @@ pub struct StreamInfo {
 }
 
 impl StreamInfo {
-    /// Whether it is of estimates, each second.
+    /// Whether it carries estimates at a fixed rate.
     pub fn is_estimate(&self) -> bool {
         self.kind == Kind::Estimate
     }
@@ -70,8 +70,7 @@ impl Kind {
     }
 }
 
-/// The streams of a machine whose sensors give `rate` samples a second, when estimates are sent `hz` times a
-/// second.
+/// The streams of a machine whose sensors deliver `rate` samples a second, with `hz` estimates a second sent.
 pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
     let of = |kind: Kind, channel: &'static Channel, name: &str, per_period| StreamInfo {
         name: format!("{}/{name}", kind.word()),
@@ -87,7 +86,7 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
     if let Some(channel) = pipeline.main_output() {
         all.push(of(Kind::Loads, channel, channel.last_name(), 0.0));
     }
-    // Streams of all machines are found by their names: each machine has its own message.
+    // Each machine has a ledger message of its own, so the stream's name identifies the machine.
     let (ledger, machine) = (
         steps::loads::channel(pipeline.machine),
         pipeline.machine.name(),
@@ -112,7 +111,7 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
 pub struct Selection {
     /// Position of its stream in [`streams`].
     pub stream: usize,
-    /// Whose, which.
+    /// Machine, run and number.
     pub label: Label,
     /// The message as recordings encode it.
     pub payload: Vec<u8>,
@@ -120,12 +119,12 @@ pub struct Selection {
 
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The stretches of motion of each machine.
+        /// The detectors of loads of each kind of machine.
         #[derive(Debug, Default, Clone)]
         struct Stretches { $( $module: Loads<messages::$estimate>, )* }
 
         impl Downsampler {
-            /// Takes the next message of a channel and hands on what is to be sent.
+            /// Takes the next message of a channel and passes on what is to be sent.
             pub fn take<M: Message>(
                 &mut self,
                 channel: &Channel,
@@ -161,7 +160,7 @@ pub struct Downsampler {
 }
 
 impl Downsampler {
-    /// For the run `run` of `machine`, with estimates `hz` times a second.
+    /// A selection for the run `run` of `machine`, with `hz` estimates a second.
     pub fn new(
         streams: Vec<StreamInfo>,
         machine: &str,
@@ -200,7 +199,7 @@ impl Downsampler {
         let number = estimate.stamp().sequence;
         let verdicts = E::PARAMETERS.iter().fold(0, |bits, p| bits | p.trusted);
         let mark = [estimate.flags() & verdicts, 0, 0];
-        // Times are sums of rounded steps: a little early is due.
+        // Times are sums of rounded steps, so a time may lie slightly before its period.
         let bucket = (estimate.stamp().time * self.hz + 1e-6).floor() as i64;
         for i in 0..self.streams.len() {
             if self.streams[i].channel.name != channel.name {
@@ -225,7 +224,7 @@ impl Downsampler {
         }
     }
 
-    /// Loads are numbered by themselves: each message follows the one before. `mark`: load, stage, truck.
+    /// Accounts have consecutive numbers of their own. `mark`: load, stage, truck.
     fn ledger<M: Message>(&mut self, message: &M, mark: Mark, out: &mut impl FnMut(Selection)) {
         let number = message.stamp().sequence;
         let bucket = (message.stamp().time / LEDGER_PERIOD + 1e-6).floor() as i64;
@@ -293,7 +292,7 @@ impl Downsampler {
     }
 }
 
-/// Number of a report of health in its streams: a process that was started again counts from 0.
+/// Number of a health report in its streams: restarts of the process in the high bits, because it then counts from 0.
 pub fn health_number(health: &Health) -> u64 {
     u64::from(health.restarts & 0xffff) << LIFE | health.stamp.sequence & ((1 << LIFE) - 1)
 }
@@ -354,7 +353,7 @@ mod tests {
         let found = selected(&mut downsampler(), (0..120).chain(190..320));
         assert_eq!(found[..3], [(0, Some(-1)), (100, Some(0)), (190, None)]);
         assert_eq!(found[3], (200, Some(190)));
-        // What the recording would have given is a part of it.
+        // A selection that starts midway sends a subset, and does not know the message before its first one.
         let joined = selected(&mut downsampler(), 130..320);
         assert_eq!(
             joined,
@@ -387,7 +386,7 @@ mod tests {
         let mut downsampler = downsampler();
         let mut events = 0;
         for i in 0..400_u64 {
-            // Another state every four seconds.
+            // The state changes every four seconds.
             let mut health = Health {
                 state: (i / 13 % 2) as u32,
                 ..Health::default()

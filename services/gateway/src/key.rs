@@ -10,14 +10,14 @@ pub const STREAMS: &str = "heft/v1/*/*/*/*";
 pub const ESTIMATE: &str = "estimate";
 /// The keys of these streams.
 pub const ESTIMATES: &str = "heft/v1/*/*/estimate/*";
-/// What all machines say of themselves.
+/// The status of all machines.
 pub const STATUS: &str = "heft/v1/*/*/status";
-/// What a site makes of a machine's samples: `SITE_ESTIMATE/CHANNEL`.
+/// A site's estimates from a machine's samples: `SITE_ESTIMATE/CHANNEL`.
 pub const SITE_ESTIMATE: &str = "site";
 /// The tokens of all machines.
 pub const TOKENS: &str = "heft/v1/*/*/alive";
 
-/// A machine among all: its site and its name there.
+/// Identifier of a machine: its site and its name there.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MachineId {
     /// The site.
@@ -27,7 +27,7 @@ pub struct MachineId {
 }
 
 impl MachineId {
-    /// A machine whose names can stand in a key: 1 to 64 of `a-z A-Z 0-9 . _ -` each.
+    /// A machine with names that are valid in a key: 1 to 64 of `a-z A-Z 0-9 . _ -` each.
     pub fn new(site: &str, machine: &str) -> Option<Self> {
         let is_name = |text: &str| {
             (1..=64).contains(&text.len())
@@ -41,12 +41,12 @@ impl MachineId {
         })
     }
 
-    /// The key of something of this machine.
+    /// The key `what` below this machine.
     pub fn key(&self, what: &str) -> String {
         format!("{ROOT}/{}/{}/{what}", self.site, self.machine)
     }
 
-    /// The machine that `key` names, and what of it.
+    /// The machine of `key`, and the rest of the key.
     pub fn of(key: &str) -> Option<(Self, &str)> {
         let rest = key.strip_prefix(ROOT)?.strip_prefix('/')?;
         let (site, rest) = rest.split_once('/')?;

@@ -1,4 +1,4 @@
-//! What travels beside every message: whose it is, of which run, and its place in its stream.
+//! Attachment of a message: its machine, its run, and its number in its stream.
 
 use std::fmt;
 
@@ -7,14 +7,14 @@ use std::fmt;
 pub struct Label {
     /// The machine.
     pub machine: String,
-    /// Its run: an id drawn by chance. Nothing is ordered by it, nor by the machine's clock.
+    /// Its run: a random id. Neither the id nor the machine's clock orders runs.
     pub run: u64,
-    /// Number of the sample that the message is of. Not gapless: a stream is a selection.
+    /// Number of the sample in the message. Numbers have gaps, because a stream is a selection.
     pub number: u64,
-    /// Number of the selected message before it, -1 if it is the first of the run; `None` if samples
-    /// in between were not seen by whoever selected. So a reader that lacks `after` knows of a gap.
+    /// Number of the selected message before it, -1 if it is the first of the run; `None` if the sender has not seen all samples
+    /// in between. A reader that lacks message `after` has a gap.
     pub after: Option<i64>,
-    /// When it was measured [ms since 1970, the machine's clock].
+    /// Time of measurement [ms since 1970, the machine's clock].
     pub wall_ms: u64,
 }
 
@@ -33,7 +33,7 @@ impl Label {
             },
             wall_ms: words.next()?.parse().ok()?,
         };
-        // They are stored as signed numbers.
+        // The store has signed numbers.
         let fits = [label.run, label.number, label.wall_ms]
             .iter()
             .all(|n| i64::try_from(*n).is_ok());
@@ -52,27 +52,26 @@ impl fmt::Display for Label {
     }
 }
 
-/// Bits of a number that a process counts by itself; above them stands how often it was started again (reports of health).
+/// Bits of a number that a process counts itself; the bits above hold the number of its restarts (health reports).
 pub const LIFE: u32 = 40;
 
-/// Which life of its process a number is of; 0 in streams that no process numbers by itself.
+/// Restarts of the process before a number; 0 in streams that no process numbers itself.
 fn life(number: i64) -> i64 {
     number >> LIFE
 }
 
-/// How many messages at least are missing between a message `before` (-1: the beginning of the run) and the
-/// next one that there is; `per_period`: samples between two messages of the stream, 0 for one without a
-/// period. Both ends count with this.
+/// Least number of messages missing between a message `before` (-1: the beginning of the run) and the next one stored.
+/// `per_period`: samples between two messages of the stream, 0 for one without a period. Both sides count with this function.
 pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
     if next.after.is_some_and(|after| after <= before) {
         return 0;
     }
-    // Something was there if the next message says so.
+    // A stated predecessor that is absent is one missing message.
     let least = u64::from(next.after.is_some());
     if per_period < 1.0 {
         return least;
     }
-    // A process that was started again counts from 0: of the lives between the two nothing is known.
+    // A restarted process counts from 0. Nothing is known of the restarts in between.
     let number = next.number as i64;
     let begun = life(number) << LIFE;
     let before = if before < begun {
@@ -84,7 +83,7 @@ pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
     ((periods.round() - 1.0).max(0.0) as u64).max(least)
 }
 
-/// How many messages are missing behind `before`, where one of the number `upto` is known to have been there.
+/// Number of messages missing after `before`, where message `upto` is known to have existed.
 pub fn lost_behind(before: i64, upto: i64, per_period: f64) -> u64 {
     if upto <= before {
         return 0;
@@ -159,7 +158,7 @@ mod tests {
         assert_eq!(lost_behind(400, 700, hz), 3, "500, 600, 700");
         assert_eq!(lost_behind(400, 450, hz), 1);
         assert_eq!(lost_behind(-1, 9000, 0.0), 1);
-        // A process that was started again: what is missing of its present life, and no more.
+        // After a restart: only what is missing since then.
         let (hz, again) = (1.0 / 0.3, 1_u64 << LIFE);
         assert_eq!(lost_behind(400, again as i64 | 9, hz), 4, "0, 3, 7, 9");
         assert_eq!(lost(400, &label(again | 9, None), hz), 3);

@@ -1,17 +1,17 @@
-//! Fleets: what a machine's pipeline finds, carried to a site by Zenoh, kept and shown there.
+//! Fleets: the results of many machines, carried to a site by Zenoh, stored and shown there.
 //!
-//! The machine's side (`heft-gateway`) reads the channels as the logger does, sends a selection of what they
-//! carry, and answers questions for what did not arrive from the machine's own recording. The site's side
-//! (`heft-fleet`) stores it, asks for what is missing, and shows it.
+//! The machine's side (`heft-gateway`) reads the channels as the logger does and sends a selection of their messages. It answers
+//! requests for lost messages from the machine's own recording. The site's side (`heft-fleet`) stores the messages, requests the
+//! missing ones, and shows the result.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`key`], [`label`], [`status`], [`question`] | the words of the protocol: keys, attachments, what a machine says of itself, questions for what is missing |
-//! | [`schema`] | what the messages mean |
+//! | [`key`], [`label`], [`status`], [`question`] | the protocol: keys, attachments, the status of a machine, requests for missing messages |
+//! | [`schema`] | the schemas of the messages |
 //! | [`downsample`], [`load`] | which messages are sent; the same rule, live and from a recording |
 //! | [`link`] | sessions and routers of Zenoh |
 //! | [`machine`] | the gateway: reading, publishing, answering from the recording |
-//! | [`site`] | estimates at the site, of the samples that machines send as they are |
+//! | [`site`] | estimates at the site, from the unmodified samples of machines |
 //! | [`collector`] | the collector: intake, store, repair, alarms, page, queries |
 
 pub mod collector;
@@ -29,22 +29,22 @@ mod track;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Version of the programs; a build that is not for use says so.
+/// Version of the programs; a debug build is marked as such.
 pub const VERSION: &str = if cfg!(debug_assertions) {
     concat!(env!("CARGO_PKG_VERSION"), " (debug build)")
 } else {
     env!("CARGO_PKG_VERSION")
 };
 
-/// Machines that a site takes, and a router lets in, at a time.
+/// Most machines that a site accepts and sessions that a router admits, at a time.
 pub(crate) const MACHINES: usize = 20_000;
 
-/// What a mutex holds, also after a thread that held it has panicked.
+/// Locks a mutex, also after a thread that held it has panicked.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An error in heft's three lines: what, where, what to do.
+/// An error in heft's three lines: what, where, remedy.
 pub fn error(
     what: impl std::fmt::Display,
     place: impl std::fmt::Display,
@@ -58,8 +58,8 @@ pub fn wall_ms() -> u64 {
     runtime::since_1970().as_millis() as u64
 }
 
-/// What the programs of a fleet say on standard error, unless the environment chooses otherwise: what they do, and errors of
-/// all that they are made of. `program` stands in each line.
+/// Starts the log on standard error: the messages of the fleet's programs and the errors of their libraries, unless the
+/// environment chooses otherwise. `program` is part of each line.
 pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
     diagnostics::start(
         "error,gateway=info,iceoryx2=off,iceoryx2_log=off",
@@ -69,10 +69,10 @@ pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
         .entered()
 }
 
-/// Sets `stop` when the process is asked to end.
+/// Sets `stop` on SIGINT or SIGTERM.
 ///
 /// # Errors
-/// The system refuses.
+/// The handler cannot be registered.
 pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result<(), String> {
     catch(
         &[signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM],
@@ -80,10 +80,10 @@ pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result
     )
 }
 
-/// Sets `gave_up` when the process is told that the run beside it failed.
+/// Sets `gave_up` on SIGHUP: the run beside this process failed.
 ///
 /// # Errors
-/// The system refuses.
+/// The handler cannot be registered.
 pub fn on_hang_up(gave_up: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result<(), String> {
     catch(&[signal_hook::consts::SIGHUP], gave_up)
 }
@@ -105,7 +105,7 @@ fn catch(
     Ok(())
 }
 
-/// Why a program ends: an error in heft's three lines, and its status.
+/// The end of a program: an error in heft's three lines, and its exit status.
 #[derive(Debug)]
 pub struct Failure {
     error: String,
@@ -113,20 +113,20 @@ pub struct Failure {
 }
 
 impl From<String> for Failure {
-    /// 2: wrong use or bad input. Another start does not help.
+    /// Status 2: wrong use or bad input. Another start does not help.
     fn from(error: String) -> Self {
         Self { error, status: 2 }
     }
 }
 
 impl Failure {
-    /// 1: another start may help.
+    /// Status 1: another start may help.
     pub fn passing(error: String) -> Self {
         Self { error, status: 1 }
     }
 }
 
-/// Tells the error of a program, if any, and how it ends.
+/// Prints the error of a program, if any; returns its exit code.
 pub fn exit(program: &str, result: Result<(), impl Into<Failure>>) -> std::process::ExitCode {
     match result.map_err(Into::into) {
         Ok(()) => std::process::ExitCode::SUCCESS,

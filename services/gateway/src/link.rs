@@ -1,4 +1,4 @@
-//! Sessions of Zenoh: to the endpoints that are named and to nobody else.
+//! Sessions of Zenoh, to the stated endpoints only.
 
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use zenoh::{Config, Session, Wait};
 
-/// Where a site's router listens unless stated otherwise: this host only.
+/// Default address of a site's router: this host only.
 pub const DEFAULT: &str = "tcp/127.0.0.1:7447";
 
 /// How a session reaches its router.
@@ -20,9 +20,9 @@ pub struct LinkArgs {
     pub zenoh_config: Option<std::path::PathBuf>,
 }
 
-/// Opens a session, when the router is there. From then on it connects again by itself. Everything that it will publish
-/// is below the keys `publishes`: the router is asked once for each of them who listens, not for each publisher, which
-/// costs it time in proportion to the square of their number.
+/// Opens a session as soon as the router is reachable; afterwards it reconnects by itself. All its publications are below the
+/// keys `publishes`. The router then resolves the subscribers once for each of these keys, not once for each publisher, which
+/// costs time in proportion to the square of their number.
 ///
 /// # Errors
 /// The endpoint or the configuration cannot be understood.
@@ -37,10 +37,10 @@ pub fn client(link: &LinkArgs, publishes: &[&str]) -> Result<Session, String> {
     open(config, &link.connect)
 }
 
-/// [`client`], given up when `stops` says so: to open a session takes until the router is there.
+/// [`client`], cancelled when `stops` returns true: opening a session waits for the router.
 ///
 /// # Errors
-/// As [`client`]; `None` where it was given up.
+/// As [`client`]; `None` if cancelled.
 pub fn client_unless(
     link: &LinkArgs,
     publishes: &[&str],
@@ -51,7 +51,7 @@ pub fn client_unless(
     let publishes: Vec<String> = publishes.iter().map(|&key| key.to_owned()).collect();
     std::thread::spawn(move || {
         let publishes: Vec<&str> = publishes.iter().map(String::as_str).collect();
-        // Nobody waits any more: the process ends.
+        // After a cancellation nobody receives it, and the process ends.
         let _ = say.send(client(&its, &publishes));
     });
     loop {
@@ -63,7 +63,7 @@ pub fn client_unless(
     }
 }
 
-/// Whether a router may listen there: without keys on this host only, unless that is asked for.
+/// Whether a router may listen at this address: without keys on this host only, unless that is stated.
 ///
 /// # Errors
 /// It may not.
@@ -97,7 +97,7 @@ pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, Stri
     let mut config = base(file)?;
     set(&mut config, "mode", "\"router\"")?;
     if file.is_none() {
-        // Zenoh's own limit of 1000 would leave the machine after that without an answer for ever.
+        // Zenoh's default limit of 1000 sessions would leave all further machines without an answer.
         let sessions = crate::MACHINES.to_string();
         set(&mut config, "transport/unicast/max_sessions", &sessions)?;
         set(&mut config, "transport/unicast/accept_pending", "1000")?;
@@ -108,7 +108,7 @@ pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, Stri
     open(config, listen.unwrap_or("its configuration"))
 }
 
-/// A configuration that speaks to nobody but the endpoints named: no multicast, no gossip.
+/// A configuration that connects to the stated endpoints only: no multicast, no gossip.
 fn base(file: Option<&Path>) -> Result<Config, String> {
     let mut config = match file {
         Some(file) => Config::from_file(file).map_err(|e| {

@@ -1,5 +1,4 @@
-//! Loads: one message for each swing of an excavator or drive of a loader, as the report counts them, but
-//! while they happen.
+//! Loads: one message for each swing of an excavator or drive of a loader, counted as in the report, while they happen.
 
 use view::estimate::Estimate;
 use view::stretches::{PAUSE, SHORTEST};
@@ -8,9 +7,9 @@ use view::stretches::{PAUSE, SHORTEST};
 #[derive(Debug, Default, Clone)]
 pub struct Loads<E> {
     open: Option<Stretch<E>>,
-    /// The beginning of this motion was not seen: it is left to the recording, to the pause behind it.
+    /// The beginning of this motion was missed: it is skipped up to the next pause, and left to the recording.
     skips: bool,
-    /// When it last moved while it is skipped [s].
+    /// Time of the last motion while skipping [s].
     skipped: f64,
 }
 
@@ -22,8 +21,7 @@ struct Stretch<E> {
 }
 
 impl<E: Estimate> Loads<E> {
-    /// Takes the next estimate. Returns, when a stretch is over, the last estimate in it that was trusted,
-    /// else its last one.
+    /// Takes the next estimate. At the end of a stretch, returns its last trusted estimate, or its last one.
     pub fn take(&mut self, estimate: &E) -> Option<E> {
         let time = estimate.stamp().time;
         let moves = estimate.motion() >= E::MOTION_NAME.1;
@@ -34,7 +32,7 @@ impl<E: Estimate> Loads<E> {
             self.skips = (0.0..PAUSE).contains(&(time - self.skipped));
             return None;
         }
-        // Also where the time goes backwards.
+        // A time that goes backwards ends the stretch as well.
         let is_over = |s: &Stretch<E>| !(0.0..PAUSE).contains(&(time - s.end));
         let over = self.open.take_if(|s| is_over(s));
         if moves {
@@ -58,7 +56,7 @@ impl<E: Estimate> Loads<E> {
             .map(|s| s.reported)
     }
 
-    /// Is notified that estimates were missed.
+    /// Discards the current stretch, because estimates were missed.
     pub fn forget(&mut self) {
         self.open = None;
         (self.skips, self.skipped) = (true, f64::NAN);
@@ -107,7 +105,7 @@ mod tests {
     fn a_dip_is_no_end_of_a_swing_whose_beginning_was_missed() {
         let mut loads = Loads::default();
         loads.forget();
-        // It is slow from 2.0 to 2.2 s.
+        // Below the limit from 2.0 to 2.2 s.
         assert!((15..80).all(|i| loads.take(&estimate(i)).is_none()));
     }
 }

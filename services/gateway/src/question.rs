@@ -1,46 +1,46 @@
-//! Questions for what did not arrive, as who asks and who answers have them.
+//! Requests for messages that did not arrive, for both sides.
 //!
-//! A question goes to the key of the stream: `?run=R;after=A;upto=B` with the last number that the collector has (its
-//! acknowledgement) and the last that it knows of. The answers are the messages as they were sent, then one that says how
-//! far they go. A machine answers from its recording, a site from what it has kept of its own estimates.
+//! A request goes to the key of the stream: `?run=R;after=A;upto=B` with the last number that the collector has (its
+//! acknowledgement) and the last that it knows of. The replies are the messages as they were sent, then a summary. A machine
+//! answers from its recording, a site from its stored estimates.
 
 use serde::{Deserialize, Serialize};
 use zenoh::Wait;
 use zenoh::query::Query;
 
-/// Answers to one question; the rest is asked for again.
+/// Most messages in reply to one request; the rest is requested again.
 pub const MOST: u64 = 5000;
-/// Questions that may wait at whoever answers.
+/// Requests that may wait at the answering side.
 pub const WAITING: usize = 64;
-/// The attachment of the answer that says how far the others go.
+/// Attachment of the reply that is the summary.
 pub const END: &[u8] = b"end";
-/// The error of whoever has nothing more of the run.
+/// Error reply of a side that has nothing more of the run.
 pub const OVER: &str = "that was another run";
 
-/// How far the answers to a question go.
+/// Summary of the replies to a request.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AnswerSummary {
-    /// Everything up to this number that can be had was sent, -1 for nothing.
+    /// Everything available up to this number was sent, -1 for nothing.
     pub upto: i64,
     /// Messages sent.
     pub messages: u64,
-    /// Messages that nobody holds any more.
+    /// Messages that are lost for good.
     pub lost: u64,
 }
 
-/// What a question asks for.
+/// Contents of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Asked {
     /// Id of the run.
     pub run: i64,
-    /// The last number that is there.
+    /// The last number that the collector has.
     pub after: i64,
-    /// The last number that is known of.
+    /// The last number that it knows of.
     pub upto: i64,
 }
 
 impl Asked {
-    /// Reads a question; one that cannot be read is told so.
+    /// Parses a request; replies with an error if it is malformed.
     pub fn of(query: &Query) -> Option<Self> {
         let parameters = query.parameters();
         let number = |name: &str| parameters.get(name)?.parse::<i64>().ok();
@@ -58,7 +58,7 @@ impl Asked {
     }
 }
 
-/// Says how far the answers went. Whoever asked may be gone.
+/// Sends the summary. The querier may be gone.
 pub fn end(query: &Query, summary: &AnswerSummary) {
     let key = query.key_expr().clone();
     let summary = serde_json::to_vec(summary).unwrap_or_default();

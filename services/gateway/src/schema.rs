@@ -1,4 +1,4 @@
-//! What the messages mean: their protobuf schemas, for programs that know nothing of heft.
+//! The protobuf schemas of the messages, for programs without heft's code.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub fn name(channel: &Channel) -> String {
     channel.payload.visit(Describe).0
 }
 
-/// Answers `PREFIX/schema/NAME`, and wild cards, until what is returned is dropped.
+/// Answers `PREFIX/schema/NAME`, and wild cards, until the returned value is dropped.
 ///
 /// # Errors
 /// Zenoh refuses the key.
@@ -40,7 +40,7 @@ pub fn serve(session: &Session, prefix: &str) -> zenoh::Result<impl Sized + use<
         .wait()
 }
 
-/// What answers questions for `PREFIX/schema/NAME`; it leaves others alone.
+/// Handler of queries for `PREFIX/schema/NAME`; it ignores other queries.
 pub fn answers(prefix: &str) -> impl Fn(&Query) + Send + Sync + use<> {
     let machines = Machine::ALL.into_iter().map(Pipeline::of);
     let channels = machines
@@ -58,7 +58,7 @@ pub fn answers(prefix: &str) -> impl Fn(&Query) + Send + Sync + use<> {
             .iter()
             .filter(|(key, _)| query.key_expr().intersects(key))
         {
-            // Who asked may be gone.
+            // The querier may be gone.
             let _ = query.reply(key.clone(), schema.as_slice()).wait();
         }
     }

@@ -1,4 +1,4 @@
-//! What a machine says of itself once a second, under `heft/v1/SITE/MACHINE/status`.
+//! The status of a machine, once a second, under `heft/v1/SITE/MACHINE/status`.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ pub const LARGEST: usize = 8192;
 /// Most streams of a machine.
 const STREAMS: usize = 64;
 
-/// The machine's own account: JSON, because it is no message of the pipeline.
+/// The status as JSON, because it is no message of the pipeline.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// The machine; must be the one that the key names.
@@ -18,25 +18,25 @@ pub struct Status {
     pub kind: String,
     /// Version of heft on it.
     pub version: String,
-    /// The run: an id drawn by chance.
+    /// The run: a random id.
     pub run: u64,
-    /// Runs of this machine that it has counted, this one too; 0 where it cannot keep count.
+    /// Number of runs that the machine has counted, including this one; 0 if it cannot count them.
     #[serde(default)]
     pub count: u64,
-    /// The machine's wall clock, the one by which its messages are stamped [ms since 1970].
+    /// The machine's wall clock, by which its messages are stamped [ms since 1970].
     pub wall_ms: u64,
     /// The run ended in order.
     pub ended: bool,
-    /// The run broke off: its supervisor was killed, or gave up.
+    /// The run was killed or failed: its supervisor was killed, or gave up.
     #[serde(default)]
     pub broke_off: bool,
     /// Its streams by `KIND/NAME`.
     pub streams: BTreeMap<String, Stream>,
-    /// What its gateway counts.
+    /// Counts of its gateway.
     pub counts: Counts,
 }
 
-/// How far a stream is.
+/// Progress of a stream.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stream {
     /// Number of the latest message, -1 for none.
@@ -48,28 +48,28 @@ pub struct Stream {
 /// Counts of a gateway since its start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Starts of the gateway in this run are distinguished by this [ms since 1970].
+    /// Start of the gateway [ms since 1970]; it distinguishes several starts in a run.
     pub since_ms: u64,
     /// Samples that were overwritten in the channels before the gateway took them.
     pub overwritten: u64,
     /// Messages handed to Zenoh.
     pub sent: u64,
-    /// Messages that found the queue to Zenoh full.
+    /// Messages dropped because the queue to Zenoh was full.
     pub dropped: u64,
     /// Messages sent again from the recording.
     pub served: u64,
-    /// Messages that were asked for and that the recording does not hold any more.
+    /// Requested messages that the recording does not hold any more.
     pub lost: u64,
     /// Samples of the sensors handed to Zenoh.
     #[serde(default)]
     pub samples_sent: u64,
-    /// Samples that did not get that far.
+    /// Samples that were not handed to Zenoh.
     #[serde(default)]
     pub samples_lost: u64,
 }
 
 impl Status {
-    /// Reads a status; `None` if it is none, or beyond every bound.
+    /// Parses a status; `None` if it is malformed, or exceeds a bound.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let status: Self = (bytes.len() <= LARGEST)
             .then(|| serde_json::from_slice(bytes).ok())

@@ -1,12 +1,12 @@
-//! Where one stream is: which sample was seen last, which was sent, and whether any was missed in between.
+//! Progress of one stream: the last sample seen, the last sent, and whether any was missed in between.
 
-/// Changes of verdict that are sent in one period.
+/// Most changes of a mark that are sent in one period.
 pub(crate) const CHANGES: u32 = 10;
 
-/// What a sample says that is sent at once when it changes: up to three numbers.
+/// Up to three numbers of a sample; a change is sent at once.
 pub(crate) type Mark = [u32; 3];
 
-/// How a sample follows the one before.
+/// Position of a sample relative to the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Continuity {
     Next,
@@ -14,16 +14,16 @@ pub(crate) enum Continuity {
     Before,
 }
 
-/// Where a stream is.
+/// Progress of a stream.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
     /// Number of the last sample, -1 before the first.
     pub seen: i64,
     /// Number of the last message, -1 before the first.
     pub selected: i64,
-    /// No sample was missed since that message.
+    /// Whether no sample was missed since that message.
     whole: bool,
-    /// Second and mark of the last sample.
+    /// Period and mark of the last sample.
     last: Option<(i64, Mark)>,
     changes: u32,
 }
@@ -41,7 +41,7 @@ impl Default for Track {
 }
 
 impl Track {
-    /// Notes a sample; `is_first`: of a process that counts from 0 again.
+    /// Notes a sample; `is_first`: the process counts from 0 again.
     pub fn see(&mut self, number: u64, is_first: bool) -> Continuity {
         let number = number as i64;
         if number <= self.seen {
@@ -57,8 +57,8 @@ impl Track {
         }
     }
 
-    /// Whether the sample is the first of its second, or of a mark. Of a stream that was joined on
-    /// its way nothing is known of the sample before.
+    /// Whether the sample is the first of its period, or of a mark. In a stream that was joined midway the sample before is
+    /// unknown.
     pub fn is_due(&mut self, number: u64, bucket: i64, mark: Mark) -> bool {
         match self.last.replace((bucket, mark)) {
             None => number == 0,
@@ -74,7 +74,7 @@ impl Track {
         }
     }
 
-    /// Whether the mark is another than in the sample before; so many times a second at most.
+    /// Whether the mark differs from that of the sample before; at most [`CHANGES`] times a second.
     pub fn has_changed(&mut self, number: u64, second: i64, mark: Mark) -> bool {
         match self.last.replace((second, mark)) {
             None => number == 0,
@@ -88,7 +88,7 @@ impl Track {
         }
     }
 
-    /// Notes that a sample is sent; returns the number of the message before it, if that is known.
+    /// Notes that a sample is sent; returns the number of the message before it, if known.
     pub fn select(&mut self, number: u64) -> Option<i64> {
         let after = self.whole.then_some(self.selected);
         (self.selected, self.whole) = (number as i64, true);

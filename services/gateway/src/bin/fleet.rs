@@ -1,4 +1,4 @@
-//! heft-fleet: keeps and shows what many machines send. `heft fleet` is the same.
+//! heft-fleet: receives, stores and shows the data of many machines. `heft fleet` is the same.
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let _process = gateway::log("heft-fleet");
-    // What is written is for its user alone.
+    // Files are readable and writable by their user only.
     rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     let cli = Cli::parse();
     let stop = Arc::new(AtomicBool::new(false));

@@ -1,4 +1,4 @@
-//! heft-gateway: sends what a machine's pipeline finds to a fleet. `heft run ... --fleet` starts it.
+//! heft-gateway: sends the results of a machine's pipeline to a fleet. `heft run ... --fleet` starts it.
 
 use std::process::ExitCode;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! Alarms: a machine whose run broke off, that is silent, that has not been trusted for long, or whose learnt parameters have
-//! drifted beyond what their intervals allow.
+//! Alarms: a machine whose run was killed or failed, that is silent, that has not been trusted for long, or whose learnt
+//! parameters have drifted by more than their intervals allow.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -8,16 +8,16 @@ use super::live::{Fleet, Machine, SILENT};
 use super::shown::{Quantity, quantities};
 use crate::key::MachineId;
 
-/// Two estimates that differ by more than this many standard deviations of their difference have drifted
-/// (a chance of 1 in 16 000 for independent normal errors; errors of one machine are not independent, so less).
+/// Drift limit, in standard deviations of the difference of two estimates (a chance of 1 in 16 000 for independent normal errors;
+/// errors of one machine are not independent, so less).
 const DRIFT: f64 = 4.0;
-/// A clock that is off by more than this [ms] is reported.
+/// Clock error beyond which an alarm is raised [ms].
 const CLOCK_MS: i64 = 10_000;
 
-/// More machines with one alarm at once than this are reported in one line.
+/// Number of machines with the same new alarm beyond which one line reports them all.
 const MANY: usize = 10;
 
-/// Said of a run that was killed, or whose supervisor gave up.
+/// Text for a run that was killed, or whose supervisor gave up.
 const BROKE_OFF: &str = "its run broke off: killed, or given up after failures";
 
 /// What is an alarm.
@@ -28,7 +28,7 @@ pub struct AlarmArgs {
     pub untrusted_after: f64,
 }
 
-/// A time in minutes, as a number alone is.
+/// Parses a duration [min]; a bare number is in minutes.
 fn minutes(text: &str) -> Result<f64, String> {
     super::counted(text, 60.0)
 }
@@ -36,11 +36,11 @@ fn minutes(text: &str) -> Result<f64, String> {
 /// An alarm that was raised or is over.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Alarm {
-    /// Whose.
+    /// The machine.
     pub id: MachineId,
-    /// Which.
+    /// Kind of alarm.
     pub kind: &'static str,
-    /// In words.
+    /// Description for people.
     pub text: String,
 }
 
@@ -50,10 +50,10 @@ impl std::fmt::Display for Alarm {
     }
 }
 
-/// Looks at every machine; returns what changed.
+/// Checks every machine; returns the alarms that were raised or ended.
 pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     let limit = Duration::from_secs_f64(args.untrusted_after * 60.0);
-    // Who was here before the collector began is heard again within that time.
+    // After a start of the collector, a present machine needs up to this time to be heard again.
     let is_early = fleet.begun.is_some_and(|begun| begun.elapsed() < SILENT);
     let mut changed = Vec::new();
     for (id, machine) in &mut fleet.machines {
@@ -78,7 +78,7 @@ pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     changed
 }
 
-/// What is wrong with a machine now, in words by its kind; `before`: what was.
+/// Alarms of a machine now, as texts by kind; `before`: those of the last check.
 fn found(
     machine: &mut Machine,
     before: &BTreeMap<&'static str, String>,
@@ -86,7 +86,7 @@ fn found(
 ) -> BTreeMap<&'static str, String> {
     let mut on = BTreeMap::new();
     if machine.broke_off {
-        // What fell silent by that is one fault, and nobody knows whether the rest is over.
+        // The silence that follows is part of the same fault. Whether the earlier alarms are over is unknown, so they stay.
         machine.alarms.untrusted = None;
         on.clone_from(before);
         on.insert("broken", BROKE_OFF.to_owned());
@@ -95,7 +95,7 @@ fn found(
     if !machine.is_here() {
         machine.alarms.untrusted = None;
         if !machine.ended && !machine.is_stranger() {
-            // Nobody knows whether the rest is over.
+            // Whether the earlier alarms are over is unknown, so they stay.
             on.clone_from(before);
             let text = format!("silent for more than {} s", SILENT.as_secs());
             on.insert("silent", text);
@@ -133,14 +133,14 @@ fn found(
     on
 }
 
-/// That a parameter is no longer what it was.
+/// Describes a parameter that has drifted by more than [`DRIFT`].
 fn drift(first: &Quantity, now: &Quantity) -> Option<String> {
     let std = first.std.hypot(now.std);
     ((now.value - first.value).abs() > DRIFT * std)
         .then(|| format!("{} was {} and is {}", now.label, first.text(), now.text()))
 }
 
-/// Lines for a person: alarms of one kind that many machines raise at once are one.
+/// Lines for people: alarms of one kind that many machines raise at once share a line.
 pub fn lines(raised: &[Alarm]) -> Vec<String> {
     let mut kinds: BTreeMap<(&str, bool), Vec<&Alarm>> = BTreeMap::new();
     for alarm in raised {

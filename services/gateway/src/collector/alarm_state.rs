@@ -1,17 +1,17 @@
-//! What the alarms remember of a machine.
+//! State of the alarms of a machine.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use super::shown::Quantity;
 
-/// What is remembered of a machine.
+/// Alarms and references of a machine.
 #[derive(Debug, Default)]
 pub struct State {
-    /// Alarms that are on, by kind, in words.
+    /// Texts of the alarms that are on, by kind.
     pub on: BTreeMap<&'static str, String>,
-    /// Since when it runs without being trusted.
+    /// Time since which it runs without being trusted.
     pub(super) untrusted: Option<Instant>,
-    /// The first trusted value of each learnt parameter since the collector began, and what it drifted to.
+    /// First trusted value of each learnt parameter since the start of the collector: the reference of the drift.
     pub(super) first: BTreeMap<&'static str, Quantity>,
 }

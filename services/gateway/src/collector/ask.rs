@@ -1,7 +1,7 @@
-//! Questions to machines, and to sites for their estimates, for what did not arrive.
+//! Requests for missing messages, to machines and, for their estimates, to sites.
 //!
-//! A thread of its own asks: Zenoh may end a question on the thread that asks it, and the end is reported through a queue
-//! that the collector's thread alone empties. That thread calls nothing of Zenoh while it works.
+//! They are sent by a separate thread: Zenoh may end a request on the thread that sends it. The end is reported through a queue
+//! that only the collector's thread empties, so that thread makes no call to Zenoh while it works.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -16,33 +16,33 @@ use crate::key::MachineId;
 use crate::lock;
 use crate::question::{AnswerSummary, END, OVER};
 
-/// Questions at a time.
+/// Requests under way at a time.
 const AT_A_TIME: usize = 8;
-/// A machine must have answered by then.
+/// Timeout of a request.
 const LIMIT: Duration = Duration::from_secs(60);
-/// Time between two looks at questions that nobody answers.
+/// Period of the check for unanswered requests.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// A question: what there is between two numbers of a stream.
+/// A request for the messages of a stream between two numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Question {
     /// Number of the stream in the store.
     pub stream: i64,
-    /// Whose.
+    /// The machine.
     pub id: MachineId,
     /// `KIND/NAME`.
     pub name: String,
-    /// Which run.
+    /// Id of the run.
     pub run: i64,
-    /// Everything up to this number is here.
+    /// Everything up to this number is stored.
     pub after: i64,
-    /// This much there is at least.
+    /// Latest number known to exist.
     pub upto: i64,
-    /// Given up when nothing came for so long.
+    /// Time without a reply after which the request is cancelled.
     pub patience: Duration,
 }
 
-/// Asks.
+/// Queues requests and counts those under way.
 pub struct Asker {
     questions: SyncSender<Question>,
     under_way: usize,
@@ -58,7 +58,7 @@ impl Asker {
         }
     }
 
-    /// Questions that may be asked now.
+    /// Number of requests that may be sent now.
     pub(super) fn room(&self) -> usize {
         AT_A_TIME.saturating_sub(self.under_way)
     }
@@ -68,7 +68,7 @@ impl Asker {
         self.under_way = self.under_way.saturating_sub(1);
     }
 
-    /// Asks, within [`Self::room`]. The end is reported as [`Event::Answered`], whatever it is. Waits for nothing.
+    /// Queues a request, within [`Self::room`]. Its end is always reported as [`Event::Answered`]. Does not block.
     pub(super) fn ask(&mut self, question: Question) {
         self.under_way += 1;
         if self.questions.try_send(question).is_err() {
@@ -77,7 +77,7 @@ impl Asker {
     }
 }
 
-/// Asks what comes, and gives up what nobody answers, until there is no [`Asker`].
+/// Sends queued requests and cancels unanswered ones until the [`Asker`] is dropped.
 fn ask_all(session: &Session, intake: &Arc<Intake>, questions: &Receiver<Question>) {
     let mut under_way: Vec<UnderWay> = Vec::new();
     loop {
@@ -93,9 +93,9 @@ fn ask_all(session: &Session, intake: &Arc<Intake>, questions: &Receiver<Questio
     }
 }
 
-/// A question, as the thread that asked it sees it.
+/// A request as its sending thread sees it.
 struct UnderWay {
-    /// When something came last; held by its callback until it has ended.
+    /// Time of the last reply; the callback holds the second reference until the request has ended.
     heard: Arc<Mutex<Instant>>,
     patience: Duration,
     end: CancellationToken,
@@ -140,7 +140,7 @@ fn ask(session: &Session, intake: &Arc<Intake>, question: &Question) -> Option<U
     })
 }
 
-/// A question under way; dropped with the callback when it has ended.
+/// A request as its callback sees it; dropped with the callback when it has ended.
 struct Open {
     stream: i64,
     intake: Arc<Intake>,
@@ -175,7 +175,7 @@ impl Drop for Open {
 mod tests {
     use super::*;
 
-    /// Of whoever waits longer than this, nobody hears again.
+    /// Wait after which an event counts as missing.
     const LONGEST: Duration = Duration::from_secs(60);
 
     #[test]

@@ -17,7 +17,7 @@ use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::machine::LONGEST;
 
-/// A machine must have answered by then.
+/// Timeout of the request to the machine.
 const LIMIT: Duration = Duration::from_secs(10);
 /// Batches that may wait to be written.
 const QUEUE: usize = 1024;
@@ -42,7 +42,7 @@ pub struct FullArgs {
     pub format: Format,
 }
 
-/// Asks, and writes what comes until the time is over or `stop` is set. Says what is missing.
+/// Requests every estimate and writes what arrives until the time is over or `stop` is set. Reports what is missing.
 ///
 /// # Errors
 /// The machine does not answer, or nothing can be written.
@@ -70,7 +70,7 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
     let _subscriber = session
         .declare_subscriber(id.key("full/estimate/*"))
         .callback(move |sample| {
-            // What finds no place shows as a gap in the numbers.
+            // A batch that does not fit shows as a gap in the numbers.
             let _ = batches.try_send((
                 sample.key_expr().as_str().to_owned(),
                 sample.payload().to_bytes().into_owned(),
@@ -120,12 +120,12 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
     Ok(())
 }
 
-/// Numbers between two; those of a machine that says anything count as well.
+/// Number of messages missing between two numbers; saturates, because a machine may send any number.
 fn missing_between(before: u64, number: u64) -> u64 {
     number.saturating_sub(before).saturating_sub(1)
 }
 
-/// Asks until the machine answers: a session needs a moment to find its router.
+/// Repeats the request until the machine answers: a session needs a moment to find its router.
 fn ask(session: &zenoh::Session, id: &MachineId, seconds: f64) -> Result<(), String> {
     let begun = Instant::now();
     let mut why = "nobody is there".to_owned();
@@ -146,7 +146,7 @@ fn ask(session: &zenoh::Session, id: &MachineId, seconds: f64) -> Result<(), Str
     Err(why)
 }
 
-/// The messages of a batch, as far as they are whole.
+/// The messages of a batch, up to the first incomplete one.
 fn messages(stream: &str, mut batch: &[u8]) -> Vec<Envelope> {
     let mut found = Vec::new();
     while let Some(one) = take_delimited(&mut batch) {

@@ -1,5 +1,5 @@
-//! What comes is checked before it is queued: size, rate, and that a message speaks for the machine that its
-//! key names. A hostile machine can lie about itself only, and not loudly.
+//! Checks of incoming messages before they are queued: size, rate, and that a message belongs to the machine in its key. A
+//! hostile machine can falsify only its own data, at a limited rate.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,52 +22,52 @@ use crate::{MACHINES, lock};
 
 /// Largest message [bytes].
 pub const LARGEST: usize = 2048;
-/// Messages a second that a machine may send over some time, and at once.
+/// Message rate of a machine [1/s]: sustained here, burst below.
 const RATE: f64 = 200.0;
 const BURST: f64 = 1000.0;
 
-/// A message that was checked.
+/// A message that has passed the checks.
 #[derive(Debug, Clone)]
 pub struct StreamMessage {
-    /// Whose.
+    /// The machine.
     pub id: MachineId,
     /// `KIND/NAME`.
     pub stream: String,
-    /// Which.
+    /// Its label.
     pub label: Label,
-    /// As it came.
+    /// The payload as received.
     pub payload: Vec<u8>,
-    /// The message.
+    /// The payload, decoded.
     pub envelope: Envelope,
 }
 
-/// What the collector's thread is given.
+/// An input of the collector's thread.
 #[derive(Debug)]
 pub enum Event {
     /// A message of a stream.
     Message(Box<StreamMessage>),
-    /// A machine on itself.
+    /// The status of a machine.
     Status(MachineId, Box<Status>),
-    /// A machine's token came or went.
+    /// The token of a machine appeared or disappeared.
     Token(MachineId, bool),
-    /// Something under a machine's keys was not taken, and why.
+    /// A message under a machine's keys was refused, with the reason.
     Refused(MachineId, &'static str),
-    /// A question about the stream of this number has ended.
+    /// A request for the stream of this number has ended.
     Answered(i64, Answer),
 }
 
-/// How a question ended.
+/// Outcome of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// Who answers has reported what it has.
+    /// The answering side has reported how far its messages go.
     Whole(AnswerSummary),
-    /// Who answers has nothing more of that run.
+    /// The answering side has nothing more of that run.
     Over,
-    /// Nothing came, or not all of it.
+    /// No reply, or an incomplete one.
     None,
 }
 
-/// Checks and queues.
+/// Checks messages and queues them.
 pub struct Intake {
     events: SyncSender<Event>,
     rates: Mutex<HashMap<MachineId, Bucket>>,
@@ -90,18 +90,18 @@ impl Intake {
         }
     }
 
-    /// A message of a stream, live.
+    /// Takes a live message of a stream.
     pub(super) fn message(&self, sample: &Sample) {
         let Some((id, stream)) = MachineId::of(sample.key_expr().as_str()) else {
             return;
         };
         if let Some(event) = self.admitted(&id, |id| check(id, stream, sample)) {
-            // What finds no place is asked for again.
+            // A message that does not fit is requested later.
             let _ = self.events.try_send(event);
         }
     }
 
-    /// A message of a stream that Zenoh does not number, live; those that it numbers come to [`Self::message`].
+    /// Takes a live message of a stream without Zenoh's numbers; numbered streams arrive at [`Self::message`].
     pub(super) fn message_without_number(&self, sample: &Sample) {
         let stream = MachineId::of(sample.key_expr().as_str()).map(|(_, stream)| stream);
         if stream.is_some_and(|s| kind(s) != ESTIMATE) {
@@ -109,7 +109,7 @@ impl Intake {
         }
     }
 
-    /// A message of a stream that was asked for. Waits for a place.
+    /// Takes a message that was requested. Blocks until the queue has room.
     pub(super) fn answer(&self, sample: &Sample) {
         let Some((id, stream)) = MachineId::of(sample.key_expr().as_str()) else {
             return;
@@ -120,7 +120,7 @@ impl Intake {
         });
     }
 
-    /// What a machine says of itself.
+    /// Takes a machine's status.
     pub(super) fn status(&self, sample: &Sample) {
         let Some((id, _)) = MachineId::of(sample.key_expr().as_str()) else {
             return;
@@ -137,7 +137,7 @@ impl Intake {
         }
     }
 
-    /// A token came or went.
+    /// Takes the appearance or disappearance of a token.
     pub(super) fn token(&self, sample: &Sample, is_there: bool) {
         if let Some((id, _)) = MachineId::of(sample.key_expr().as_str())
             && let Some(event) = self.admitted(&id, |id| Ok(Event::Token(id.clone(), is_there)))
@@ -146,7 +146,7 @@ impl Intake {
         }
     }
 
-    /// Messages of machines for which there was no room.
+    /// Number of messages refused because the table of machines is full.
     pub(super) fn turned_away(&self) -> u64 {
         self.turned_away.load(Ordering::Relaxed)
     }
@@ -155,7 +155,7 @@ impl Intake {
         let _ = self.events.send(event);
     }
 
-    /// The event of what a machine may send now.
+    /// Applies the rate limit, then the check; returns the resulting event.
     fn admitted(
         &self,
         id: &MachineId,
@@ -184,7 +184,7 @@ impl Intake {
             bucket.left = (bucket.left + earned).min(BURST);
             bucket.seen = now;
             if bucket.left < 1.0 {
-                // Said once a second: saying it each time would be a flood too.
+                // Reported once a second: a report per message would be a flood of its own.
                 let is_due = bucket.reported.is_none_or(|t| t.elapsed().as_secs() >= 1);
                 return is_due.then(|| {
                     bucket.reported = Some(now);
@@ -200,7 +200,7 @@ impl Intake {
     }
 }
 
-/// The message of a sample, if it is what its key says.
+/// The message of a sample, if it agrees with its key and label.
 fn check(id: &MachineId, stream: &str, sample: &Sample) -> Result<Event, &'static str> {
     if sample.payload().len() > LARGEST {
         return Err("too large");
@@ -251,7 +251,7 @@ pub fn is_stream(name: &str) -> bool {
     channel(name).is_some()
 }
 
-/// Whether a stream is what a site makes: the site answers for it, not the machine.
+/// Whether a site makes the stream: then the site answers requests for it, not the machine.
 pub fn is_of_site(name: &str) -> bool {
     kind(name) == SITE_ESTIMATE
 }
@@ -266,7 +266,7 @@ fn channel(stream: &str) -> Option<&'static Channel> {
     static ALL: LazyLock<HashMap<String, &'static Channel>> = LazyLock::new(|| {
         let machines = Machine::ALL.into_iter().map(Pipeline::of);
         let streams = machines.flat_map(|pipeline| {
-            // What a site makes of a machine's samples has the names of what the machine makes itself.
+            // A site's estimates have the same channels as those of the machine itself.
             let site = pipeline.estimates();
             let site = site.map(move |c| (format!("{SITE_ESTIMATE}/{}", c.last_name()), c));
             let own = streams(pipeline, 1.0, 1.0).into_iter();

@@ -1,4 +1,4 @@
-//! The fleet in memory: the latest of every machine.
+//! The fleet in memory: the latest data of every machine.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::status::Status;
 
-/// A machine that said nothing for so long is not here.
+/// Silence after which a machine counts as absent.
 pub const SILENT: Duration = Duration::from_secs(8);
 
 /// All machines.
@@ -22,26 +22,26 @@ pub const SILENT: Duration = Duration::from_secs(8);
 pub struct Fleet {
     /// By site and name.
     pub machines: BTreeMap<MachineId, Machine>,
-    /// Messages of machines for which there was no room.
+    /// Number of messages refused because the table of machines is full.
     pub turned_away: u64,
-    /// Since when machines can be heard, after a start.
+    /// Start of the reception.
     pub begun: Option<Instant>,
-    /// Why nothing is kept, and since when: the disk.
+    /// Why the history cannot be written, and since when.
     pub unkept: Option<(String, Instant)>,
 }
 
 /// What is missing of a machine's history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Account {
-    /// Messages that nobody has any more.
+    /// Messages that are lost for good.
     pub lost: i64,
     /// Streams with a gap that may still close.
     pub gaps: u64,
-    /// Whole runs that the machine has counted and of which nothing came.
+    /// Whole runs that the machine has counted and that the collector never received.
     pub unheard: u64,
 }
 
-/// The latest of a machine.
+/// The latest data of a machine.
 #[derive(Debug, Default)]
 pub struct Machine {
     /// Kind: excavator, loader; empty before it was reported.
@@ -50,50 +50,50 @@ pub struct Machine {
     pub version: String,
     /// Place of its run among all runs of all machines, in the order in which the collector first heard of them.
     pub run: i64,
-    /// When it was first and last heard; `None` where the history alone knows it.
+    /// Times of first and last contact; `None` where only the history knows the machine.
     pub times: Option<Contact>,
-    /// What it says of itself.
+    /// Its latest status.
     pub status: Option<Status>,
-    /// When it last said so.
+    /// Time of the latest status.
     pub heard: Option<Instant>,
-    /// Its latest run ended in order: it said so.
+    /// By its status, its latest run ended in order.
     pub ended: bool,
-    /// Its latest run broke off: it said so.
+    /// By its status, its latest run was killed or failed.
     pub broke_off: bool,
-    /// Its token is there.
+    /// Its token is present.
     pub token: bool,
     /// Its clock minus ours [ms], as of the last status.
     pub clock_ms: i64,
     /// The latest message of each stream.
     pub latest: BTreeMap<String, (Label, Envelope)>,
-    /// Place of the run of each.
+    /// Place of the run of each stream's latest message.
     runs: BTreeMap<String, i64>,
-    /// What was not taken, by reason.
+    /// Refused messages, by reason.
     pub refused: BTreeMap<String, u64>,
-    /// See [`Account`].
+    /// Missing and lost messages.
     pub account: Account,
-    /// What the alarms remember.
+    /// State of the alarms.
     pub alarms: State,
 }
 
 impl Machine {
-    /// Whether it was heard for a moment only.
+    /// Whether it has been heard for a moment only.
     pub fn is_stranger(&self) -> bool {
         self.times.is_some_and(|t| t.is_stranger())
     }
 
-    /// Whether it is here: it speaks, and its token has not gone.
+    /// Whether it is present: it sends, and its token has not disappeared.
     pub fn is_here(&self) -> bool {
         self.heard.is_some_and(|h| h.elapsed() < SILENT)
     }
 
-    /// The headline message of a kind: that of the stream of the loads where there is one.
+    /// The latest message of a kind on the headline channel: that of the loads where there is one.
     pub fn main(&self, kind: &str) -> Option<&(Label, Envelope)> {
         let main = shown::main_channel(&self.kind)?;
         self.latest.get(&format!("{kind}/{main}"))
     }
 
-    /// The quantity that it is about, as of its latest estimate; of the site's where it sends none itself.
+    /// The headline quantity of the latest estimate; the site's estimate where the machine sends none.
     pub fn headline(&self) -> Option<Quantity> {
         let estimate = self.main("estimate").or_else(|| self.main(SITE_ESTIMATE));
         shown::headline(&estimate?.1)
@@ -111,35 +111,35 @@ impl Fleet {
                 self.machines.remove(&other);
             }
             if self.machines.len() >= MACHINES {
-                // Whom the history alone knows: silent since the start.
+                // Machines that only the history knows have been silent since the start.
                 self.machines.retain(|_, m| m.times.is_some());
             }
         }
         self.machines.entry(id.clone()).or_default()
     }
 
-    /// The machine, which is heard now.
+    /// The entry of a machine that is heard now.
     fn heard(&mut self, id: &MachineId) -> &mut Machine {
         let machine = self.machine(id);
         machine.times.get_or_insert_with(Contact::now).again();
         machine
     }
 
-    /// Puts in a machine that the history knows.
+    /// Adds a machine from the history.
     pub fn known(&mut self, id: &MachineId, kind: &str, version: &str, ended: bool) {
         let machine = self.machine(id);
         machine.ended = ended;
         (machine.kind, machine.version) = (kind.to_owned(), version.to_owned());
     }
 
-    /// After a start: nobody was heard yet.
+    /// Clears the times of contact, after the history is read: no machine has been heard yet.
     pub fn forget_when(&mut self) {
         for machine in self.machines.values_mut() {
             (machine.heard, machine.times) = (None, None);
         }
     }
 
-    /// Takes in a message, old or new, of the run at this place among all.
+    /// Takes in a message, old or new; `run`: place of its run among all.
     pub fn message(&mut self, taken: &StreamMessage, run: i64) {
         let machine = self.heard(&taken.id);
         if machine.kind.is_empty() {
@@ -155,8 +155,8 @@ impl Fleet {
         }
     }
 
-    /// Takes in what a machine says of itself, in the run at this place among all. Of two runs that speak at a time the
-    /// later one is shown: the gateway of the one before stays for a while.
+    /// Takes in a machine's status; `run`: place of its run among all. Of two runs that report at the same time the later one is
+    /// shown, because the gateway of the earlier run stays for a while.
     pub fn status(&mut self, id: &MachineId, status: Status, run: i64) {
         let machine = self.heard(id);
         if run < machine.run && machine.is_here() {
@@ -171,7 +171,7 @@ impl Fleet {
         machine.status = Some(status);
     }
 
-    /// A token came or went.
+    /// Notes the appearance or disappearance of a token.
     pub fn token(&mut self, id: &MachineId, is_there: bool) {
         if is_there {
             self.heard(id).token = true;
@@ -180,13 +180,13 @@ impl Fleet {
         }
     }
 
-    /// Something was not taken.
+    /// Counts a refused message.
     pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) {
         let refused = &mut self.heard(id).refused;
         *refused.entry(why.to_owned()).or_default() += messages;
     }
 
-    /// Takes in what is missing of a machine.
+    /// Sets the account of missing messages.
     pub fn account(&mut self, id: &MachineId, account: Account) {
         if let Some(machine) = self.machines.get_mut(id) {
             machine.account = account;

@@ -1,4 +1,4 @@
-//! The page of one machine: the report of what it has sent lately, by the same code as the report of a run.
+//! The page of one machine: a report of its latest messages, by the code that reports a run.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,7 +19,7 @@ use crate::key::{MachineId, SITE_ESTIMATE};
 /// Messages of a stream that are drawn: an hour at one a second.
 const DRAWN: i64 = 3600;
 
-/// What is reported above the plots.
+/// The facts above the plots.
 pub struct Head {
     kind: String,
     html: String,
@@ -27,7 +27,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// Of the machine as it is now.
+    /// The facts of the machine in its present state.
     pub fn of(id: &MachineId, machine: &live::Machine) -> Self {
         let mut metadata = vec![
             ("machine".to_owned(), machine.kind.clone()),
@@ -141,7 +141,7 @@ fn part<E: Estimate>(streams: &BTreeMap<String, Vec<Envelope>>) -> MachineRun<E>
         let estimates: Vec<E> = all.iter().filter_map(|e| E::inside(e).copied()).collect();
         let channel = match name.split_once('/')? {
             ("estimate", name) => format!("{}/{name}", E::MACHINE),
-            // Behind the machine's own.
+            // Sorts after the machine's own estimates.
             (SITE_ESTIMATE, name) => format!("{}/{name} at the site", E::MACHINE),
             _ => return None,
         };

@@ -1,11 +1,11 @@
-//! The collector: takes what all machines send, keeps it, asks for what is missing, and shows it.
+//! The collector: receives the messages of all machines, stores them, requests the missing ones, and shows the result.
 //!
-//! Zenoh's threads check what comes and queue it; one thread writes it to SQLite and decides what to ask for;
-//! another serves the page from the same file. Two collectors do not know of each other.
+//! Zenoh's threads check and queue messages; one thread writes them to SQLite and decides what to request; another serves the
+//! page from the same file. Two collectors are independent of each other.
 //!
-//! Only the streams that Zenoh numbers have an advanced subscriber. Of messages without numbers, that one goes by the
-//! router's time stamps: what is stamped earlier and comes later is dropped without a word, whoever sent it. Of 7200
-//! messages that crossed at a router, 3 to 9 were lost so (`tests/crossing.rs`).
+//! Only the streams that Zenoh numbers have an advanced subscriber. For messages without numbers, an advanced subscriber orders
+//! by the router's time stamps: it silently drops a message with an earlier stamp that arrives later, whatever its sender. Of
+//! 7200 messages that crossed at a router, it lost 3 to 9 (`tests/crossing.rs`).
 
 mod alarm;
 mod alarm_state;
@@ -53,15 +53,15 @@ const COMMIT: Duration = Duration::from_millis(200);
 /// Messages of one transaction.
 const BATCH: usize = 20_000;
 
-/// Time between two looks whether a disk that took nothing takes something again.
+/// Period of the attempts to write again after a failure of the disk.
 const TRY: Duration = Duration::from_secs(2);
-/// Time between two lines on machines for which there was no room.
+/// Least time between two log lines on machines for which there was no room.
 const ROOM: Duration = Duration::from_secs(60);
 
-/// Why a run is refused.
+/// Reason for refusing a run.
 const RUNS: &str = "begins runs too fast";
 
-/// Where the page is unless stated otherwise: this host only.
+/// Default address of the page: this host only.
 pub const PAGE: &str = "127.0.0.1:8450";
 
 /// What a collector is given.
@@ -84,12 +84,12 @@ pub struct CollectorArgs {
     pub alarms: AlarmArgs,
 }
 
-/// A time in days, as a number alone is.
+/// Parses a duration [days]; a bare number is in days.
 fn days(text: &str) -> Result<f64, String> {
     counted(text, 86_400.0)
 }
 
-/// A time in units of so many seconds, as a number alone is; a million of them is for ever.
+/// Parses a duration in multiples of `unit` [s], the unit of a bare number; at most a million, which means for ever.
 fn counted(text: &str, unit: f64) -> Result<f64, String> {
     let count = view::duration::of(text, Some(unit))? / unit;
     (count <= 1e6)
@@ -110,7 +110,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), Failure> {
         )
         .into());
     }
-    // A full disk may have room at the next start.
+    // Another start may succeed: a full disk may have room by then.
     let unreadable = |e| Failure::passing(store::failed(&e, &args.db));
     let store = Store::open(&args.db).map_err(unreadable)?;
     let fleet = store.fleet().map_err(unreadable)?;
@@ -169,7 +169,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), Failure> {
         said: (0, Instant::now() - ROOM),
     };
     let result = collector.work(&waiting, stop);
-    // Nobody takes anything any more: what Zenoh's threads still bring must not wait for a place.
+    // The receiver is gone before the session closes, so that Zenoh's threads cannot block on a full queue.
     drop(waiting);
     let _ = session.close().wait();
     result.map_err(Failure::passing)
@@ -181,9 +181,9 @@ struct Collector<'a> {
     intake: Arc<Intake>,
     asker: ask::Asker,
     args: &'a CollectorArgs,
-    /// What was refused and is not written yet.
+    /// Refused messages that are not written yet.
     refused: BTreeMap<(MachineId, &'static str), u64>,
-    /// Messages without room that were reported, and when.
+    /// Number of messages without room at the last log line, and its time.
     said: (u64, Instant),
 }
 
@@ -200,7 +200,7 @@ impl Collector<'_> {
             };
             let mut done = Ok(());
             if let Some(first) = first {
-                // Leave time for more to come: a transaction costs the disk, not the message.
+                // Collects more events for the same transaction: its cost does not depend on their number.
                 std::thread::sleep(COMMIT / 4);
                 done = self.take(std::iter::once(first).chain(events.try_iter()).take(BATCH));
             }
@@ -219,8 +219,8 @@ impl Collector<'_> {
         Ok(())
     }
 
-    /// Goes on showing what comes while the disk takes nothing. What is missing then is asked for, as after a cut: the
-    /// history is read again as it is in the file.
+    /// Continues the display while the disk cannot be written. Messages are not stored meanwhile. Afterwards the history is read
+    /// again from the file, and what is missing is requested as after a lost connection.
     fn wait_for_the_disk(&mut self, why: String, events: &Receiver<Event>, stop: &AtomicBool) {
         tracing::error!("nothing is kept until the disk takes it again: {why}");
         self.store.roll_back();
@@ -293,7 +293,7 @@ impl Collector<'_> {
         Ok(())
     }
 
-    /// Once a second: what is missing, what is wrong.
+    /// Once a second: alarms, accounts, requests.
     fn look(&mut self) -> rusqlite::Result<()> {
         let mut fleet = lock(self.fleet);
         let raised = alarm::look(&mut fleet, &self.args.alarms);
@@ -327,7 +327,7 @@ impl Collector<'_> {
         self.store.settle()
     }
 
-    /// Asks for what is missing, as far as there is room.
+    /// Sends requests from `of`, as many as may be under way.
     fn ask(&mut self, of: impl FnOnce(&mut Store, &IsHere<'_>, usize) -> Vec<Question>) {
         let room = self.asker.room();
         let fleet = lock(self.fleet);

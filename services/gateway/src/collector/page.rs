@@ -1,5 +1,5 @@
-//! The page of the fleet, on this host only: a table of all machines, and one page per machine in the
-//! style and words of the live page. It runs no script and loads nothing.
+//! The page of the fleet, on this host only: a table of all machines, and a page for each machine in the style and words of the
+//! live page. It has no script and no external resources.
 
 use std::fmt::Write;
 use std::io;
@@ -21,20 +21,20 @@ use super::{machine_page, shown};
 use crate::key::MachineId;
 use crate::lock;
 
-/// Time after which the page asks for itself again [s].
+/// Refresh period of the page [s].
 const REFRESH: &str = "2";
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Machines in the table at most.
+/// Most machines in the table.
 const ROWS: usize = 2000;
 
-/// The page; it is there until this is dropped.
+/// The server of the page; it runs until dropped.
 pub struct Server {
     address: SocketAddr,
     _thread: ServerThread,
 }
 
 impl Server {
-    /// Where it listens.
+    /// Its address.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -130,7 +130,7 @@ async fn machine(
     })
 }
 
-/// Keeps the table readable where the screen is narrow, and tells states by colour and by word.
+/// Keeps the table readable on a narrow screen, and shows states by colour and by word.
 const STYLE: &str = "<style>main{max-width:1300px}.bad{color:var(--bad);font-weight:600}.good{color:var(--good);font-weight:600}\
 td.words{white-space:normal;text-align:left;min-width:12em}a{color:inherit}</style>";
 

@@ -1,4 +1,4 @@
-//! What many machines of a kind have learnt, compared: who stands out.
+//! Comparison of the learnt parameters of many machines of a kind: outliers.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use super::intake::decode;
 use super::shown::{Quantity, learnt, main_channel, quantities};
 use super::table::Format;
 
-/// A learnt parameter of a machine: the last that was trusted.
+/// The last trusted value of a learnt parameter of a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterValue {
     /// Site and machine.
@@ -20,16 +20,16 @@ pub struct ParameterValue {
     pub wall_ms: i64,
     /// Value and standard deviation.
     pub quantity: Quantity,
-    /// How many machines are compared, itself among them.
+    /// Number of machines compared, including this one.
     pub machines: usize,
-    /// How far it stands from its like, see [`statistics::standing`]; none of fewer than four machines.
+    /// Distance from the other machines, see [`statistics::standing`]; `None` for fewer than four machines.
     pub standing: Option<f64>,
 }
 
-/// By kind of machine and parameter, by site and machine.
+/// Values by kind of machine and parameter, in order of site and machine.
 pub type Comparison = BTreeMap<(&'static str, &'static str), Vec<ParameterValue>>;
 
-/// The last trusted value of every learnt parameter of every machine since a moment, compared within its kind.
+/// The last trusted value of every learnt parameter of every machine since a given time, compared within its kind.
 ///
 /// # Errors
 /// The history cannot be read.
@@ -62,8 +62,8 @@ pub fn compare(
     Ok(all)
 }
 
-/// The last trusted value of everything that a machine has learnt, and when it was. Read from the newest estimate
-/// back, as far as is needed.
+/// The last trusted values of all learnt parameters of a machine, with their times. Reads from the newest estimate backwards, as
+/// far as needed.
 fn latest(
     sql: &Connection,
     machine: i64,
@@ -122,7 +122,7 @@ impl ParameterValue {
     }
 }
 
-/// Writes them, a line for each machine and parameter.
+/// Writes the comparison, a line for each machine and parameter.
 ///
 /// # Errors
 /// Nothing more can be written.

@@ -60,10 +60,10 @@ pub(super) fn milliseconds(text: &str) -> Result<i64, String> {
     view::duration::of(text, None).map(|time| (1e3 * time) as i64)
 }
 
-/// Opens a history to read, while a collector may write it.
+/// Opens a history for reading; a collector may write it meanwhile.
 ///
 /// # Errors
-/// There is none.
+/// There is no such history.
 pub fn open(db: &Path) -> Result<Connection, String> {
     if !db.exists() {
         let remedy = "`heft fleet --db FILE` makes it";
@@ -77,7 +77,7 @@ pub fn open(db: &Path) -> Result<Connection, String> {
     sql.map_err(|e| store::failed(&e, db))
 }
 
-/// Writes what is asked for.
+/// Writes the requested table.
 ///
 /// # Errors
 /// There is no history.
@@ -111,7 +111,7 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
 enum QueryError {
     Sql(rusqlite::Error),
     Io(io::Error),
-    /// So many messages are none of their streams.
+    /// Number of messages that do not decode as their stream.
     Damaged {
         bad: usize,
         all: usize,
@@ -130,7 +130,7 @@ impl From<io::Error> for QueryError {
     }
 }
 
-/// All machines are compared, also where only one is shown.
+/// Compares all machines, even if only one is printed.
 fn parameters(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), QueryError> {
     let since = wall_ms() as i64 - args.since;
     let mut compared = super::parameters::compare(sql, since, args.site.as_deref())?;
@@ -142,7 +142,7 @@ fn parameters(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Resul
     Ok(super::parameters::write(&compared, args.format, out)?)
 }
 
-/// Messages of the streams whose names begin with a kind.
+/// Messages of the streams of a kind.
 fn messages(
     sql: &Connection,
     args: &QueryArgs,
@@ -150,7 +150,8 @@ fn messages(
     out: &mut impl Write,
 ) -> Result<(), QueryError> {
     let mut query = sql.prepare(
-        // A message comes after it was measured; when that was by our clock is known from the machine's status.
+        // The message is selected by its time of reception; the time of measurement by our clock follows from the machine's
+        // status.
         "SELECT m.site, m.name, s.run, s.name, e.wall_ms, e.payload, r.first_ms FROM message e JOIN stream s ON s.id = e.stream
          JOIN machine m ON m.id = s.machine JOIN run r ON r.machine = s.machine AND r.run = s.run
          WHERE substr(s.name, 1, length(?1)) = ?1 AND e.received_ms >= ?2 AND e.wall_ms - r.off_ms >= ?2
@@ -175,7 +176,7 @@ fn messages(
             ("machine", json!(words[1])),
             ("run", json!(run)),
             ("run_first_received_ms", json!(first)),
-            // Its old name, for a version.
+            // Former name of the column, retained for one version.
             ("run_heard_ms", json!(first)),
             ("stream", json!(stream)),
             ("wall_ms", json!(wall)),

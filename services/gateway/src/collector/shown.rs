@@ -1,4 +1,4 @@
-//! What people see of a message: quantities with interval and verdict, by the tables of `view`.
+//! The presentation of a message: quantities with interval and verdict, by the tables of `view`.
 
 use messages::{Envelope, Machine};
 use steps::stages::Pipeline;
@@ -10,7 +10,7 @@ use view::number;
 pub struct Quantity {
     /// Name of the field.
     pub key: &'static str,
-    /// What people call it.
+    /// Label for people.
     pub label: &'static str,
     /// Unit.
     pub unit: &'static str,
@@ -18,9 +18,9 @@ pub struct Quantity {
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
-    /// Whether heft believes it; of one without a verdict, whether it believes the headline.
+    /// Whether the estimate is trusted; for a quantity without a verdict, whether the headline quantity is.
     pub trusted: bool,
-    /// Whether it is learnt over days, and does not change with a load.
+    /// Whether it is learnt over days and independent of the load.
     pub learnt: bool,
     /// Whether it is a load in the bucket.
     pub is_load: bool,
@@ -38,7 +38,7 @@ impl Quantity {
     }
 }
 
-/// What is learnt of a kind of machine.
+/// Keys of the learnt parameters of a kind of machine.
 pub fn learnt(machine: Machine) -> Vec<&'static str> {
     let rows = machine.shown().filter(|row| row.is_of_machine);
     rows.map(|row| row.name).collect()
@@ -64,7 +64,7 @@ fn of<E: Estimate>(estimate: &E) -> Vec<Quantity> {
 
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The quantities of an estimate that have an interval, those that the machine is about first.
+        /// The quantities of an estimate that have an interval, headline quantities first.
         pub fn quantities(envelope: &Envelope) -> Vec<Quantity> {
             match envelope {
                 $( Envelope::$estimate(e) => of(e), )*
@@ -92,19 +92,19 @@ macro_rules! machines {
 
 messages::machines!(machines);
 
-/// The first of them.
+/// The first quantity of an estimate.
 pub fn headline(envelope: &Envelope) -> Option<Quantity> {
     quantities(envelope).into_iter().next()
 }
 
-/// What reports a load: the payload where there is one.
+/// The quantity that reports a load: the payload where there is one.
 pub fn load(envelope: &Envelope) -> Option<Quantity> {
     let all = quantities(envelope);
     let payload = all.iter().find(|q| q.is_load).cloned();
     payload.or_else(|| all.into_iter().next())
 }
 
-/// Name of the channel that a kind of machine reports on.
+/// Name of the headline channel of a kind of machine.
 pub fn main_channel(kind: &str) -> Option<&'static str> {
     let machine = Machine::from_name(kind)?;
     Some(Pipeline::of(machine).main_output()?.last_name())

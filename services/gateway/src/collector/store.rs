@@ -1,7 +1,6 @@
-//! The history: SQLite with a write-ahead log, written by one thread, read by page and queries meanwhile.
+//! The history: SQLite with a write-ahead log; one thread writes it, page and queries read it meanwhile.
 //!
-//! A message has its place by machine, run, stream and number: what comes twice is there once. What is missing:
-//! [`gaps`].
+//! A message is identified by machine, run, stream and number, so a repeated message is stored once. Missing messages: [`gaps`].
 
 mod gaps;
 mod runs;
@@ -48,20 +47,20 @@ const SCHEMA: &str = "
         at_ms INTEGER NOT NULL, site TEXT NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL);
 ";
 
-/// A machine that was silent for so long is not shown after a start [ms], nor one that never said what it is.
+/// Silence after which a machine is not shown after a start [ms]; for one without a reported kind, the second value.
 const DAYS_MS: i64 = 3 * 86_400_000;
 const MOMENT_MS: i64 = 60_000;
 
-/// A history of before does not say which runs have ended.
+/// Migration: older histories do not record which runs have ended.
 const WITHOUT_END: &str = "ALTER TABLE run ADD COLUMN ended INTEGER NOT NULL DEFAULT 0";
 
-/// What a history of before has its runs named by: the machine's clock when they began.
+/// Migration: older histories name runs by the machine's clock at their start.
 const OLD: &str = "
     ALTER TABLE stream RENAME COLUMN epoch TO run;
     INSERT OR IGNORE INTO run (machine, run, first_ms) SELECT DISTINCT machine, run, run FROM stream ORDER BY run;
 ";
 
-/// Names of which nothing is left, and which never said what they are, go with what they sent.
+/// Deletes machines without a reported kind and without messages.
 const FORGET_NAMES: &str = "
     CREATE TEMP TABLE gone AS SELECT id FROM machine m WHERE kind = ''
         AND NOT EXISTS (SELECT 1 FROM message e JOIN stream s ON s.id = e.stream WHERE s.machine = m.id);
@@ -72,8 +71,8 @@ const FORGET_NAMES: &str = "
     DROP TABLE gone;
 ";
 
-/// Of each machine the first run that stays: it has something left, began since `?`, or is the latest. The runs before it go
-/// with their streams, and none in between: who counts runs would miss it.
+/// The first run to retain of each machine: one with messages, begun since `?`, or the latest. Earlier runs are deleted with
+/// their streams. Runs after it are all retained, because a deleted one would count as never received.
 const FIRST_RUNS: &str = "
     CREATE TEMP TABLE first AS SELECT machine, min(id) AS id FROM (
         SELECT machine, id FROM run r WHERE first_ms >= ? OR EXISTS (
@@ -87,21 +86,21 @@ const FORGET_RUNS: &str = "
     DROP TABLE first;
 ";
 
-/// Whether a machine is here.
+/// Whether a machine is present.
 pub type IsHere<'a> = dyn Fn(&MachineId) -> bool + 'a;
 
-/// What became of a message.
+/// Outcome of storing a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StoreOutcome {
-    /// It is new, of the run at this place among all.
+    /// It is new; the value is the place of its run among all.
     New(i64),
-    /// It was here already.
+    /// It was stored already.
     Known,
-    /// Its machine begins runs faster than any machine does.
+    /// Its machine begins runs faster than the limit.
     Refused,
 }
 
-/// The history, to write.
+/// The history, open for writing.
 pub struct Store {
     sql: Connection,
     machines: HashMap<MachineId, Owner>,
@@ -109,9 +108,9 @@ pub struct Store {
     streams: BTreeMap<i64, Stream>,
     runs: Runs,
     begun: HashMap<i64, Begun>,
-    /// Streams to ask for, in order.
+    /// Streams to request, in order.
     waiting: Vec<i64>,
-    /// Who is asked for each stream, and the stream that was asked for last.
+    /// Answering side of each request under way, and the stream requested last.
     under_way: HashMap<i64, MachineId>,
     last_asked: i64,
 }
@@ -121,7 +120,7 @@ struct Owner {
     reported: (String, String),
 }
 
-/// What is said of a history that cannot be read or written.
+/// Error text for a history that cannot be read or written.
 pub fn failed(error: &rusqlite::Error, db: &Path) -> String {
     use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};
     let remedy = match error.sqlite_error_code() {
@@ -134,7 +133,7 @@ pub fn failed(error: &rusqlite::Error, db: &Path) -> String {
     crate::error(format!("the history: {error}"), db.display(), remedy)
 }
 
-/// Opens a file that is a history, or nothing yet: another program's database is left as it is, and a pipe is not waited for.
+/// Opens a history or an empty file. Rejects another program's database unchanged, and does not wait for a pipe.
 pub(super) fn connect(file: &Path, flags: OpenFlags) -> rusqlite::Result<Connection> {
     let none = || {
         let code = rusqlite::ffi::Error::new(rusqlite::ffi::SQLITE_NOTADB);
@@ -188,7 +187,7 @@ impl Store {
         Ok(store)
     }
 
-    /// Reads what is known of machines and streams.
+    /// Reads the machines and streams of the file.
     fn load(&mut self) -> rusqlite::Result<()> {
         let mut query = self.sql.prepare(
             "SELECT s.id, s.machine, m.site, m.name, m.kind, m.version, s.run, s.name, s.good, s.head, s.lost, s.per_period,
@@ -219,7 +218,7 @@ impl Store {
         Ok(())
     }
 
-    /// The fleet as the history knows it: the latest message of each stream of each machine's latest run.
+    /// The fleet by the history: the latest message of each stream of each machine's latest run.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -251,7 +250,7 @@ impl Store {
             let Some((after, wall_ms, payload, received)) = found.optional()? else {
                 continue;
             };
-            // Who was silent for days, and names that have never said what they are, are in the history alone.
+            // Machines that were silent for days, or that never reported a kind, stay in the history only.
             let stays = if machine.reported.0.is_empty() {
                 MOMENT_MS
             } else {
@@ -302,7 +301,7 @@ impl Store {
     /// Begins a transaction.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn begin(&mut self) -> rusqlite::Result<()> {
         self.sql.execute_batch("BEGIN")
     }
@@ -310,7 +309,7 @@ impl Store {
     /// Ends it.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn commit(&mut self) -> rusqlite::Result<()> {
         let mut update = self.sql.prepare_cached(
             "UPDATE stream SET good = ?, head = ?, lost = ?, per_period = ? WHERE id = ?",
@@ -324,15 +323,15 @@ impl Store {
         self.sql.execute_batch("COMMIT")
     }
 
-    /// Takes back a transaction that was not ended, if there is one.
+    /// Rolls back an open transaction, if there is one.
     pub fn roll_back(&self) {
         let _ = self.sql.execute_batch("ROLLBACK");
     }
 
-    /// Whether the disk takes something again.
+    /// Tests whether the disk can be written again.
     ///
     /// # Errors
-    /// It does not.
+    /// It cannot.
     pub fn probe(&self) -> rusqlite::Result<()> {
         let probe = "BEGIN IMMEDIATE; CREATE TABLE probe (bytes BLOB); INSERT INTO probe VALUES (zeroblob(65536)); ROLLBACK";
         let tried = self.sql.execute_batch(probe);
@@ -385,7 +384,7 @@ impl Store {
     /// Stores a message.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn insert(&mut self, taken: &StreamMessage) -> rusqlite::Result<StoreOutcome> {
         let label = &taken.label;
         let (owner, run) = (self.owner(&taken.id)?, label.run as i64);
@@ -394,7 +393,7 @@ impl Store {
         };
         let id = self.stream(&taken.id, owner, run, &taken.stream)?;
         let number = label.number as i64;
-        // Who has seen all samples in between knows better what was before.
+        // A known predecessor replaces an unknown one: its sender has seen all samples in between.
         let mut insert = self
             .sql
             .prepare_cached(
@@ -431,10 +430,10 @@ impl Store {
         })
     }
 
-    /// Takes in how far a machine says it is. Returns where its run is among all runs, `None` where it was refused.
+    /// Takes in a machine's progress from its status. Returns the place of its run among all, `None` if the run was refused.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn status(&mut self, id: &MachineId, status: &Status) -> rusqlite::Result<Option<i64>> {
         let (owner, run) = (self.owner(id)?, status.run as i64);
         let Some(order) = self.run(owner, run)? else {
@@ -443,7 +442,7 @@ impl Store {
         let ahead = (status.wall_ms as i64).saturating_sub(wall_ms() as i64);
         self.reported_run(owner, run, status, ahead)?;
         for (name, reported) in &status.streams {
-            // Only what messages have made known, or would.
+            // Only streams that a message could create as well.
             if reported.head < 0 || !super::intake::is_stream(name) {
                 continue;
             }
@@ -466,10 +465,10 @@ impl Store {
         Ok(Some(order))
     }
 
-    /// Notes an alarm.
+    /// Stores an alarm.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn alarm(&self, alarm: &Alarm) -> rusqlite::Result<()> {
         let values = params![
             wall_ms() as i64,
@@ -482,10 +481,10 @@ impl Store {
         self.sql.execute(insert, values).map(|_| ())
     }
 
-    /// Adds what was refused of a machine.
+    /// Adds refused messages of a machine.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) -> rusqlite::Result<()> {
         let Some(owner) = self.machines.get(id) else {
             return Ok(());
@@ -495,10 +494,10 @@ impl Store {
         self.sql.execute(add, values).map(|_| ())
     }
 
-    /// Removes what came more than so many days ago, by our clock, and the runs and names of which nothing is left.
+    /// Deletes messages received more than `days` ago by our clock, then the runs and machines that are left empty.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn forget(&mut self, days: f64) -> rusqlite::Result<()> {
         let limit = wall_ms() as i64 - (days * 86_400_000.0) as i64;
         for delete in [

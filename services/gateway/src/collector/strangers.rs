@@ -1,13 +1,13 @@
-//! Room for honest machines where names are made up: who was heard for a moment only makes way first.
+//! Room for honest machines in a flood of invented names: those that were heard for a moment only are removed first.
 
 use std::time::{Duration, Instant};
 
-/// Who was heard over less time than this is a stranger.
+/// Machines heard over less time than this are strangers.
 const MOMENT: Duration = Duration::from_secs(5);
-/// Any machine that was silent for so long is forgotten where room is needed; the history keeps what it sent.
+/// Silence after which any machine may be removed where room is needed; the history retains its messages.
 const LONG: Duration = Duration::from_secs(86_400);
 
-/// When something was first and last heard.
+/// Times of first and last contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact {
     first: Instant,
@@ -15,7 +15,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Heard now, for the first time.
+    /// A first contact, now.
     pub fn now() -> Self {
         let now = Instant::now();
         Self {
@@ -24,19 +24,19 @@ impl Contact {
         }
     }
 
-    /// Heard again.
+    /// Updates the last contact to now.
     pub fn again(&mut self) {
         self.last = Instant::now();
     }
 
-    /// Heard for a moment only.
+    /// Whether all contacts lie within a moment.
     pub fn is_stranger(&self) -> bool {
         self.last - self.first < MOMENT
     }
 }
 
-/// Who makes way: of the strangers those that were heard longest ago, and whoever was silent for long. A quarter of the
-/// room at once, so that a flood of names costs a look through them now and then.
+/// Entries to remove: strangers and machines that were silent for long, those with the oldest last contact first. At most a
+/// quarter of the room at once, so that a flood of names seldom costs a search.
 pub fn leave<'a, K: Clone + 'a>(
     all: impl Iterator<Item = (&'a K, Contact)>,
     most: usize,

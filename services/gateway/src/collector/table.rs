@@ -16,7 +16,7 @@ pub enum Format {
     Json,
 }
 
-/// A table in the making.
+/// A table under construction.
 pub struct Table {
     format: Format,
     /// Columns of the last row.
@@ -24,7 +24,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// An empty one.
+    /// An empty table.
     pub fn new(format: Format) -> Self {
         Self {
             format,
@@ -32,10 +32,10 @@ impl Table {
         }
     }
 
-    /// Writes a message behind what is to be said of it. One with other fields begins with a header of its own.
+    /// Writes a message after the columns `said`. A message with other columns than the last starts with a new header.
     ///
     /// # Errors
-    /// Nothing more can be written.
+    /// The output cannot be written.
     pub fn row(
         &mut self,
         out: &mut impl Write,
@@ -55,7 +55,7 @@ impl Table {
             writeln!(out, "{},{}", own.join(","), columns.join(","))?;
             self.columns = columns;
         }
-        // Names of sites and machines have no comma, see `MachineId`, and neither have those of codes.
+        // Names of sites and machines contain no comma, see `MachineId`; nor do the names of codes.
         let all = said.iter().map(|(_, v)| v).chain(&values);
         let all: Vec<String> = all.map(plain).collect();
         writeln!(out, "{}", all.join(","))
@@ -72,7 +72,7 @@ fn plain(value: &serde_json::Value) -> String {
     }
 }
 
-/// Names and values of a message; the machine's number within its host is not the fleet's.
+/// Names and values of a message, without the machine's number within its host.
 struct Cells;
 
 impl Receiver for Cells {

@@ -1,7 +1,7 @@
 //! Every sample of the estimates, on request and for a limited time.
 //!
-//! `heft/v1/SITE/MACHINE/control/full?for=60` asks; the samples come under
-//! `heft/v1/SITE/MACHINE/full/estimate/CHANNEL`, many in one message, each with its length before it (varint).
+//! A query on `heft/v1/SITE/MACHINE/control/full?for=60` starts it. The samples are published under
+//! `heft/v1/SITE/MACHINE/full/estimate/CHANNEL`, many in one message, each preceded by its length (varint).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,15 +20,15 @@ use super::Shared;
 
 /// Samples that may wait for Zenoh.
 pub(super) const QUEUE: usize = 16_384;
-/// Longest time that can be asked for \[s\].
+/// Longest time that can be requested \[s\].
 pub const LONGEST: f64 = 600.0;
-/// Bytes of one message.
+/// Size after which a message is closed [bytes].
 const BATCH: usize = 60_000;
 
 /// A sample and its channel.
 pub(super) type Sample = (&'static Channel, Vec<u8>);
 
-/// Queues a sample of an estimate; what the queue cannot take shows as a gap in its numbers.
+/// Queues a sample of an estimate; a sample that does not fit shows as a gap in the numbers.
 pub(super) fn push<M: Message>(
     queue: &mut Producer<Sample>,
     channel: &'static Channel,
@@ -42,13 +42,13 @@ pub(super) fn push<M: Message>(
     }
 }
 
-/// Sends what waits.
+/// Publishes the queued samples.
 pub(super) struct Full {
     session: Session,
     shared: Arc<Shared>,
 }
 
-/// What takes `control/full`; it leaves other questions alone.
+/// Handler of `control/full`; it ignores other queries.
 pub(super) fn control(shared: &Arc<Shared>) -> zenoh::Result<impl Fn(&Query) + use<>> {
     let key = KeyExpr::new(shared.id.key("control/full"))?;
     let shared = Arc::clone(shared);
@@ -66,7 +66,7 @@ pub(super) fn control(shared: &Arc<Shared>) -> zenoh::Result<impl Fn(&Query) + u
             }
             None => query.reply_err(format!("for: 0 to {LONGEST} s")).wait(),
         };
-        // Who asked is gone.
+        // The querier may be gone.
         let _ = answer;
     })
 }
@@ -104,7 +104,7 @@ impl Full {
         let put = put
             .congestion_control(CongestionControl::Drop)
             .priority(Priority::DataLow);
-        // A link that is gone shows as a gap in the numbers.
+        // A message lost with the link shows as a gap in the numbers.
         let _ = put.attachment(self.shared.id.machine.as_str()).wait();
     }
 }

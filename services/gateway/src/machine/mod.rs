@@ -1,8 +1,8 @@
 //! The gateway: a process beside a pipeline that reads its channels, as the logger does, and sends a selection.
 //!
-//! Three threads. This one drains the channels on a timer and pushes what is selected into a bounded queue;
-//! the second hands it to Zenoh; the third answers from the recording. No estimator waits for any of them:
-//! what the queue cannot take is counted, and asked for again later.
+//! Three threads. The first drains the channels on a timer and pushes the selection into a bounded queue; the second hands it to
+//! Zenoh; the third answers requests from the recording. No estimator waits for any of them: what does not fit the queue is
+//! counted, and requested later.
 
 mod full;
 mod plan;
@@ -29,10 +29,10 @@ pub use publish::{publisher, publishes};
 
 /// Messages that may wait for Zenoh: ten minutes of a machine.
 const QUEUE: usize = 8192;
-/// Longest time between two visits to the channels, and at most so many samples.
+/// Longest time between two visits to the channels, and most samples between them.
 const VISIT: Duration = Duration::from_millis(100);
 const VISIT_SAMPLES: f64 = 128.0;
-/// Time between two looks whether the run goes on.
+/// Period of the check whether the run goes on.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// What a gateway is given.
@@ -61,7 +61,7 @@ pub struct GatewayArgs {
     pub linger: f64,
 }
 
-/// What the threads share.
+/// State shared by the threads.
 #[derive(Debug)]
 struct Shared {
     id: MachineId,
@@ -70,7 +70,7 @@ struct Shared {
     wall_offset_ns: i64,
     streams: Vec<StreamInfo>,
     heads: Vec<AtomicI64>,
-    /// Numbers up to which losses were counted, by stream.
+    /// Number up to which losses were counted, by stream.
     counted: Vec<AtomicI64>,
     since_ms: u64,
     overwritten: AtomicU64,
@@ -79,14 +79,14 @@ struct Shared {
     served: AtomicU64,
     lost: AtomicU64,
     samples_sent: AtomicU64,
-    /// Samples that did not get as far as Zenoh.
+    /// Samples that were not handed to Zenoh.
     samples_lost: AtomicU64,
-    /// The run is over: nothing comes any more.
+    /// The run is over: no further messages follow.
     over: AtomicBool,
-    /// It broke off: what kept it is gone, or gave up.
+    /// The run was killed or failed: its supervisor is gone, or gave up.
     broke_off: AtomicBool,
     leave: AtomicBool,
-    /// Samples are wanted in full until then [ns of the monotonic clock].
+    /// End of a request for all samples [ns of the monotonic clock].
     full_until: AtomicU64,
 }
 
@@ -116,7 +116,7 @@ impl Shared {
         }
     }
 
-    /// The wall clock at a time of the monotonic one [ms since 1970].
+    /// The wall clock at a time of the monotonic clock [ms since 1970].
     fn wall_ms(&self, measured_ns: u64) -> u64 {
         let wall = (measured_ns as i64).saturating_add(self.wall_offset_ns);
         wall.max(0) as u64 / 1_000_000
@@ -135,7 +135,7 @@ impl Shared {
     }
 }
 
-/// Is the gateway of a run until it ends, or `stop` is set. `gave_up`: the supervisor says that the run failed.
+/// Runs the gateway of a run until the run ends, or `stop` is set. `gave_up`: the supervisor reports that the run failed.
 ///
 /// # Errors
 /// There is no such run, or an argument cannot be used.
@@ -149,18 +149,18 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Resul
     let sensors = args.samples.then(|| plan.sensors()).transpose()?;
     let channels = channels(&streams, sensors);
     let shared = Arc::new(Shared::new(id, plan, args.rate, streams));
-    // What a gateway that was killed held in the channels.
+    // Frees the channel slots that a killed gateway held.
     if !Cleaner::start().is_ok_and(|mut cleaner| cleaner.clean_up(Duration::from_secs(1))) {
         tracing::warn!("what the dead held in the channels is not free yet");
     }
-    // The channels first: what comes while Zenoh connects waits in the queue.
+    // The channels come first: messages wait in the queue while Zenoh connects.
     let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
     let (mut reader, waiting) = Reader::new(&shared, sensors);
     let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
     let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
     let is_finished = read(&domain, &mut taps, &mut reader, is_over);
     drop((taps, ports));
-    // Of a run that goes on without this gateway nothing is said.
+    // If this gateway ends first, it does not report an end of the run.
     if !is_over() {
         let is_in_order = is_finished && !gave_up.load(Ordering::Relaxed);
         shared.broke_off.store(!is_in_order, Ordering::Relaxed);
@@ -180,7 +180,7 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Resul
     })?
 }
 
-/// The name of the machine, and a rate that can be sent.
+/// Checks the name of the machine and the rate.
 fn machine_id(args: &GatewayArgs) -> Result<MachineId, String> {
     let id = MachineId::new(&args.site, &args.machine_id).ok_or_else(|| {
         error(
@@ -202,7 +202,7 @@ fn machine_id(args: &GatewayArgs) -> Result<MachineId, String> {
     Ok(id)
 }
 
-/// The channels of the streams, each once, and that of the sensors.
+/// The channels of the streams, each once, then that of the sensors.
 fn channels(streams: &[StreamInfo], sensors: Option<&'static Channel>) -> Vec<&'static Channel> {
     let mut channels: Vec<&'static Channel> = Vec::new();
     for stream in streams {
@@ -214,7 +214,7 @@ fn channels(streams: &[StreamInfo], sensors: Option<&'static Channel>) -> Vec<&'
     channels
 }
 
-/// Reads the channels until the run is over; whether its supervisor has finished it.
+/// Reads the channels until the run is over; returns whether its supervisor has finished it.
 fn read(
     domain: &Domain,
     taps: &mut Taps<Reader>,
@@ -230,8 +230,8 @@ fn read(
         if is_due {
             looked = Instant::now();
         }
-        // Asked before the channels are read: what was sent between the last visit and the end is read too. A domain that
-        // is not alive was left behind by a supervisor that was killed; one that finishes its run removes the plan first.
+        // Checked before the channels are read, so that messages sent between the last visit and the end are read too. A domain
+        // that is not alive belongs to a killed supervisor; a supervisor that finishes its run removes the plan first.
         let is_dead = is_due && !domain.is_alive();
         let is_finished = !domain.plan_file().exists();
         let goes_on = !is_over() && !is_finished && !is_dead;
@@ -252,14 +252,14 @@ struct Reader {
     downsampler: Downsampler,
     queue: Producer<Selection>,
     full: Producer<full::Sample>,
-    /// The channel whose samples are sent as they are.
+    /// The channel whose samples are all sent.
     sensors: Option<&'static Channel>,
     samples: Producer<samples::Sample>,
     shared: Arc<Shared>,
 }
 
 impl Reader {
-    /// The reader, and the other ends of its queues.
+    /// The reader, and the consumers of its queues.
     fn new(shared: &Arc<Shared>, sensors: Option<&'static Channel>) -> (Self, publish::Outbox) {
         let (queue, selected) = RingBuffer::new(QUEUE);
         let (full, full_waiting) = RingBuffer::new(full::QUEUE);
@@ -284,7 +284,7 @@ impl Reader {
 impl Sink for Reader {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         if self.sensors.is_some_and(|s| s.name == channel.name) {
-            // What finds no place shows as a gap in the numbers.
+            // A sample that does not fit shows as a gap in the numbers.
             let _ = self.samples.push(samples::Sample::of(message));
             return;
         }

@@ -1,4 +1,4 @@
-//! What a gateway must know of the run beside it, from the plan that the supervisor wrote.
+//! The gateway's part of the plan that the supervisor wrote.
 
 use std::path::PathBuf;
 
@@ -19,9 +19,9 @@ pub struct Plan {
     pub rate: f64,
     /// The recording.
     pub recording: PathBuf,
-    /// Which run it is: an id drawn by chance, and how many the machine has counted.
+    /// Id of the run (random); [`Plan::run_count`] is its number in the machine's count.
     pub run: u64,
-    /// See [`Plan::run`]; 0 where it cannot keep count.
+    /// Number of the run; 0 if the machine cannot count its runs.
     pub run_count: u64,
     /// Version of heft.
     pub version: String,

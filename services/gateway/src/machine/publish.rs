@@ -1,4 +1,4 @@
-//! Hands to Zenoh what waits in the queue, and says once a second how the machine is.
+//! Publication of the queued messages, and once a second of the machine's status.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -20,14 +20,14 @@ use crate::link::{LinkArgs, client_unless};
 use crate::schema;
 use crate::status::{Counts, Status, Stream};
 
-/// Messages of a stream that Zenoh keeps to mend a short gap by itself; a longer one is mended from the recording.
+/// Messages of a stream in Zenoh's cache, which closes a short gap by itself; a longer one is closed from the recording.
 const CACHE: usize = 32;
-/// Time between two looks at the queue.
+/// Period of the check of the queue.
 const NAP: Duration = Duration::from_millis(50);
-/// Time between two words on the machine itself.
+/// Period of the machine's status.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// What waits to be handed to Zenoh.
+/// The consumers of the queues to Zenoh.
 pub(super) struct Outbox {
     pub selected: Consumer<Selection>,
     pub full: Consumer<full::Sample>,
@@ -98,7 +98,7 @@ fn publish(
         }
         if last_report.elapsed() >= PERIOD || leaving {
             last_report = Instant::now();
-            // Lost with the link, and said again in a second.
+            // A status that is lost with the link is replaced a second later.
             let _ = said.put(status(shared)).wait();
         }
         if leaving {
@@ -113,12 +113,12 @@ fn publish(
 
 /// The keys below which a machine publishes.
 pub fn publishes(id: &MachineId) -> [String; 2] {
-    // Of the keys of advanced publishers a wild card says nothing by itself.
+    // A wild card does not match the keys of advanced publishers, so these are stated separately.
     ["**", "*/*/@adv/**"].map(|keys| id.key(keys))
 }
 
-/// The publisher of a stream of a machine. Short gaps of the estimates are mended by Zenoh, everything else from the
-/// recording: what mends them is a queryable and a token a stream, of which a router tells each machine's session.
+/// The publisher of a stream of a machine. Zenoh closes short gaps of the estimates; the recording closes all others. Zenoh's
+/// repair costs a queryable and a token for each stream, which a router announces to each machine's session.
 ///
 /// # Errors
 /// Zenoh refuses the key.
@@ -130,7 +130,7 @@ pub fn publisher(
     let publisher = session
         .declare_publisher(id.key(&stream.name))
         .encoding(Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(stream.channel)))
-        // A link that is slow or full costs messages, never time.
+        // A slow or full link costs messages, never time.
         .congestion_control(CongestionControl::Drop)
         .priority(Priority::Data)
         .advanced();
@@ -165,7 +165,7 @@ fn status(shared: &Shared) -> Vec<u8> {
         version: shared.plan.version.clone(),
         run: shared.plan.run,
         count: shared.plan.run_count,
-        // Not the clock of the host as it is now: it may have been set since this process began.
+        // Not the host's clock at this moment: it may have been set since this process began.
         wall_ms: shared.wall_ms(runtime::now_ns()),
         ended: is_over && !broke_off,
         broke_off,

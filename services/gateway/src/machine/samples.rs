@@ -1,8 +1,7 @@
-//! The samples of the sensors as they are, for a site that estimates by itself (`heft fleet serve`); only where the
-//! machine was asked to send them.
+//! The unmodified samples of the sensors, for a site that estimates by itself (`heft fleet serve`); only on request of the user.
 //!
-//! They go under `heft/v1/SITE/MACHINE/sample/CHANNEL`, those of a fifth of a second in one message, each with its
-//! length before it (varint). The label is that of the last one; its `after` is the last one of the message before.
+//! They are published under `heft/v1/SITE/MACHINE/sample/CHANNEL`, those of a fifth of a second in one message, each preceded by
+//! its length (varint). The label is that of the last sample; its `after` is the last sample of the message before.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -25,10 +24,10 @@ use crate::schema;
 pub(super) const QUEUE: usize = 10_000;
 /// Time between two messages.
 const PERIOD: Duration = Duration::from_millis(200);
-/// Bytes after which a message is not added to.
+/// Size after which a message is closed [bytes].
 const BATCH: usize = 60_000;
 
-/// A sample that waits.
+/// A queued sample.
 pub(super) struct Sample {
     number: u64,
     measured_ns: u64,
@@ -48,11 +47,11 @@ impl Sample {
     }
 }
 
-/// Sends what waits.
+/// Publishes the queued samples.
 pub(super) struct Samples {
     publisher: Publisher<'static>,
     shared: Arc<Shared>,
-    /// Number of the last one that was sent, -1 before the first.
+    /// Number of the last published sample, -1 before the first.
     last: i64,
     sent: Instant,
 }
@@ -77,7 +76,7 @@ impl Samples {
         })
     }
 
-    /// Sends what waits, if it is time or the end.
+    /// Publishes the queued samples, if the period is over or at the end.
     pub(super) fn send(&mut self, queue: &mut Consumer<Sample>, is_end: bool) {
         if self.sent.elapsed() < PERIOD && !is_end {
             return;
@@ -101,7 +100,7 @@ impl Samples {
 
     fn put(&mut self, batch: Vec<u8>, count: u64, (number, measured_ns): (u64, u64)) {
         let shared = &self.shared;
-        // Of a run that was joined on its way nothing is known of what was before.
+        // A gateway that joins a running run does not know what was before.
         let (after, whole) = match self.last {
             -1 => ((number + 1 == count).then_some(-1), count),
             last => (Some(last), (number as i64 - last).max(0) as u64),

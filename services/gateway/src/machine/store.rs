@@ -1,9 +1,9 @@
-//! Store and forward: what did not arrive is selected again from the machine's own recording.
+//! Store and forward: messages that did not arrive are selected again from the machine's own recording.
 //!
-//! What a question says: [`crate::question`]. The recording is bounded by `heft run --keep`; what it has dropped is
-//! counted here, and by the collector.
+//! Form of a request: [`crate::question`]. `heft run --keep` bounds the recording; messages that it has dropped are counted here,
+//! and by the collector.
 //!
-//! A question is not answered from the recording's beginning each time: see [`Ends`].
+//! A request is not answered from the recording's beginning each time: see [`Ends`].
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -25,8 +25,8 @@ use crate::label::{lost, lost_behind};
 use crate::question::{AnswerSummary, Asked, MOST, OVER, WAITING, end};
 use crate::schema;
 
-/// Answers all questions to the machine until what is returned is dropped. They share a queryable: a router compares what is
-/// declared with every key that it knows.
+/// Answers all requests to the machine until the returned value is dropped. They share a queryable: a router compares each
+/// declaration with every key that it knows.
 pub(super) fn declare(
     session: &Session,
     shared: &Arc<Shared>,
@@ -40,14 +40,14 @@ pub(super) fn declare(
     let callback = move |query| {
         schemas(&query);
         full(&query);
-        // Beyond the bound the question ends without an answer, and is asked again.
+        // A request beyond the bound ends without an answer, and is repeated.
         let _ = questions.try_send(query);
     };
     session.declare_queryable(key).callback(callback).wait()
 }
 
 fn serve(shared: &Shared, questions: &Receiver<Query>) {
-    // Off the path in its use of the processor too.
+    // Low priority, so that it does not delay the estimators.
     let _ = rustix::process::nice(10);
     let mut ends = Ends::default();
     for query in questions {
@@ -85,28 +85,27 @@ fn answer(shared: &Shared, query: &Query, stream: usize, ends: &mut Ends) {
         return;
     };
     shared.served.fetch_add(served.messages, Ordering::Relaxed);
-    // What another collector asks for again, or the same one after an answer that did not arrive, is lost once.
+    // A loss counts once, also if another collector requests it again, or the same one after a lost answer.
     if shared.counted[stream].fetch_max(served.upto, Ordering::Relaxed) <= asked.after {
         shared.lost.fetch_add(served.lost, Ordering::Relaxed);
     }
     end(query, &served);
 }
 
-/// The streams of each channel as they were at the end of finished parts, by channel and number of the part: an answer goes
-/// on from the last one that lies before what is asked for. So it reads the recording in proportion to the age of the gap,
-/// and not to that of the run.
+/// State of the selection at the end of finished parts, by channel and number of the part. An answer resumes from the last state
+/// before the requested messages. So its cost is in proportion to the age of the gap, not to the length of the run.
 #[derive(Default)]
 struct Ends(HashMap<&'static str, BTreeMap<u32, Downsampler>>);
 
 impl Ends {
-    /// The first part to read for what is behind the number `after` of a stream, and the state to go on from.
+    /// The first part to read for messages after number `after` of a stream, and the state to resume from.
     fn before(&self, channel: &str, stream: usize, after: i64) -> Option<(u32, &Downsampler)> {
         let mut its = self.0.get(channel)?.iter().rev();
         let (part, state) = its.find(|(_, state)| state.seen(stream) <= after)?;
         Some((part + 1, state))
     }
 
-    /// Keeps the state at the end of a part; of those long ago fewer, two for each doubling of the distance.
+    /// Stores the state at the end of a part; old states are thinned out to two for each doubling of the distance.
     fn keep(&mut self, channel: &'static str, part: u32, state: &Downsampler) {
         let its = self.0.entry(channel).or_default();
         its.insert(part, state.clone());
@@ -118,7 +117,7 @@ impl Ends {
     }
 }
 
-/// The files of a recording in the order of their numbers. Those that it has dropped are missing.
+/// The files of a recording in order of their numbers. Dropped files are absent.
 fn parts(recording: &Path) -> Vec<(u32, PathBuf)> {
     let folder = recording.parent().unwrap_or(Path::new("."));
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -131,13 +130,13 @@ fn parts(recording: &Path) -> Vec<(u32, PathBuf)> {
     parts
 }
 
-/// Opens one part: the name of the first one stands for all.
+/// Opens one part, by its descriptor: the path of the first part stands for the whole recording.
 fn open(part: &Path) -> Option<Reader> {
     let file = File::open(part).ok()?;
     Reader::open(format!("/proc/self/fd/{}", file.as_raw_fd())).ok()
 }
 
-/// Selects from the recording what a question asks for; `None` where it cannot be read.
+/// Selects the requested messages from the recording; `None` if it cannot be read.
 struct StoredReader<'a> {
     shared: &'a Shared,
     stream: usize,
@@ -167,7 +166,7 @@ impl Visitor for StoredReader<'_> {
         let (mut last, mut is_full, mut is_found, mut is_read) = (after, false, false, false);
         let parts = parts(&self.shared.plan.recording);
         for (i, (part, file)) in parts.iter().enumerate().filter(|(_, p)| p.0 >= first) {
-            // Asked before it is opened: what was open may have been written to meanwhile.
+            // Checked before it is opened: an open file may grow meanwhile.
             let is_finished = i + 1 < parts.len() && !recording::is_being_written(file);
             let Some(reader) = open(file) else { continue };
             is_read = true;
@@ -203,7 +202,7 @@ impl Visitor for StoredReader<'_> {
                 self.ends.keep(channel.name, *part, &downsampler);
             }
         }
-        // Behind the last message of a live recording more may be on its way to the disk.
+        // After the last message of a live recording, more may be on its way to the disk.
         let is_whole = !is_full
             && (downsampler.seen(self.stream) >= upto || self.shared.over.load(Ordering::Relaxed));
         served.upto = last;
@@ -260,7 +259,7 @@ mod tests {
         }
     }
 
-    /// Number of each message, and of the one before it.
+    /// Numbers of each message, and of the one before it.
     type Found = Vec<(u64, Option<i64>)>;
 
     fn ask(
@@ -296,7 +295,7 @@ mod tests {
         let shared = shared(folder.path());
         record(&shared);
         let mut ends = Ends::default();
-        // What is asked for ends in the second part: the third is not read.
+        // The requested messages end in the second part: the third is not read.
         let (served, found) = ask(&shared, &mut ends, -1, 1490).expect("a recording");
         assert_eq!((served.upto, served.messages, served.lost), (1490, 150, 0));
         assert_eq!(found[..2], [(0, Some(-1)), (10, Some(0))]);
@@ -304,7 +303,7 @@ mod tests {
         assert_eq!(of_it(&ends), [1], "the third part was not read");
         let (_, whole) = ask(&shared, &mut ends, 1490, 5990).expect("a recording");
         assert_eq!(whole.len(), 450);
-        // What lies before the part of the gap is not read again: it may as well be gone.
+        // Parts before that of the gap are not read again: here they are deleted.
         for part in 1..=4 {
             std::fs::remove_file(recording::part(&shared.plan.recording, part)).expect("it");
         }
@@ -324,7 +323,7 @@ mod tests {
         let state = shared.downsampler();
         for newest in 1..=1000_u32 {
             ends.keep(CHANNEL.name, newest, &state);
-            // Each channel by itself.
+            // The channels are independent.
             ends.keep("another", newest + 7, &state);
             let parts: Vec<u32> = ends.0[CHANNEL.name].keys().copied().collect();
             assert!(parts.len() <= 3 * newest.ilog2() as usize + 3, "{parts:?}");

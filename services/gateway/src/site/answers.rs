@@ -1,5 +1,5 @@
-//! The estimates of `heft serve`, published as those of the site under the key of their machine, and kept for whoever asks
-//! for them again.
+//! Publication of the estimates of `heft serve`: under the key of their machine, as estimates of the site, and stored for
+//! requests of lost ones.
 
 use std::collections::{HashMap, VecDeque};
 use std::io::BufRead;
@@ -25,9 +25,9 @@ use crate::schema;
 
 /// Largest estimate, and longest name of a run [bytes].
 const LARGEST: usize = 4096;
-/// Runs of a machine of which the last estimate is remembered.
+/// Runs of a machine whose last estimate is remembered.
 const RUNS: usize = 8;
-/// Time between two looks for machines that are gone.
+/// Period of the check for machines that are gone.
 const LOOK: Duration = Duration::from_secs(60);
 
 /// The stream of a site's estimates.
@@ -35,7 +35,7 @@ pub(super) fn stream(channel: &Channel) -> String {
     format!("{SITE_ESTIMATE}/{}", channel.last_name())
 }
 
-/// Says the last answers again that may not have arrived.
+/// Repeats the last answers of runs, which may not have arrived.
 pub(super) fn say_again(session: &Session, site: &str, stream: &str, kept: &Kept) {
     for answer in kept.due(Instant::now()) {
         let Some(id) = MachineId::new(site, &answer.label.machine) else {
@@ -47,7 +47,7 @@ pub(super) fn say_again(session: &Session, site: &str, stream: &str, kept: &Kept
     }
 }
 
-/// Publishes.
+/// Publishes the estimates.
 pub(super) struct Answers {
     session: Session,
     site: String,
@@ -59,16 +59,16 @@ pub(super) struct Answers {
     machines: HashMap<String, Relay>,
 }
 
-/// What was sent of a machine.
+/// Publication state of a machine.
 struct Relay {
     publisher: Publisher<'static>,
-    /// The runs that were reported last, with the number of the last estimate of each.
+    /// The latest runs, with the number of the last estimate of each.
     last: VecDeque<(u64, i64)>,
 }
 
 impl Relay {
-    /// Notes an estimate of a run; returns the number of the one before, -1 before the first; `None` where samples are missing
-    /// in between, or before the first.
+    /// Notes an estimate of a run; returns the number of the one before, -1 before the first. Returns `None` if samples are
+    /// missing in between, or before the first.
     fn follow(&mut self, run: u64, number: i64, is_after_gap: bool) -> Option<i64> {
         if let Some((_, last)) = self.last.iter_mut().find(|(id, _)| *id == run) {
             let before = std::mem::replace(last, number);
@@ -160,10 +160,10 @@ impl Answers {
             wall_ms,
         };
         let answer = Arc::new(Answer { label, payload });
-        // First: whoever learns of it may ask for it.
+        // Stored first: a receiver may request it at once.
         self.kept.keep(Arc::clone(&answer), Instant::now());
         let put = relay.publisher.put(answer.payload.as_slice());
-        // What is lost with the link, or by congestion, is asked for again.
+        // A message that is lost with the link, or by congestion, is requested later.
         let _ = put.attachment(answer.label.to_string()).wait();
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! `heft serve` as a child: what goes in, what comes out.
+//! `heft serve` as a child process: its input, its output, its end.
 
 use std::io::{BufReader, BufWriter, Write};
 use std::os::unix::process::CommandExt;
@@ -12,7 +12,7 @@ use crate::{Failure, error};
 /// The process with both its ends.
 type ChildPipes = (Child, BufWriter<ChildStdin>, BufReader<ChildStdout>);
 
-/// Starts it.
+/// Starts the child.
 pub(super) fn start(args: &ServeArgs) -> Result<ChildPipes, String> {
     let program = args.heft.clone().unwrap_or_else(beside);
     let mut command = Command::new(&program);
@@ -21,7 +21,7 @@ pub(super) fn start(args: &ServeArgs) -> Result<ChildPipes, String> {
     if let Some(method) = &args.method {
         command.args(["--method", method]);
     }
-    // A group of its own: Ctrl-C reaches this process, and then its input ends.
+    // A separate process group: Ctrl-C reaches only this process, which then closes the child's input.
     command.args(&args.rest).process_group(0);
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut child = command.spawn().map_err(|e| {
@@ -37,7 +37,7 @@ pub(super) fn start(args: &ServeArgs) -> Result<ChildPipes, String> {
     ))
 }
 
-/// heft beside this program, else in the search path.
+/// The program heft: beside this one, else in the search path.
 fn beside() -> PathBuf {
     let own = std::env::current_exe().ok();
     let folder = own.as_deref().and_then(Path::parent);
@@ -47,11 +47,11 @@ fn beside() -> PathBuf {
         .unwrap_or_else(|| "heft".into())
 }
 
-/// Writes what comes until nothing more will, or nobody reads. Nothing waits in the buffer while nothing comes.
+/// Writes batches until there are no more, or the child has ended. Flushes whenever the queue is empty.
 pub(super) fn feed(mut input: BufWriter<ChildStdin>, batches: &Receiver<Vec<u8>>) {
     while let Ok(first) = batches.recv() {
         for batch in std::iter::once(first).chain(batches.try_iter()) {
-            // Whoever reads its answers says that it has ended.
+            // The reader of the child's output reports its end.
             if input.write_all(&batch).is_err() {
                 return;
             }
@@ -62,7 +62,7 @@ pub(super) fn feed(mut input: BufWriter<ChildStdin>, batches: &Receiver<Vec<u8>>
     }
 }
 
-/// Waits for its end, which its input's end brings.
+/// Waits for the child's end, which follows from the end of its input.
 pub(super) fn end(mut child: Child) -> Result<(), Failure> {
     drop(child.stdin.take());
     let ended = child
@@ -73,7 +73,7 @@ pub(super) fn end(mut child: Child) -> Result<(), Failure> {
     }
     let what = format!("`heft serve` ended: {ended}");
     let failed = error(what, "heft fleet serve", "see what it said above");
-    // 2: it cannot use what it was given.
+    // Status 2: the child cannot use its arguments or its input.
     Err(if ended.code() == Some(2) {
         failed.into()
     } else {

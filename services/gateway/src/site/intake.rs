@@ -1,5 +1,5 @@
-//! What machines send is checked before it goes to `heft serve`: size, rate, that it speaks for the machine that its key
-//! names, that samples go forward. A hostile machine can lie about itself only, and not loudly.
+//! Checks of samples before they go to `heft serve`: size, rate, that they belong to the machine in their key, that their numbers
+//! increase. A hostile machine can falsify only its own data, at a limited rate.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -16,21 +16,21 @@ use crate::key::MachineId;
 use crate::label::Label;
 use crate::{MACHINES, lock};
 
-/// Largest message [bytes]: what a gateway sends, with room.
+/// Largest message [bytes]: above the size that a gateway sends.
 const LARGEST: usize = 80_000;
-/// A machine that was silent for so long is forgotten.
+/// Silence after which a machine is forgotten.
 const SILENT: Duration = Duration::from_secs(600);
 
-/// What is known of an estimate.
+/// Properties of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Answered {
-    /// When it was measured, by the machine's wall clock [ms since 1970].
+    /// Time of measurement, by the machine's wall clock [ms since 1970].
     pub wall_ms: u64,
-    /// Samples are missing between the estimate before and this one.
+    /// Whether samples are missing between the estimate before and this one.
     pub is_after_gap: bool,
 }
 
-/// Checks and hands on.
+/// Checks messages and passes them on.
 pub struct Intake {
     channel: &'static Channel,
     batches: Mutex<Option<SyncSender<Vec<u8>>>>,
@@ -46,14 +46,14 @@ impl Intake {
         }
     }
 
-    /// A message under a machine's key.
+    /// Takes a message under a machine's key.
     pub(super) fn batch(&self, sample: &Sample) {
         let Some((id, _)) = MachineId::of(sample.key_expr().as_str()) else {
             return;
         };
         let attachment = sample.attachment().map(|a| a.to_bytes());
         let label = attachment.and_then(|a| Label::parse(&a));
-        // What is too large is not even copied.
+        // A message that is too large is not even copied.
         let payload = (sample.payload().len() <= LARGEST).then(|| sample.payload().to_bytes());
         self.take(&id, label, payload.as_deref());
     }
@@ -88,7 +88,7 @@ impl Intake {
         }
     }
 
-    /// Notes an estimate; `None` for one of a run that is over.
+    /// Notes an estimate; `None` for an unknown run, or one that is over.
     pub(super) fn answered(&self, machine: &str, run: u64, stamp: &Stamp) -> Option<Answered> {
         let mut machines = lock(&self.machines);
         let machine = machines.get_mut(machine)?;
@@ -123,17 +123,17 @@ impl Intake {
         if let Some(batches) = &*lock(&self.batches)
             && !gone.is_empty()
         {
-            // If it finds no place, they stay in memory.
+            // If it does not fit, `heft serve` retains their states.
             let _ = batches.try_send(gone);
         }
     }
 
-    /// There will be no more.
+    /// Ends the input of `heft serve`.
     pub(super) fn close(&self) {
         lock(&self.batches).take();
     }
 
-    /// Says what was counted of all machines.
+    /// Prints the sums of the counts over all machines.
     pub(super) fn tell(&self) {
         let machines = lock(&self.machines);
         let sum = |of: fn(&Counts) -> u64| {
@@ -169,7 +169,7 @@ impl Intake {
     }
 }
 
-/// The samples of a message, if all of it is what the channel carries, and every number in it is one.
+/// The samples of a message, if all of it decodes as the channel's type and every number is finite.
 fn samples<'a>(channel: &Channel, mut payload: &'a [u8]) -> Option<Vec<One<'a>>> {
     struct Look<'a>(&'a [u8]);
     impl<'a> Visitor for Look<'a> {
@@ -235,7 +235,7 @@ mod tests {
         MachineId::new("north", "ex-1").expect("names")
     }
 
-    /// Names of the runs in records, in turn; with a minus where one is forgotten.
+    /// Names of the runs in records, in order; with a minus where a run is forgotten.
     fn names(records: &[u8]) -> Vec<String> {
         let (mut rest, mut names) = (records, Vec::new());
         while !rest.is_empty() {
@@ -265,7 +265,7 @@ mod tests {
         let (intake, waiting) = intake();
         let take =
             |run, numbers| intake.take(&id(), label("ex-1", run), Some(&batch(numbers, 0.1)));
-        // The ids say nothing of the order, and a forged one in between changes nothing.
+        // The ids carry no order, and a forged one in between changes nothing.
         take(7, 0..1);
         take(2, 0..1);
         let counts = || lock(&intake.machines)["ex-1"].counts;
@@ -295,7 +295,7 @@ mod tests {
         take(0..3);
         take(5..9);
         take(12..15);
-        // No place: too late, and the next ones are behind a gap too.
+        // No room: these are late, and the next ones follow a gap.
         take(15..17);
         assert_eq!(waiting.try_iter().count(), 3);
         take(17..20);
@@ -310,7 +310,7 @@ mod tests {
                 .is_after_gap
         });
         assert_eq!(gaps, [false, false, true, false, true, false, true, false]);
-        // A site that joins a run on its way has not seen what was before.
+        // A site that joins a running run has not seen what was before.
         let (joined, _waiting) = self::intake();
         joined.take(&id(), label("ex-1", 1), Some(&batch(7..9, 0.1)));
         let stamp = Stamp {

@@ -1,8 +1,8 @@
-//! What a site has answered lately, for collectors that ask for what did not arrive.
+//! Recent answers of a site, for collectors that request what did not arrive.
 //!
-//! Live, an answer is sent once, and congestion may drop it. The next one names it, so a collector knows that it lacks
-//! something, and asks here. Behind the last answer of a run nothing follows: that one is said again, in pauses that double,
-//! until the run is old. What is kept is bounded; what has made way is counted as lost by whoever asks for it.
+//! An answer is sent once, and congestion may drop it. The next answer names it, so a collector detects the gap and requests it
+//! here. After the last answer of a run none follows, so that one is repeated, in pauses that double, until the run is old. The
+//! store is bounded; the collector counts dropped answers as lost.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -17,14 +17,14 @@ use crate::label::{Label, lost};
 use crate::lock;
 use crate::question::{AnswerSummary, Asked, MOST, OVER, WAITING, end};
 
-/// Bytes that are kept of all machines: some minutes of a thousand at an estimate a second.
+/// Bytes stored for all machines: some minutes of a thousand machines at one estimate a second.
 const BYTES: usize = 64 << 20;
-/// What an answer takes beside its message, about.
+/// Approximate memory of an answer beside its message [bytes].
 const OVERHEAD: usize = 150;
-/// Pause before the last answer of a run is said again; it doubles up to the longest.
+/// Pause before the last answer of a run is repeated; it doubles up to the longest.
 const PAUSE: Duration = Duration::from_secs(1);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-/// A run without answers for so long is old.
+/// Silence after which a run is old.
 const OLD: Duration = Duration::from_secs(600);
 
 /// An answer as it was published.
@@ -34,7 +34,7 @@ pub(super) struct Answer {
     pub payload: Vec<u8>,
 }
 
-/// The answers that are kept.
+/// The stored answers.
 #[derive(Default)]
 pub(super) struct Kept(Mutex<State>);
 
@@ -58,7 +58,7 @@ impl Kept {
         lock(&self.0)
     }
 
-    /// Keeps an answer; the oldest ones make way.
+    /// Stores an answer; drops the oldest ones beyond the bound.
     pub fn keep(&self, answer: Arc<Answer>, now: Instant) {
         let state = &mut *self.state();
         state.bytes += answer.payload.len() + OVERHEAD;
@@ -78,7 +78,7 @@ impl Kept {
         state.last.insert(run, last);
     }
 
-    /// The last answers that are to be said again now.
+    /// The last answers that are due for repetition.
     pub fn due(&self, now: Instant) -> Vec<Arc<Answer>> {
         let state = &mut *self.state();
         state
@@ -93,7 +93,7 @@ impl Kept {
         .collect()
     }
 
-    /// The answers that a question asks for, in turn, and how far they go; `None` where nothing is kept of the run.
+    /// The requested answers in order, and their summary; `None` if no answer of the run is stored.
     fn between(&self, machine: &str, asked: Asked) -> Option<(Vec<Arc<Answer>>, AnswerSummary)> {
         let state = self.state();
         let is_of_run = |a: &&Arc<Answer>| {
@@ -124,7 +124,7 @@ impl Kept {
     }
 }
 
-/// Answers questions for a stream of a site's machines until what is returned is dropped.
+/// Answers requests for a stream of a site's machines until the returned value is dropped.
 pub(super) fn declare(
     session: &Session,
     site: &str,
@@ -135,7 +135,7 @@ pub(super) fn declare(
     let its = Arc::clone(kept);
     std::thread::spawn(move || serve(&its, &waiting));
     let callback = move |query| {
-        // Beyond the bound the question ends without an answer, and is asked again.
+        // A request beyond the bound ends without an answer, and is repeated.
         let _ = questions.try_send(query);
     };
     let key = format!("{ROOT}/{site}/*/{stream}");
@@ -160,7 +160,7 @@ fn answer(kept: &Kept, query: &Query, id: &MachineId, asked: Asked) {
         let reply = query.reply(query.key_expr().clone(), answer.payload.clone());
         let sent = reply.attachment(answer.label.to_string()).wait();
         if sent.is_err() {
-            // Without the end the question counts as not answered.
+            // Without the summary the request counts as unanswered.
             return;
         }
     }
@@ -205,7 +205,7 @@ mod tests {
         assert_eq!((summary.upto, summary.messages, summary.lost), (5, 3, 0));
         assert!(kept.between("ex-1", asked(8, 2, 5)).is_none());
         assert!(kept.between("ex-3", asked(7, 2, 5)).is_none());
-        // Nothing of before fits beside these two.
+        // Two such answers fill the store.
         for number in 10..12 {
             kept.keep(
                 answer("ex-1", 7, number, number as i64 - 1, BYTES / 2 - OVERHEAD),

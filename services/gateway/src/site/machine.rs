@@ -1,4 +1,4 @@
-//! A machine that sends samples, as the site sees it: which run, how far, how much it may still send.
+//! State of a machine that sends samples: its runs, their progress, and its rate limit.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -7,31 +7,31 @@ use recording::payload::put_delimited;
 
 use crate::label::Label;
 
-/// Samples a second that a machine may send over some time, and at once.
+/// Sample rate of a machine [1/s]: sustained here, burst below.
 const RATE: f64 = 2000.0;
 const BURST: f64 = 10_000.0;
 /// Least time between two new runs of a machine.
 pub const RUNS: Duration = Duration::from_secs(2);
 
-/// What was counted of a machine.
+/// Counts of a machine.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Samples that went to `heft serve`.
     pub samples: u64,
-    /// Samples that are missing between those that came.
+    /// Samples that are missing between received ones.
     pub missing: u64,
-    /// Samples for which `heft serve` was too slow.
+    /// Samples dropped because `heft serve` was too slow.
     pub late: u64,
-    /// Messages that were not taken.
+    /// Messages that were refused.
     pub refused: u64,
-    /// Estimates that came back.
+    /// Estimates from `heft serve`.
     pub estimates: u64,
 }
 
-/// Runs of a machine that are estimated at a time: the one that ends, the one that begins, and room for what is forged.
+/// Runs of a machine that are estimated at a time: the ending one, the beginning one, and room for forged ones.
 const AT_A_TIME: usize = 4;
 
-/// Gaps of a run whose estimates are to come: the oldest one makes way.
+/// Most gaps of a run whose estimates are pending; the oldest is dropped.
 const GAPS: usize = 256;
 
 /// A run of a machine.
@@ -41,9 +41,9 @@ pub struct Run {
     heard: Instant,
     /// Number of its last sample, -1 before the first.
     last: i64,
-    /// What came last did not go on.
+    /// The last samples were not passed on.
     is_cut: bool,
-    /// Samples before which others are missing, whose estimates are to come.
+    /// First samples after a gap, whose estimates are pending.
     gaps: VecDeque<i64>,
     /// The machine's wall clock minus its monotonic clock [ms].
     pub wall_offset_ms: i64,
@@ -51,23 +51,23 @@ pub struct Run {
 
 /// A machine that sends samples.
 pub struct Machine {
-    /// Those that are in `heft serve`. Nothing orders them but when they were heard.
+    /// The runs in `heft serve`. They are ordered by nothing but the time of their last samples.
     pub runs: Vec<Run>,
     began: Option<Instant>,
     pub heard: Instant,
-    /// Samples that it may send now.
+    /// Tokens left: samples that it may send now.
     left: f64,
     pub counts: Counts,
 }
 
-/// A sample, as it came.
+/// A received sample.
 pub struct One<'a> {
     pub number: u64,
     pub measured_ns: u64,
     pub bytes: &'a [u8],
 }
 
-/// What a run is called in `heft serve`.
+/// Name of a run in `heft serve`.
 pub fn name(machine: &str, run: u64) -> String {
     format!("{machine} {run}")
 }
@@ -86,7 +86,7 @@ impl Run {
         self.gaps.push_back(number);
     }
 
-    /// Whether samples are missing between the estimate before and that of this sample.
+    /// Whether samples are missing between the previous estimate and that of this sample.
     pub fn passes_gap(&mut self, number: i64) -> bool {
         let waiting = self.gaps.len();
         self.gaps.retain(|gap| *gap > number);
@@ -105,8 +105,8 @@ impl Machine {
         }
     }
 
-    /// The run of this id, begun where it is new: `None` where runs begin faster than those of any machine. One that was
-    /// silent for longest makes way.
+    /// The run of this id, begun if new; `None` if runs begin faster than the limit. The run that was silent for longest is
+    /// dropped.
     fn run(&mut self, now: Instant, label: &Label, records: &mut Vec<u8>) -> Option<&mut Run> {
         if let Some(i) = self.runs.iter().position(|r| r.id == label.run) {
             return self.runs.get_mut(i);
@@ -134,14 +134,14 @@ impl Machine {
         self.runs.last_mut()
     }
 
-    /// Notes that what a run sent last did not go on.
+    /// Notes that the last samples of a run were not passed on.
     pub fn cut(&mut self, run: u64) {
         if let Some(run) = self.runs.iter_mut().find(|r| r.id == run) {
             run.is_cut = true;
         }
     }
 
-    /// The records of samples for `heft serve`, and how many; `None` if they may not be sent now.
+    /// Writes the records of the samples for `heft serve`; returns their number, `None` if they exceed the limits.
     pub fn admit(
         &mut self,
         now: Instant,
@@ -185,7 +185,7 @@ impl Machine {
     }
 }
 
-/// Tells `heft serve` that a run is over.
+/// Writes the record that ends a run in `heft serve`.
 pub fn forget(name: &str, records: &mut Vec<u8>) {
     put_delimited(name.as_bytes(), records);
     put_delimited(&[], records);

@@ -1,12 +1,12 @@
-//! `heft fleet serve`: estimates at the site, of the samples that machines send as they are.
+//! `heft fleet serve`: estimates at the site, from the unmodified samples of machines.
 //!
 //! ```text
 //! heft/v1/SITE/MACHINE/sample/CHANNEL ──▶ checks ──▶ `heft serve KIND --messages` ──▶ heft/v1/SITE/MACHINE/site/CHANNEL
 //! ```
-//! `heft serve` is a process of its own, which shares the machines among processes, one a core, and replaces one that
-//! dies. What a machine is called there is its name and the start of its run: a new run begins with nothing known.
-//! A sample goes on at most once: one that is lost on the way is counted here, the estimators see the time that is missing,
-//! and the label of the first estimate behind the gap says so. An estimate is sent once, and again for whoever asks: `kept`.
+//! `heft serve` is a separate process, which shares the machines among processes, one a core, and replaces one that dies. Its
+//! name for a machine is the machine's name with the id of the run, so that a new run begins without a state. A sample is passed
+//! on at most once. A lost one is counted here, the estimators see the missing time, and the label of the first estimate after
+//! the gap states it. An estimate is sent once, and again on request: `kept`.
 
 mod answers;
 mod child;
@@ -34,7 +34,7 @@ use kept::Kept;
 
 /// Batches of samples that may wait for `heft serve`.
 const QUEUE: usize = 4096;
-/// Time between two looks at what was counted.
+/// Period of the printed counts.
 const LOOK: Duration = Duration::from_secs(10);
 
 /// `heft fleet serve`
@@ -62,7 +62,7 @@ pub struct ServeArgs {
     pub rest: Vec<String>,
 }
 
-/// What is read, and what is made of it.
+/// The channel that is read, and the channel of its estimates.
 struct Way {
     sensors: &'static Channel,
     estimate: &'static Channel,
@@ -137,7 +137,7 @@ pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), Failure> {
             intake.tell();
         }
     }
-    // Nothing more comes in; what is in `heft serve` is answered.
+    // No further samples enter; those in `heft serve` are still answered.
     let has_ended = !stops() && child.try_wait().is_ok_and(|ended| ended.is_some());
     let _ = subscriber.undeclare().wait();
     intake.close();

@@ -1,5 +1,6 @@
-//! What is missing of a stream. The store knows up to where each is whole (`good`); what lies behind a gap waits there
-//! until the machine has answered, or the site for what it makes itself, and then what is still missing is counted as lost.
+//! Missing messages of a stream. The store knows up to which number each stream is complete (`good`). Messages behind a gap are
+//! not complete until the machine, or the site for its own estimates, has answered. What is still missing then is counted as
+//! lost.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -13,16 +14,16 @@ use crate::collector::live::Account;
 use crate::key::MachineId;
 use crate::label::{Label, lost, lost_behind};
 
-/// A gap younger than this may close by itself, from Zenoh's cache.
+/// Age below which a gap may still close by itself, from Zenoh's cache.
 const GRACE: Duration = Duration::from_secs(5);
-/// Pause between two questions about the same gap; it doubles up to the longest.
+/// Pause between two requests for the same gap; it doubles up to the longest.
 const PAUSE: Duration = Duration::from_secs(2);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-/// A question of which nothing was heard for so long is asked again, also of a run that is over: its gateway stays for
-/// 20 s. A machine that must read a long recording first gets twice the time at each attempt.
+/// Time without a reply after which a request is repeated. It also serves a finished run, whose gateway stays for 20 s. It
+/// doubles at each attempt, for a machine that must read a long recording first.
 const PATIENCE: Duration = Duration::from_secs(5);
 const LONGEST_PATIENCE: Duration = Duration::from_secs(60);
-/// Questions to a site without an answer, after which it has gone for good: it keeps nothing beyond its process.
+/// Unanswered requests to a site after which its messages count as lost: a site stores nothing beyond its process.
 const SITE_ATTEMPTS: u32 = 5;
 
 /// A stream of one run.
@@ -30,29 +31,29 @@ pub(super) struct Stream {
     pub machine: MachineId,
     pub name: String,
     pub run: i64,
-    /// Everything up to this number is here or counted as lost.
+    /// Everything up to this number is stored or counted as lost.
     pub good: i64,
-    /// The latest that is known of, here or not.
+    /// The latest number known to exist.
     pub head: i64,
-    /// The latest that is here.
+    /// The latest number stored.
     pub newest: i64,
     pub lost: i64,
     pub per_period: f64,
-    /// Written to the file.
+    /// Whether this state is written to the file.
     pub is_written: bool,
-    /// Since when something is missing.
+    /// Time since which something is missing.
     gap: Option<Instant>,
     asked: bool,
     next: Instant,
     pause: Duration,
     patience: Duration,
-    /// Questions in a row without an answer.
+    /// Successive requests without an answer.
     unanswered: u32,
     is_of_site: bool,
 }
 
 impl Store {
-    /// Moves `good` over everything that follows without a gap.
+    /// Moves `good` over the messages that follow without a gap.
     pub(super) fn advance(&mut self, id: i64) -> rusqlite::Result<()> {
         let Some(stream) = self.streams.get_mut(&id) else {
             return Ok(());
@@ -71,8 +72,8 @@ impl Store {
         Ok(())
     }
 
-    /// What to ask the machines that are here, and their site: gaps that did not close by themselves. Whoever answers has one
-    /// question at a time, and it goes round: who does not answer holds up nobody else.
+    /// Requests to send to the machines that are present, and to their site: gaps that did not close by themselves. Each
+    /// answering side has one request at a time, in rotation, so an unresponsive one delays no other.
     pub fn questions(&mut self, is_here: &IsHere<'_>, most: usize) -> Vec<Question> {
         let now = Instant::now();
         self.waiting.clear();
@@ -92,7 +93,7 @@ impl Store {
         self.next_questions(is_here, most)
     }
 
-    /// The same, of what was due at the last look: after an answer.
+    /// As [`Self::questions`], from the streams that were due at the last check: after an answer.
     pub fn next_questions(&mut self, is_here: &IsHere<'_>, most: usize) -> Vec<Question> {
         let mut questions = Vec::new();
         for id in std::mem::take(&mut self.waiting) {
@@ -122,10 +123,10 @@ impl Store {
         questions
     }
 
-    /// Counts as lost what a site that does not answer has not sent.
+    /// Counts as lost what an unresponsive site has not sent.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn settle(&mut self) -> rusqlite::Result<()> {
         let is_due = |s: &Stream| s.is_of_site && s.unanswered >= SITE_ATTEMPTS;
         let due = self.streams.iter().filter(|(_, s)| is_due(s));
@@ -134,10 +135,10 @@ impl Store {
             .try_for_each(|id| self.answered(id, Answer::Over))
     }
 
-    /// Takes in the end of a question: what the machine does not have is lost.
+    /// Takes in the end of a request: what the answering side does not have is lost.
     ///
     /// # Errors
-    /// The disk takes no more.
+    /// The disk cannot be written.
     pub fn answered(&mut self, id: i64, answer: Answer) -> rusqlite::Result<()> {
         self.under_way.remove(&id);
         let Some(stream) = self.streams.get_mut(&id) else {
@@ -181,7 +182,7 @@ impl Store {
             stream.good = number;
         }
         if upto > stream.good {
-            // The machine spoke of that one, and has it no more.
+            // The machine has announced this number and does not have it any more.
             stream.lose(lost_behind(stream.good, upto, stream.per_period));
             stream.good = upto;
         }
@@ -190,7 +191,7 @@ impl Store {
         self.advance(id)
     }
 
-    /// What is missing and what is lost, by machine.
+    /// Missing and lost messages, by machine.
     pub fn account(&self) -> BTreeMap<MachineId, Account> {
         let mut all: BTreeMap<MachineId, Account> = BTreeMap::new();
         for stream in self.streams.values() {
@@ -230,7 +231,7 @@ impl Stream {
         }
     }
 
-    /// Whoever is asked for what is missing: the machine, or its site, which has no name among the machines.
+    /// The side that answers requests: the machine, or its site, which is represented by an empty machine name.
     fn who_answers(&self) -> MachineId {
         let mut who = self.machine.clone();
         if self.is_of_site {
@@ -239,8 +240,8 @@ impl Stream {
         who
     }
 
-    /// Whether nothing is missing between what is here and a message that names `after` as the one before it. Where a site
-    /// has joined a run on its way, nothing of its own was before.
+    /// Whether nothing is missing before a message whose predecessor is `after`. A site that joins a running run has no estimates
+    /// before its first one.
     pub fn follows(&self, after: Option<i64>) -> bool {
         match after {
             Some(after) => after <= self.good,
@@ -265,7 +266,7 @@ mod tests {
         MachineId::new("north", name).expect("names")
     }
 
-    /// A history in which something of each stream of these machines is missing since long.
+    /// A history in which each stream of these machines has had a gap for a long time.
     fn history(folder: &std::path::Path, machines: &[&str]) -> Store {
         let mut store = Store::open(&folder.join("fleet.sqlite")).expect("a history");
         let stream = |name: &str| {
@@ -295,7 +296,7 @@ mod tests {
         let mut store = history(folder.path(), &["mute", "honest"]);
         let asked = store.questions(&|_| true, 3);
         assert_eq!(names(&asked), ["mute", "honest"], "one each");
-        // The next of the honest one comes at once.
+        // The next request to the honest machine follows at once.
         let whole = |q: &Question| {
             Answer::Whole(crate::question::AnswerSummary {
                 upto: q.upto,
@@ -330,7 +331,7 @@ mod tests {
                 .values_mut()
                 .for_each(|s| s.next = Instant::now());
         }
-        // By stream, each after the other; nobody a second time before all were asked.
+        // By stream, in turn; no machine is asked a second time before all were asked.
         assert_eq!(order, ["a", "a", "a", "b", "b", "b"]);
         let here = |id: &MachineId| id.machine == "a";
         assert_eq!(names(&store.questions(&here, 9)), ["a"]);

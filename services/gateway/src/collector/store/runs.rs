@@ -1,5 +1,5 @@
-//! Runs of machines. A run is named by an id drawn by chance; they are in order of when the collector first heard of
-//! them, by its own clock. A machine's clock and its count order nothing: they are reported, and may be wrong.
+//! Runs of machines. A random id names a run. Runs are ordered by their first contact, by the collector's clock. A machine's
+//! clock and its count of runs are reported but order nothing, because they may be wrong.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -10,25 +10,25 @@ use super::Store;
 use crate::status::Status;
 use crate::wall_ms;
 
-/// New runs of a machine at once, and time between two of them over some time [s]: a run lasts longer.
+/// Limit of new runs of a machine: burst, and sustained period [s]. A real run lasts longer.
 const BURST: f64 = 20.0;
 const PAUSE_S: f64 = 2.0;
-/// A clock that is off by less [ms] counts as right: the time that a status takes is in it.
+/// Clock error [ms] below which a clock counts as right: the error includes the transit time of a status.
 const RIGHT_MS: i64 = 10_000;
 
 /// A run in memory.
 pub(super) struct Run {
-    /// Its number in the store, in the order of their first messages.
+    /// Its number in the store, in order of first contact.
     pub id: i64,
-    /// How many runs the machine had counted; 0 where it keeps none.
+    /// Number of runs that the machine had counted; 0 if it does not count them.
     pub count: i64,
-    /// The most that its clock was ahead of ours in a status [ms]: the one that took least time to come.
+    /// Largest lead of its clock over ours in a status [ms]: that of the status with the least delay.
     clock_ms: Option<i64>,
-    /// It ended in order: the machine said so.
+    /// By its status, it ended in order.
     pub ended: bool,
 }
 
-/// New runs that a machine may begin now.
+/// Token bucket of a machine's new runs.
 pub(super) struct Begun {
     left: f64,
     at: Instant,
@@ -57,7 +57,7 @@ impl Begun {
 pub(super) type Runs = HashMap<(i64, i64), Run>;
 
 impl Store {
-    /// Reads the runs that are known.
+    /// Reads the runs of the file.
     pub(super) fn load_runs(&mut self) -> rusqlite::Result<()> {
         let mut query = self
             .sql
@@ -75,7 +75,7 @@ impl Store {
         Ok(())
     }
 
-    /// The run's number here; `None` where a machine begins runs faster than any machine does.
+    /// The run's number here; `None` where a machine begins runs faster than the limit.
     pub(super) fn run(&mut self, machine: i64, run: i64) -> rusqlite::Result<Option<i64>> {
         if let Some(known) = self.runs.get(&(machine, run)) {
             return Ok(Some(known.id));
@@ -97,7 +97,7 @@ impl Store {
         Ok(Some(id))
     }
 
-    /// Notes what a status says of a known run: its count, its end, and how far its clock is off.
+    /// Stores the count, the end and the clock error of a known run from a status.
     pub(super) fn reported_run(
         &mut self,
         machine: i64,
@@ -121,7 +121,7 @@ impl Store {
             .map(|_| ())
     }
 
-    /// Runs that machines have counted between two that were heard of, by machine: whole runs of which nothing came.
+    /// Runs that were counted by a machine between two received runs, and of which nothing arrived, by machine.
     pub(super) fn unheard(&self) -> HashMap<i64, u64> {
         let mut counts: HashMap<i64, Vec<(i64, i64)>> = HashMap::new();
         for ((machine, _), run) in &self.runs {
@@ -132,7 +132,7 @@ impl Store {
         }
         let sum = |mut its: Vec<(i64, i64)>| {
             its.sort_unstable();
-            // A count that falls is a new one: the machine's state was lost.
+            // A falling count restarts: the machine's state was lost.
             let pairs = its
                 .windows(2)
                 .map(|two| (two[1].1.saturating_sub(two[0].1) - 1).max(0) as u64);
@@ -201,7 +201,7 @@ mod tests {
             };
             store.status(&machine, &status).expect("room");
         }
-        // All but the last two began long ago; of the third a message is left.
+        // All but the last two began long ago; a message of the third is left.
         let make = format!(
             "UPDATE run SET first_ms = 0 WHERE count <= 4;
              INSERT INTO message SELECT id, 0, -1, 0, {}, x'' FROM stream WHERE run = 97;",
@@ -216,7 +216,7 @@ mod tests {
         store.forget(1.0).expect("room");
         assert_eq!(runs(&store), (vec![3, 4, 5, 6], 4, 4));
         assert!(store.unheard().values().all(|runs| *runs == 0));
-        // Of a machine that was not heard for long its latest run stays.
+        // The latest run of a machine is retained, however long it was silent.
         let old = "UPDATE run SET first_ms = 0; UPDATE message SET received_ms = 0";
         store.sql.execute_batch(old).expect("room");
         store.forget(1.0).expect("room");
