@@ -1,4 +1,4 @@
-//! The loads of a recording, counted as `heft loads` counts them.
+//! The loads of a recording, counted as by `heft loads`.
 
 use messages::channels::Channel;
 use messages::{Machine, Message};
@@ -11,7 +11,7 @@ use crate::loads::{Account, Truths};
 
 macro_rules! read {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// Counts the loads of a recording; `None` where it has no description or no estimates.
+        /// Counts the loads of a recording; `None` if it has no description or no estimates.
         pub(crate) fn read(reader: &Reader) -> Result<Option<Account>, Error> {
             let text = reader.metadata().get("description");
             let Some(counter) = text.and_then(|t| LoadCounter::of_text(t, Options::default())) else {
@@ -26,7 +26,7 @@ macro_rules! read {
 
 messages::machines!(read);
 
-/// Takes samples and estimates in their order, each sample before its estimate.
+/// Takes samples and estimates in order, each sample before its estimate.
 fn count<S: Sensors, E: Estimate>(
     reader: &Reader,
     counter: LoadCounter,

@@ -1,6 +1,6 @@
-//! Times as people write them on a command line: `90s`, `5m`, `2h`, `500ms`.
+//! Durations as written on a command line: `90s`, `5m`, `2h`, `500ms`.
 
-/// Units with what they are in seconds.
+/// Units and their values in seconds.
 const UNITS: &[(&str, f64)] = &[
     ("ms", 1e-3),
     ("s", 1.0),
@@ -10,18 +10,18 @@ const UNITS: &[(&str, f64)] = &[
     ("d", 86_400.0),
 ];
 
-/// Longest time that anybody means \[s\]: a million days is for ever.
+/// Longest accepted duration \[s\]: a million days, which means for ever.
 const MOST: f64 = 1e11;
 
-/// A time of 0 or more \[s\]; a number alone is in seconds.
+/// Parses a duration of 0 or more \[s\]; a bare number is in seconds.
 ///
 /// # Errors
-/// It is none; the words say how one is written.
+/// It is malformed; the text describes the format.
 pub fn seconds(text: &str) -> Result<f64, String> {
     of(text, Some(1.0))
 }
 
-/// The same above 0 \[s\].
+/// Parses a duration above 0 \[s\].
 ///
 /// # Errors
 /// As for [`seconds`], and for 0.
@@ -32,10 +32,10 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A time of 0 or more \[s\], where a number alone is in this many seconds; with `None` it needs a unit.
+/// Parses a duration of 0 or more \[s\]. A bare number is in units of `alone` seconds; with `None` a unit is required.
 ///
 /// # Errors
-/// It is none; the words say how one is written.
+/// It is malformed; the text describes the format.
 pub fn of(text: &str, alone: Option<f64>) -> Result<f64, String> {
     let text = text.trim();
     let number = text.trim_end_matches(|c: char| c.is_alphabetic());

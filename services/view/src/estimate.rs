@@ -1,5 +1,5 @@
-//! What report, live page and terminal need to know of an estimate: its parameters with label,
-//! unit, truth and verdict, in one table per machine.
+//! The properties of an estimate for report, live page and terminal: its parameters with label, unit, truth and verdict, in one
+//! table per machine.
 
 use std::marker::PhantomData;
 
@@ -13,38 +13,38 @@ use crate::panels::Panel;
 pub trait Estimate: recording::csv::Estimate {
     /// The truth that belongs to it.
     type Truth: Message;
-    /// Whose.
+    /// Its machine.
     const MACHINE: Machine;
-    /// Its parameters, those that the machine is about first.
+    /// Its parameters, headline quantities first.
     const PARAMETERS: &'static [Parameter<Self, Self::Truth>];
-    /// How its normalised innovations are judged.
+    /// Rule for its normalised innovations.
     const INNOVATION: InnovationRule;
 
     /// The conditions of the verdict, by their bits; a name that ends in "trusted" is the verdict.
     const CONDITIONS: &'static [(&'static str, u32)];
-    /// What a stretch of motion is called, and the least speed of one [rad/s, m/s].
+    /// Name of a stretch of motion, and least speed of one [rad/s, m/s].
     const MOTION_NAME: (&'static str, f64);
-    /// Keys of the parameters that are reported of each stretch of motion.
+    /// Keys of the parameters that are reported for each stretch of motion.
     const STRETCH: &'static [&'static str];
-    /// Each stretch carries a load of its own, so that loads may be summed over them.
+    /// Whether each stretch carries a load of its own, so that loads are summed over them.
     const LOAD_EACH: bool;
 
-    /// How fast the machine moves [rad/s, m/s].
+    /// Speed of the machine [rad/s, m/s].
     fn motion(&self) -> f64;
     /// Normalised innovation squared, 0 where no measurement was accepted.
     fn nis(&self) -> f64;
-    /// What heft says of each headline parameter.
+    /// Verdict on each headline parameter.
     fn judgements(&self) -> Vec<Judgement>;
-    /// Forgetting factors of inertia, damping and torque, where the method has them.
+    /// Forgetting factors of inertia, damping and torque, if the method has them.
     fn forgetting(&self) -> Vec<f64> {
         Vec::new()
     }
-    /// Panels that only this machine's estimators have.
+    /// Panels of this machine's estimators only.
     fn own_panels(_: &[Self]) -> Vec<Panel> {
         Vec::new()
     }
 
-    /// The parameters that heft gives a verdict on, in the order of the judgements.
+    /// The parameters with a verdict, in the order of the judgements.
     fn headlines() -> impl Iterator<Item = &'static Parameter<Self, Self::Truth>> {
         Self::PARAMETERS.iter().filter(|p| p.headline())
     }
@@ -71,14 +71,14 @@ pub(crate) fn method<E: Estimate>(estimates: &[E]) -> &'static str {
     estimates.last().map_or("no estimate", E::method_name)
 }
 
-/// How the normalised innovation squared of a machine's filters is averaged and judged.
+/// Averaging and limit of the normalised innovation squared of a machine's filters.
 #[derive(Debug, Clone, Copy)]
 pub struct InnovationRule {
     /// Samples in the moving mean.
     pub window: usize,
-    /// Measurements a sample.
+    /// Measurements per sample.
     pub measurements: f64,
-    /// The mean above which `consistent` goes off.
+    /// Limit of the mean, above which `consistent` is not set.
     pub limit: f64,
 }
 
@@ -87,33 +87,33 @@ pub struct InnovationRule {
 pub struct Parameter<E, T> {
     /// Name of the field, as in the CSV.
     pub key: &'static str,
-    /// What people call it.
+    /// Label for people.
     pub label: &'static str,
     /// Unit, as in [`messages::Field::unit`].
     pub unit: &'static str,
-    /// What it can be, in the machine as it is built; a plot's axis goes no further.
+    /// Physical range; a plot's axis does not exceed it.
     pub possible: (f64, f64),
-    /// Bit of [`Estimate::flags`] that says that it may be believed; 0 where there is no verdict.
+    /// Bit of [`Estimate::flags`] for trust in it; 0 if it has no verdict.
     pub trusted: u32,
-    /// Bit that says that the motion informs about it; errors are counted there.
+    /// Bit that is set while the motion is informative of it; errors are counted there.
     pub excited: u32,
-    /// A load in the bucket: its sum over the stretches means something.
+    /// Whether it is a load in the bucket, so that its sum over the stretches is meaningful.
     pub is_load: bool,
-    /// A constant of the machine, which no load changes.
+    /// Whether it is a constant of the machine, independent of the load.
     pub is_of_machine: bool,
-    /// Bits of `estimated` that say that the method has it; any of them, where none is its own.
+    /// Bits of `estimated` for its presence; any of them, if it has none of its own.
     estimated: u32,
-    /// Places of value, standard deviation and `estimated` in the estimate.
+    /// Indices of value, standard deviation and `estimated` in the estimate.
     value: Option<usize>,
     std: Option<usize>,
     bits: Option<usize>,
-    /// Places of value and `known` in the truth.
+    /// Indices of value and `known` in the truth.
     truth: Option<usize>,
     known: Option<usize>,
     messages: PhantomData<fn(&E, &T)>,
 }
 
-/// The parameters of a machine from the rows of its sheet that people see, in their order.
+/// The parameters of a machine from the rows of its sheet that are shown to people, in order.
 pub(crate) const fn parameters<E: Message, T: Message, const N: usize>(
     quantities: &'static [Quantity],
 ) -> [Parameter<E, T>; N] {
@@ -127,7 +127,7 @@ pub(crate) const fn parameters<E: Message, T: Message, const N: usize>(
     parameters
 }
 
-/// The place of a field.
+/// Index of a field.
 const fn place(fields: &[Field], name: &str) -> Option<usize> {
     let mut i = 0;
     while i < fields.len() {
@@ -147,7 +147,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
     i == a.len() && i == b.len()
 }
 
-/// A number of a message, NaN where there is none.
+/// A number of a message, NaN if absent.
 fn number<M: Message>(message: &M, place: Option<usize>) -> f64 {
     let value = place.and_then(|place| message.get(place));
     value.map_or(f64::NAN, Value::as_f64)
@@ -189,19 +189,19 @@ impl<E: Message, T: Message> Parameter<E, T> {
         estimated != 0 && estimated & self.estimated == self.estimated
     }
 
-    /// The value, NaN where the method does not estimate it.
+    /// The value, NaN if the method does not estimate it.
     pub fn value(&self, estimate: &E) -> f64 {
         let value = self.value.filter(|_| self.is_estimated(estimate));
         number(estimate, value)
     }
 
-    /// Its standard deviation, NaN where there is none.
+    /// Its standard deviation, NaN if absent.
     pub fn std(&self, estimate: &E) -> f64 {
         let std = self.std.filter(|_| self.is_estimated(estimate));
         number(estimate, std)
     }
 
-    /// The truth, NaN where it is not known: bit `i` of `known` belongs to the i-th field of the message itself.
+    /// The truth, NaN if unknown: bit `i` of `known` belongs to the i-th field of the message itself.
     pub fn truth(&self, truth: &T) -> f64 {
         let known = bits(truth, self.known);
         number(
@@ -210,7 +210,7 @@ impl<E: Message, T: Message> Parameter<E, T> {
         )
     }
 
-    /// Whether heft gives a verdict on it.
+    /// Whether it has a verdict.
     pub fn headline(&self) -> bool {
         self.trusted != 0
     }

@@ -1,4 +1,4 @@
-//! What people see of the excavator: its parameters, the words and panels of its own.
+//! Presentation of the excavator: its parameters, and its own words and panels.
 
 pub mod figures;
 mod panels;

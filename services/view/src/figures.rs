@@ -1,5 +1,5 @@
-//! The papers' figures, drawn from our runs: each function takes plain series and returns the text
-//! of an SVG file that says whose data it shows.
+//! The papers' figures, drawn from our runs: each function takes plain series and returns the text of an SVG file that states the
+//! source of its data.
 
 use crate::plot::{Plot, Style};
 

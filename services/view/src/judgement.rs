@@ -1,15 +1,15 @@
-//! What heft says of one quantity: value, verdict, reasons.
+//! Judgement of one quantity: value, verdict, reasons.
 
-/// What heft says of one quantity.
+/// Judgement of one quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Judgement {
     /// The value with its uncertainty: "The swing inertia is 5 873 ± 61 kg m² (95 %: ...)".
     pub value: String,
-    /// Whether it may be believed.
+    /// Whether it is trusted.
     pub trusted: bool,
-    /// Why, or why not.
+    /// Reasons for or against trust.
     pub reasons: Vec<String>,
-    /// What would bring trust; empty where it is there.
+    /// Remedy; empty if it is trusted.
     pub advice: &'static str,
 }
 
@@ -24,7 +24,7 @@ impl Judgement {
         }
     }
 
-    /// What to do, as a sentence; empty where it is trusted.
+    /// The remedy as a sentence; empty if it is trusted.
     pub fn what_to_do(&self) -> String {
         if self.advice.is_empty() {
             return String::new();
@@ -32,7 +32,7 @@ impl Judgement {
         format!("What to do: {}.", self.advice)
     }
 
-    /// Value, verdict, reasons, and what to do.
+    /// Value, verdict, reasons, and remedy.
     pub fn sentence(&self) -> String {
         let text = format!("{}. {} {}", self.value, self.verdict(), self.what_to_do());
         text.trim_end().to_owned()

@@ -1,16 +1,16 @@
-//! What people see of heft: the report, the live page, the terminal dashboard and the papers'
-//! figures, all from one set of plots and one set of words.
+//! The presentation of heft's results: the report, the live page, the terminal dashboard and the papers' figures, all from one
+//! set of plots and one set of words.
 //!
 //! | module | what |
 //! |---|---|
 //! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
-//! | [`estimate`] | what a machine has to show: parameters, flags, innovation |
-//! | [`excavator`], [`loader`] | that of a machine, with its words, panels and figures |
+//! | [`estimate`] | the presented properties of a machine: parameters, flags, innovation |
+//! | [`excavator`], [`loader`] | those of one machine, with its words, panels and figures |
 //! | [`loads`] | loads and trucks: table, JSON, words |
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
-//! | [`panels`], [`plot`] | what is plotted, and how |
+//! | [`panels`], [`plot`] | the plots of a run, and their drawing |
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
-//! | [`duration`] | times as people write them |
+//! | [`duration`] | durations as people write them |
 //! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
 mod counted;

@@ -1,9 +1,8 @@
 //! The live page: the report's plots while the run goes on, over server-sent events.
 //!
-//! The supervisor pushes messages into a [`Feed`]; that costs a short lock and never waits for a
-//! viewer. A task takes a frame 30 times a second and puts it into a ring; each viewer reads the
-//! ring at its own pace, and one that falls behind skips the oldest frames, counted. A viewer that
-//! stalls holds a socket and 64 frames that all viewers share, nothing else.
+//! The supervisor pushes messages into a [`Feed`]; that costs a short lock and never waits for a viewer. A task takes a frame 30
+//! times a second and puts it into a ring. Each viewer reads the ring at its own pace; one that falls behind skips the oldest
+//! frames, which are counted. A stalled viewer costs a socket and 64 frames that all viewers share, nothing else.
 
 mod connections;
 mod frame;
@@ -26,10 +25,10 @@ use crate::monitor::Monitor;
 pub use loads::SharedLoads;
 pub use server::{MAX_VIEWERS, Server, ServerThread, names_this_host, serve};
 
-/// Where `--view` listens unless stated otherwise: this host only.
+/// Default address of `--view`: this host only.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";
 
-/// Where messages go to be seen; clones share the same page.
+/// Input of the page; clones share the same page.
 #[derive(Debug, Clone, Default)]
 pub struct Feed {
     monitor: Arc<Mutex<Monitor>>,
@@ -37,7 +36,7 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// A feed that calls the processes by `names`, in the order of the table of processes.
+    /// A feed with the processes' `names`, in the order of the table of processes.
     pub fn new(names: Vec<String>) -> Self {
         Self {
             monitor: Arc::new(Mutex::new(Monitor::new(names))),
@@ -45,7 +44,7 @@ impl Feed {
         }
     }
 
-    /// The same with the loads of the run, which somebody else counts.
+    /// Adds the loads of the run, which are counted elsewhere.
     #[must_use]
     pub fn with_loads(self, loads: SharedLoads) -> Self {
         Self {
@@ -54,8 +53,8 @@ impl Feed {
         }
     }
 
-    /// Shows `message`. Not for a real-time thread: it takes a lock, which the page holds for some
-    /// tens of microseconds 30 times a second.
+    /// Shows `message`. Not for a real-time thread: it takes a lock, which the page holds for some tens of microseconds 30 times
+    /// a second.
     pub fn push<M: Message>(&self, channel: &Channel, message: &M) {
         self.lock().push(channel, message, Instant::now());
     }

@@ -1,4 +1,4 @@
-//! What people see of the wheel loader: its parameters, the words of its own.
+//! Presentation of the wheel loader: its parameters and its own words.
 
 pub mod figures;
 mod words;

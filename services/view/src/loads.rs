@@ -1,4 +1,4 @@
-//! Loads for people and programs: a table, JSON, a page that a foreman prints.
+//! Presentation of loads: a table, JSON, a printable page.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
@@ -12,46 +12,46 @@ use steps::loads::{LoadCounter, reason_and_flags, why_words};
 use crate::number::{interval_95, value_and_std};
 use crate::{excavator, loader};
 
-/// What one recording, or a run so far, adds up to.
+/// The loads of one recording, or of a run so far.
 #[derive(Debug, Clone)]
 pub struct Account {
-    /// Where it comes from.
+    /// Its source.
     pub name: String,
     /// The machine.
     pub machine: Machine,
-    /// Loads, the first one first.
+    /// Loads in order.
     pub loads: Vec<Load>,
-    /// What is in the bucket at the end.
+    /// Content of the bucket at the end.
     pub carried: Option<Load>,
-    /// Trucks, the first one first.
+    /// Trucks in order.
     pub trucks: Vec<Truck>,
-    /// Everything.
+    /// Sum of all loads.
     pub all: Total,
-    /// What would weigh a load and is not there, and what to do.
+    /// Missing signal that would weigh a load, and the remedy.
     pub lacks: Option<&'static str>,
-    /// That pressures were measured and weigh nothing, and what to do.
+    /// Pressures that were measured and weigh nothing, and the remedy.
     pub unused: Option<&'static str>,
-    /// What the machine file leaves to a guess, how wide that makes the loads, and what to state.
+    /// Values that the machine file does not state, the resulting width of the loads, and the remedy.
     pub guessed: Option<String>,
-    /// What the emptied buckets of a loader show, where it is more than soil.
+    /// Finding from the emptied buckets of a loader, if it exceeds adhering soil.
     pub shown_empty: Option<String>,
-    /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
+    /// True content by the number of the load \[kg\]; empty if unknown.
     pub truths: BTreeMap<u32, f64>,
 }
 
-/// What really was in the bucket over time, of a machine that is simulated.
+/// True content of the bucket of a simulated machine over time.
 #[derive(Debug, Clone, Default)]
 pub struct Truths {
-    /// Times \[s\] at which it became another \[kg\]; the latest ones.
+    /// Times \[s\] and values \[kg\] of its changes, the latest ones.
     changes: VecDeque<(f64, f64)>,
-    /// The last one of all.
+    /// The last value of all.
     last: Option<(f64, f64)>,
 }
 
 impl Truths {
     const REMEMBERED: usize = 1 << 20;
 
-    /// Notes it; NaN where nobody knows it.
+    /// Notes the true content; ignores NaN, which means unknown.
     pub fn know(&mut self, time: f64, kg: f64) {
         if !kg.is_finite() {
             return;
@@ -65,12 +65,12 @@ impl Truths {
         self.last = Some((time, kg));
     }
 
-    /// Time \[s\] and content \[kg\] of the last that is known.
+    /// Time \[s\] and content \[kg\] of the last known value.
     pub fn last(&self) -> Option<(f64, f64)> {
         self.last
     }
 
-    /// The most that was in the bucket while a load was carried \[kg\].
+    /// Largest content while a load was carried \[kg\].
     pub fn of(&self, load: &Load) -> Option<f64> {
         let ends = self.changes.iter().skip(1).map(|change| change.0);
         let ends = ends.chain([f64::INFINITY]);
@@ -85,7 +85,7 @@ impl Truths {
 }
 
 impl Account {
-    /// An account of what a counter has seen; `trucks`: those that are complete.
+    /// The account of a counter; `trucks`: the complete ones.
     pub fn of(name: &str, counter: &LoadCounter, trucks: Vec<Truck>, truths: &Truths) -> Self {
         let dumped = counter.loads().copied().filter(|l| l.dumped.is_some());
         let (loads, carried): (Vec<_>, _) = (dumped.collect(), counter.ledger().carried());
@@ -106,7 +106,7 @@ impl Account {
         }
     }
 
-    /// For each reason why loads are not trusted: the reason and what to do, once.
+    /// Each reason why loads are not trusted with its remedy, once.
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
         for load in self
@@ -127,8 +127,8 @@ impl Account {
         doubts
     }
 
-    /// What else holds of all loads: that pressures weigh none of them, what the machine file leaves to a guess, and what
-    /// emptied buckets show.
+    /// Further remarks on all loads: unused pressures, values that the machine file does not state, and findings from emptied
+    /// buckets.
     pub fn remarks(&self) -> Vec<String> {
         let unused = self
             .unused
@@ -142,7 +142,7 @@ impl Account {
         self.loads.is_empty() && self.carried.is_none()
     }
 
-    /// How many intervals of the trusted loads hold the truth, in words; nothing where it is known of none.
+    /// Number of intervals of the trusted loads that hold the truth, in words; `None` if no truth is known.
     pub fn covered_words(&self) -> Option<String> {
         let (held, known) = self.covered();
         let words =
@@ -163,7 +163,7 @@ impl Account {
     }
 }
 
-/// What would bring trust to a load; empty where it is trusted.
+/// Remedy for a load; empty if it is trusted.
 fn what_to_do(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";
@@ -225,7 +225,7 @@ pub fn csv(accounts: &[Account]) -> String {
     out
 }
 
-/// Whether a file that begins like this is such a table.
+/// Whether a file with this beginning is such a table.
 pub fn is_csv(head: &[u8]) -> bool {
     head.starts_with(FIRST.as_bytes())
 }
@@ -266,7 +266,7 @@ pub fn truck_json(truck: &Truck) -> Value {
     })
 }
 
-/// What the bucket holds now, as JSON.
+/// Content of the bucket now, as JSON.
 pub fn now_json(now: &Now) -> Value {
     let half = HALF_WIDTH_95 * now.std;
     json!({"kg": now.kg, "std": now.std, "low": now.kg - half, "high": now.kg + half, "age": now.age})
@@ -284,7 +284,7 @@ pub fn json(account: &Account) -> Value {
     })
 }
 
-/// A run so far, as the live page shows it.
+/// A run so far, for the live page.
 pub fn live_json(counter: &LoadCounter) -> Value {
     let machine = counter.machine();
     let load = |load: &Load| load_json(machine, load);
@@ -300,7 +300,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
     })
 }
 
-/// So many loads are on the live page.
+/// Number of loads on the live page.
 const LATEST: usize = 12;
 
 /// "1 121 kg, 95 %: 872 to 1 370".
@@ -323,7 +323,7 @@ pub fn line(machine: Machine, load: &Load) -> String {
     } else {
         String::new()
     };
-    // After the next weighing nothing changes any more.
+    // The next weighing is the last that changes it.
     let stage = match load.stage {
         Stage::Settled => "final",
         stage => stage.name(),
@@ -368,14 +368,14 @@ pub fn total_words(total: &Total) -> String {
     )
 }
 
-/// Seconds of a recording as people read them: "1:02:03", or the time of day in UTC where they count from 1970.
+/// Seconds of a recording for people: "1:02:03", or the time of day in UTC if they count from 1970.
 pub fn clock(time: f64) -> String {
     const DAY: f64 = 86_400.0;
     const SINCE_1970: f64 = 1e9;
     if time < 0.0 {
         return format!("-{}", clock(-time));
     }
-    // Rounded first: there is no 24:00:00.
+    // Rounded first, because 24:00:00 does not exist.
     let rounded = (time * 10.0).round();
     let tenths = if time >= SINCE_1970 {
         rounded.rem_euclid(10.0 * DAY)

@@ -1,5 +1,4 @@
-//! The latest of everything that runs, for the live page and the terminal dashboard: bounded in
-//! size whatever the rate.
+//! The latest state of everything that runs, for the live page and the terminal dashboard; its size is bounded at any rate.
 
 use std::any::Any;
 use std::collections::{BTreeMap, VecDeque};
@@ -13,12 +12,12 @@ use recording::csv::Estimate as _;
 use crate::estimate::Estimate;
 use crate::posture::{self, Posture};
 
-/// Values that a sparkline shows at most.
+/// Most values of a sparkline.
 const TREND: usize = 240;
-/// Between two values of a sparkline.
+/// Period of the values of a sparkline.
 pub(crate) const TREND_PERIOD: Duration = Duration::from_millis(100);
 
-/// Counts events and tells their rate once a second.
+/// Counts events and measures their rate once a second.
 #[derive(Debug, Clone, Copy)]
 pub struct Meter {
     since: Instant,
@@ -46,14 +45,14 @@ impl Meter {
     }
 }
 
-/// What is known of a channel.
+/// State of a channel.
 #[derive(Debug, Clone, Copy)]
 pub struct ChannelState {
     /// Messages received.
     pub count: u64,
-    /// Messages that never came (gaps in the sequence).
+    /// Messages that never arrived (gaps in the sequence).
     pub lost: u64,
-    /// When the last one came.
+    /// Time of the last message.
     pub seen: Instant,
     last_sequence: u64,
     meter: Meter,
@@ -66,12 +65,12 @@ impl ChannelState {
     }
 }
 
-/// What is known of a process.
+/// State of a process.
 #[derive(Debug, Clone, Copy)]
 pub struct ProcessState {
-    /// What it said last.
+    /// Its last health report.
     pub health: Health,
-    /// When it said it.
+    /// Time of the report.
     pub seen: Instant,
     meter: Meter,
 }
@@ -83,14 +82,14 @@ impl ProcessState {
     }
 }
 
-/// What is known of an estimator.
+/// State of an estimator.
 #[derive(Debug, Clone)]
 pub struct Tracked<E> {
     /// Its last estimate.
     pub last: E,
     /// Exponential mean of the normalised innovation squared, over the window of the verdict.
     pub nis_mean: f64,
-    /// Of each headline parameter the last estimate that was trusted.
+    /// Last trusted estimate of each headline parameter.
     pub trusted: Vec<Option<E>>,
     /// The headline parameters over the last 24 s, for sparklines.
     pub trend: VecDeque<Vec<f64>>,
@@ -161,13 +160,13 @@ impl<E: Estimate> MachineState<E> {
 
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// What is known of each machine.
+        /// The state of each machine.
         #[derive(Debug, Clone, Default)]
         #[allow(missing_docs, reason = "each is of the machine of its name")]
         pub struct Machines { $( pub $module: MachineState<messages::$estimate>, )* }
 
         impl Machines {
-            /// Takes note of an estimate or a truth; tells whether it is an estimate of a row that was not refused.
+            /// Takes an estimate or a truth; returns whether it is an estimate of a row that was not refused.
             fn push(&mut self, channel: &Channel, message: &dyn Any, now: Instant) -> bool {
                 $(
                     if let Some(estimate) = message.downcast_ref::<messages::$estimate>() {
@@ -181,7 +180,7 @@ macro_rules! machines {
                 false
             }
 
-            /// Shows each to `shows`.
+            /// Passes each machine to `shows`.
             pub(crate) fn each<S: Each>(&self, mut shows: S) -> [S::Output; Machine::ALL.len()] {
                 [$( shows.of(&self.$module) ),*]
             }
@@ -191,13 +190,13 @@ macro_rules! machines {
 
 messages::machines!(machines);
 
-/// What somebody who shows the machines does with each.
+/// An operation on each machine.
 pub(crate) trait Each {
     type Output;
     fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Self::Output;
 }
 
-/// The latest of everything.
+/// The latest state of everything.
 #[derive(Debug, Clone, Default)]
 pub struct Monitor {
     /// Names of the processes, by [`Health::process`].
@@ -206,18 +205,18 @@ pub struct Monitor {
     pub channels: BTreeMap<&'static str, ChannelState>,
     /// By their position in the table of processes.
     pub processes: BTreeMap<u32, ProcessState>,
-    /// What concerns each machine.
+    /// The state of each machine.
     pub machines: Machines,
-    /// How each machine stands, by its name; only where its samples are seen.
+    /// Posture of each machine, by its name; only if its samples are seen.
     pub postures: BTreeMap<&'static str, Posture>,
-    /// Time of the newest estimate, as the data tell it \[s\].
+    /// Time of the newest estimate, by the data \[s\].
     pub time: f64,
     /// Whether the samples are the simulator's.
     pub is_simulated: bool,
 }
 
 impl Monitor {
-    /// A monitor that calls the processes by `names`.
+    /// A monitor with the processes' `names`.
     pub fn new(names: Vec<String>) -> Self {
         Self {
             names,
@@ -225,7 +224,7 @@ impl Monitor {
         }
     }
 
-    /// Takes note of a message.
+    /// Takes a message.
     pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
         self.count(channel, message, now);
         self.is_simulated |= message.is_simulated();
@@ -259,7 +258,7 @@ impl Monitor {
                 last_sequence: sequence.wrapping_sub(1),
                 meter: Meter::new(now, 0),
             });
-        // Several processes write to `health`, each with a sequence of its own: no gaps there.
+        // Several processes write to `health`, each with its own sequence, so gaps are not counted there.
         if channel.name.contains('/') && sequence > state.last_sequence {
             state.lost += sequence - state.last_sequence - 1;
         }

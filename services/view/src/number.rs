@@ -1,10 +1,9 @@
-//! Numbers as people should see them: rounded to their uncertainty, thousands grouped.
+//! Numbers for people: rounded to their uncertainty, thousands grouped.
 
-/// Between groups of three digits; does not break at the end of a line.
+/// Separator of groups of three digits; it does not break at the end of a line.
 pub const GROUP: char = '\u{a0}';
 
-/// Most decimal places, and most zeros before the point, that a number is shown with: a double has no
-/// more digits.
+/// Most decimal places, and most zeros before the point, of a shown number: a double has no more digits.
 const PLACES: i32 = 17;
 
 /// `value` with `decimals` places and grouped thousands; negative `decimals` round to tens, hundreds...
@@ -71,7 +70,7 @@ pub fn significant(value: f64, digits: i32) -> String {
     grouped(value, digits.saturating_sub(1 + first).min(9))
 }
 
-/// Value and standard deviation, both with the places that the standard deviation deserves.
+/// Value and standard deviation, both with the places that the standard deviation justifies.
 pub fn value_and_std(value: f64, std: f64) -> (String, String) {
     let places = decimals(std);
     (grouped(value, places), grouped(std, places))
@@ -87,7 +86,7 @@ pub fn with_std(value: f64, std: f64, unit: &str) -> String {
     }
 }
 
-/// A number to be read from afar, and its 95 % interval, both with their unit; a share in percent.
+/// A number in large print, and its 95 % interval, both with their unit; a share in percent.
 pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
     let (factor, name) = if of.is_empty() {
         (100.0, "%".to_owned())
@@ -103,7 +102,7 @@ pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
     )
 }
 
-/// "5 753 to 5 993": the 95 % interval of a quantity that is not negative; of its normal distribution what is above zero.
+/// "5 753 to 5 993": the 95 % interval of a quantity that is not negative; from its normal distribution truncated at zero.
 pub fn interval_95(value: f64, std: f64) -> String {
     let places = decimals(std);
     let half = estimation::HALF_WIDTH_95 * std;

@@ -1,4 +1,4 @@
-//! The plots of a run, one list for each theme of the report.
+//! The plots of a run, one list for each section of the report.
 
 pub mod error;
 pub mod history;
@@ -14,7 +14,7 @@ use crate::plot::Plot;
 pub struct Panel {
     /// The plot.
     pub plot: Plot,
-    /// Over the whole width of the page, for what people look at first.
+    /// Whether it spans the whole width of the page.
     pub wide: bool,
     /// One sentence on how to read it, or empty.
     pub note: String,

@@ -1,5 +1,4 @@
-//! The one kind of plot that report and figures share: time histories with bands, histograms,
-//! levels and shaded stretches, written as SVG.
+//! The plot of report and figures: time histories with bands, histograms, levels and shaded stretches, written as SVG.
 //!
 //! Colours are classes (`assets/plot.css`), so that a page can follow the reader's light or dark
 //! setting; `Plot::file` puts the style sheet into the file itself.
@@ -12,7 +11,7 @@ mod scale;
 pub use decimate::decimate;
 pub use scale::Scale;
 
-/// Points that a mark keeps at most; more than two a pixel show nothing more.
+/// Most points of a mark; more than two a pixel are not visible.
 pub const MAX_POINTS: usize = 2000;
 
 /// The style sheet of the marks, in CSS variables of the page.
@@ -29,7 +28,7 @@ pub enum Style {
     Trusted,
     /// A stretch in which a condition holds.
     Holds,
-    /// What is expected, or a threshold.
+    /// The expectation, or a threshold.
     Limit,
 }
 
@@ -63,7 +62,7 @@ struct Item {
     mark: Mark,
 }
 
-/// A plot in the making: axes first, then marks from back to front.
+/// A plot under construction: axes first, then marks from back to front.
 #[derive(Debug, Clone)]
 pub struct Plot {
     title: String,
@@ -110,7 +109,7 @@ impl Plot {
         self
     }
 
-    /// What the quantity can be: no band and no margin widens the ordinate beyond it; a line may.
+    /// The physical range of the quantity: no band and no margin widens the ordinate beyond it; a line may.
     #[must_use]
     pub fn y_possible(mut self, (low, high): (f64, f64)) -> Self {
         self.y_possible = (low, high);
@@ -138,8 +137,8 @@ impl Plot {
         self
     }
 
-    /// A line through `points`; a value that is not finite interrupts it, a place that is not finite has no point. An empty label keeps
-    /// it out of the legend.
+    /// A line through `points`. A value that is not finite interrupts it; a point with an abscissa that is not finite is left
+    /// out. An empty label keeps it out of the legend.
     pub fn line(&mut self, label: impl Into<String>, style: Style, points: &[(f64, f64)]) {
         let mut line = decimate(points, MAX_POINTS);
         line.retain(|(x, _)| x.is_finite());
@@ -211,8 +210,8 @@ impl Plot {
         })
     }
 
-    /// Range of the ordinate: lines and bars whole, bands without their widest tenth, since the
-    /// interval of a filter that has seen nothing would flatten everything else.
+    /// Range of the ordinate: lines and bars whole, bands without their widest tenth. The interval of a filter without
+    /// measurements would flatten everything else.
     fn y_extent(&self) -> (f64, f64) {
         self.y_range.unwrap_or_else(|| {
             let mut extent = scale::Extent::new(self.y_scale);
@@ -243,13 +242,12 @@ fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)], (least, most
     }
 }
 
-/// Plots one below the other in a file of their own, with `caption` and the `source` of the data
-/// above them.
+/// Plots one below the other in a file, with `caption` and the `source` of the data above them.
 pub fn file(caption: &str, source: &str, plots: &[Plot], width: u32, height: u32) -> String {
     draw::file(caption, source, plots, f64::from(width), f64::from(height))
 }
 
-/// Text made safe for HTML and SVG.
+/// Text escaped for HTML and SVG.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

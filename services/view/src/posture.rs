@@ -1,5 +1,5 @@
-//! The machine as a drawing whose joints turn with the measured angles. It is not to scale: it shows the posture, and
-//! which angles are measured. The live page turns the same groups by their names.
+//! The machine as a drawing whose joints turn with the measured angles. It is not to scale: it shows the posture, and which
+//! angles are measured. The live page turns the same groups by their names.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use messages::{Machine, Message, Value, Words};
 
 use crate::run::Input;
 
-/// Signals that move the drawing \[rad\]: joint angles, and the slope that the machine stands on.
+/// Signals that move the drawing \[rad\]: joint angles, and the slope under the machine.
 pub const JOINTS: [&str; 7] = [
     "swing_angle",
     "boom_angle",
@@ -18,10 +18,10 @@ pub const JOINTS: [&str; 7] = [
     "slope",
 ];
 
-/// Where a machine stands: the last measured angle of each of [`JOINTS`] \[rad\].
+/// Posture of a machine: the last measured angle of each of [`JOINTS`] \[rad\].
 pub type Posture = [Option<f64>; JOINTS.len()];
 
-/// Takes over the angles that a message of sensors has.
+/// Takes the valid angles of a message of sensors.
 pub fn take<M: Message>(posture: &mut Posture, sensors: &M) {
     let Some(Words::Bits(bits)) = Words::of_field(M::WORDS, "valid") else {
         return;
@@ -39,7 +39,7 @@ pub fn take<M: Message>(posture: &mut Posture, sensors: &M) {
     }
 }
 
-/// Where a machine stood at `time` \[s\], by what was measured last before it; `None` if no joint was measured.
+/// Posture of a machine at `time` \[s\], by the last measurements before it; `None` if no joint was measured.
 pub fn at(inputs: &[Input], time: f64) -> Option<Posture> {
     let angle = |name: &&str| {
         let input = inputs.iter().find(|input| input.name == *name)?;
@@ -51,8 +51,7 @@ pub fn at(inputs: &[Input], time: f64) -> Option<Posture> {
     posture.iter().any(Option::is_some).then_some(posture)
 }
 
-/// A joint in the drawing: its signal, where it sits on the link before it [px], and its angle where none is measured
-/// [rad].
+/// A joint in the drawing: its signal, its position on the link before it [px], and its angle if none is measured [rad].
 struct Joint {
     signal: &'static str,
     at: (f64, f64),
@@ -70,7 +69,7 @@ impl Joint {
         };
         let angle = measured.unwrap_or(self.usual);
         let (x, y) = self.at;
-        // Angles are positive upwards, and the picture's y goes down.
+        // Angles are positive upwards, and the picture's y axis points down.
         let _ = write!(
             out,
             "<g transform=\"translate({x} {y})\"><g class=\"{class}\" data-joint=\"{}\" transform=\"rotate({:.1})\">",
@@ -116,7 +115,7 @@ fn excavator(out: &mut String, posture: &Posture) {
     top_view(out, posture);
 }
 
-/// Seen from above: where the upper body looks; hidden where nothing measures it.
+/// View from above: heading of the upper body; hidden if nothing measures it.
 fn top_view(out: &mut String, posture: &Posture) {
     let swing = Joint {
         signal: "swing_angle",
@@ -155,7 +154,7 @@ fn loader(out: &mut String, posture: &Posture) {
     out.push_str("</g></g></g>");
 }
 
-/// Links that hang on each other.
+/// Links in a chain.
 fn chain(
     out: &mut String,
     posture: &Posture,

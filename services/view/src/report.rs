@@ -1,5 +1,5 @@
-//! The report: one HTML file that opens from disk, without network; what it says and draws is there
-//! without its script too, which only looks closer.
+//! The report: one HTML file that opens from disk, without network. Its texts and plots are complete without its script, which
+//! only zooms.
 
 mod compared;
 mod header;
@@ -25,12 +25,12 @@ pub use header::NOT_WHOLE;
 pub use loads::loads_page;
 pub(crate) use tables::state_name;
 
-/// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
+/// Width and height of a plot over the whole page, over half of it, and of a wide one on a phone.
 const WIDE: (u32, u32) = (900, 290);
 const HALF: (u32, u32) = (445, 250);
 const PHONE: (u32, u32) = (400, 270);
 
-/// A page in the making: its text, and the plots that its script draws again.
+/// A page under construction: its text, and the plots that its script redraws.
 #[derive(Debug, Default)]
 struct Page {
     body: String,
@@ -51,8 +51,8 @@ pub fn report(run: &Run) -> String {
     html::page_of_plots(&header::title(run), &page.body, &page.plots)
 }
 
-/// The headline estimate, over time, with its interval, the truth where it is known, and the stretches that heft
-/// trusts: one SVG file that follows the reader's light or dark setting.
+/// The headline estimate over time, with its interval, the truth if known, and the trusted stretches: one SVG file that follows
+/// the reader's light or dark setting.
 pub fn picture(run: &Run) -> String {
     let panels = part::all(run).into_iter().flat_map(|part| part.history());
     let plots: Vec<Plot> = panels.filter(|p| p.wide).map(|p| p.plot).collect();
@@ -70,21 +70,21 @@ pub fn page(title: &str, body: &str) -> String {
     html::page(title, body)
 }
 
-/// All sections of one machine; nothing where the run has none of it.
+/// All sections of one machine; nothing if the run has no data of it.
 fn machine<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>) {
     if part.estimators.is_empty() {
         return;
     }
     let history = panels::history::panels(part);
     page.section(&format!("What the {} did", E::MACHINE), history);
-    // A pause is seen between neighbours alone.
+    // Pauses are detected between neighbouring samples, which a thinned run lacks.
     if run.thinned.is_empty() {
         one_by_one::write(&mut page.body, part);
     }
     page.section("Why heft trusts it, or not", panels::rules::panels(part));
     tables::comparison(&mut page.body, run, part);
     page.section("Errors against the truth", panels::error::panels(part));
-    // They are judged by neighbours.
+    // Whiteness needs neighbouring samples too.
     if run.thinned.is_empty() {
         page.section("Innovations", panels::innovation::panels(part, &run.motion));
     }
@@ -123,7 +123,7 @@ impl Page {
         self.body.push_str("</div></section>");
     }
 
-    /// A plot as SVG; one over time is handed to the script too.
+    /// A plot as SVG; one over time is also passed to the script.
     fn panel(&mut self, panel: Panel) {
         let note = if panel.note.is_empty() {
             String::new()

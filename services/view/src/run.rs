@@ -1,4 +1,4 @@
-//! A run in memory: what the report is made of.
+//! A run in memory: the data of the report.
 
 use std::collections::BTreeSet;
 
@@ -11,14 +11,14 @@ use crate::counted;
 use crate::estimate::{Estimate, method};
 use crate::loads::Account;
 
-/// The estimates of one estimator, in the order of their time.
+/// The estimates of one estimator in order of time.
 #[derive(Debug, Clone)]
 pub struct Estimator<E> {
     /// Name of the channel, for example `excavator/inertia_rls`.
     pub channel: String,
-    /// What it published.
+    /// Its estimates.
     pub estimates: Vec<E>,
-    /// Numbers of those that a thinned run kept for their value: a plot needs them, a score leaves them out.
+    /// Numbers of the estimates that a thinned run retains as extremes: a plot needs them, a score leaves them out.
     pub extremes: BTreeSet<u64>,
 }
 
@@ -29,18 +29,17 @@ impl<E: Estimate> Estimator<E> {
     }
 }
 
-/// The part of a run that concerns one machine.
+/// The part of a run for one machine.
 #[derive(Debug, Clone, Default)]
 pub struct MachineRun<E: Estimate> {
-    /// Its estimators, those without an estimate left out.
+    /// Its estimators that have estimates.
     pub estimators: Vec<Estimator<E>>,
-    /// The truth, empty where it is not known.
+    /// The truth, empty if unknown.
     pub truth: Vec<E::Truth>,
 }
 
 impl<E: Estimate> MachineRun<E> {
-    /// The estimator to tell about first: the one that trusted its estimates longest, of equals
-    /// the last.
+    /// The estimator to report first: the one with the most trusted estimates, the last of several equal ones.
     pub fn primary(&self) -> Option<&Estimator<E>> {
         let trusted = |e: &&Estimator<E>| e.estimates.iter().filter(|e| e.trusted()).count();
         self.estimators.iter().max_by_key(trusted)
@@ -67,31 +66,31 @@ impl<E: Estimate> MachineRun<E> {
 pub struct Run {
     /// Names and values in the order of the recording: version, configuration, host...
     pub metadata: Vec<(String, String)>,
-    /// What concerns each machine.
+    /// The part of each machine.
     pub parts: Parts,
-    /// What the sensors measured.
+    /// The measurements.
     pub inputs: Vec<Input>,
     /// The excavator's filter stage.
     pub motion: Vec<SwingMotion>,
-    /// What the processes said of themselves.
+    /// The health reports of the processes.
     pub health: Vec<Health>,
     /// Names of the processes, by [`Health::process`].
     pub processes: Vec<String>,
-    /// Estimators of which only a part is in memory, because the run is long.
+    /// Estimators that are only partly in memory, because the run is long.
     pub thinned: Vec<Thinned>,
-    /// Its loads; `None` where nobody can count them.
+    /// Its loads; `None` if they cannot be counted.
     pub loads: Option<Account>,
-    /// What was found damaged in the recording, in words.
+    /// Damage found in the recording, in words.
     pub damage: Vec<String>,
 }
 
-/// An estimator whose estimates were thinned: of each stretch the first is kept, and those where the first
-/// headline quantity is highest and lowest.
+/// An estimator whose estimates were thinned: retained are the first of each stretch, and those with the highest and lowest value
+/// of the first headline quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Thinned {
     /// Name of the channel.
     pub channel: String,
-    /// Samples a stretch.
+    /// Samples per stretch.
     pub stretch: u64,
     /// Estimates in the recording.
     pub received: u64,
@@ -99,16 +98,16 @@ pub struct Thinned {
     pub lost: u64,
 }
 
-/// So many estimates of a channel are held in memory; beyond that they are thinned.
+/// Estimates of a channel beyond which they are thinned.
 const HELD: u64 = 60_000;
-/// Filtered motions that are read: those whose whiteness is reported.
+/// Filtered motions that are read, for the whiteness test.
 const MOTIONS: usize = 60_000;
 
 impl Run {
     /// Reads a recording.
     ///
     /// # Errors
-    /// The recording is damaged, or a channel carries another type than its name says.
+    /// The recording is damaged, or a channel carries another type than its name requires.
     pub fn from_recording(reader: &Reader) -> Result<Self, recording::Error> {
         let metadata = reader.metadata();
         let processes = metadata.get("processes").map_or_else(Vec::new, |names| {
@@ -168,11 +167,11 @@ pub struct Input {
     pub name: &'static str,
     /// Unit, as in [`messages::Field::unit`].
     pub unit: &'static str,
-    /// Time and value; of a long run every 2nd, 4th, 8th sample.
+    /// Times and values; in a long run every 2nd, 4th, 8th sample.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The signals of a machine's sensors, those without any value left out.
+/// The signals of a machine's sensors that have values.
 fn inputs<S: Sensors>(reader: &Reader) -> Result<Vec<Input>, recording::Error> {
     let measured: Vec<_> = recording::measured::<S>().collect();
     let valid = S::index("valid");
@@ -213,7 +212,7 @@ fn inputs<S: Sensors>(reader: &Reader) -> Result<Vec<Input>, recording::Error> {
 
 macro_rules! parts {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// What a run holds of each machine; empty for all but its own.
+        /// The part of each machine; empty for all but the run's own.
         #[derive(Debug, Clone, Default)]
         #[allow(missing_docs, reason = "each is of the machine of its name")]
         pub struct Parts { $( pub $module: MachineRun<messages::$estimate>, )* }
@@ -238,7 +237,7 @@ fn machine<E: Estimate>(
     thinned: &mut Vec<Thinned>,
 ) -> Result<MachineRun<E>, recording::Error> {
     let mut run = MachineRun::default();
-    // Estimates that are in memory for sure need not be counted before.
+    // Counting first is unnecessary for a small recording.
     let few = reader.size() < 100 * HELD;
     let counts = if few {
         Default::default()
@@ -278,7 +277,7 @@ fn machine<E: Estimate>(
     if thinned.is_empty() {
         run.truth = truths.collect();
     } else {
-        // Of the estimates that were kept.
+        // The truth of the retained estimates only.
         let kept = run.estimators.iter().flat_map(|e| &e.estimates);
         let kept: BTreeSet<u64> = kept.map(|e| e.stamp().sequence).collect();
         run.truth = truths
@@ -288,7 +287,8 @@ fn machine<E: Estimate>(
     Ok(run)
 }
 
-/// Of each stretch the first estimate, and those where the first headline quantity is lowest and highest; and the numbers of the latter.
+/// The first estimate of each stretch, and those with the lowest and highest value of the first headline quantity; and the
+/// numbers of the latter.
 fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> (Vec<E>, BTreeSet<u64>) {
     let value = |e: &E| E::headlines().next().map_or(f64::NAN, |p| p.value(e));
     let in_order = |ends: [Option<(u64, E)>; 2]| {
@@ -321,14 +321,14 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> (Vec<E
     (kept, extremes)
 }
 
-/// Samples that never arrived, by the gaps of the sequence within each life of the source.
+/// Samples that never arrived, by the gaps of the sequence between restarts of the source.
 pub fn lost<M: Message>(messages: &[M]) -> u64 {
     let mut lost = Losses::default();
     messages.iter().for_each(|m| lost.add(m));
     lost.count
 }
 
-/// Counts them one after the other.
+/// Counts losses message by message.
 #[derive(Debug, Default)]
 struct Losses {
     /// Machine and number of the last one.
@@ -379,7 +379,7 @@ mod tests {
                 152 => 1e3,
                 _ => 5e3,
             },
-            // The third stretch begins without an estimate.
+            // The third stretch begins with a value that is absent.
             estimated: if n == 201 { 0 } else { bits::INERTIA },
             ..Default::default()
         };

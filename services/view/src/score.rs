@@ -1,5 +1,5 @@
-//! How well an estimator did against the truth, as the papers count it: relative errors while the
-//! motion informs about the parameter.
+//! Score of an estimator against the truth, by the papers' rule: relative errors while the motion is informative of the
+//! parameter.
 
 use crate::estimate::{Estimate, Parameter};
 use crate::run::{Estimator, MachineRun};
@@ -11,13 +11,13 @@ use statistics::judge::is_covered;
 pub struct Score {
     /// Relative errors while excited, 100 (estimate/truth - 1) [%].
     pub errors: Vec<f64>,
-    /// Those of them that heft trusted [%].
+    /// The trusted ones of these errors [%].
     pub trusted_errors: Vec<f64>,
     /// Share of the excited samples whose 95 % interval held the truth.
     pub coverage: f64,
-    /// The same of the trusted samples.
+    /// The same share of the trusted samples.
     pub trusted_coverage: f64,
-    /// Share of all samples that heft trusted.
+    /// Share of all samples that are trusted.
     pub trusted_share: f64,
 }
 
@@ -120,7 +120,7 @@ mod tests {
         assert!((score.summary().expect("errors").mean + 100.0 / 30.0).abs() < 1e-9);
         assert!((score.coverage - 2.0 / 3.0).abs() < 1e-12);
         assert_eq!((score.trusted_coverage, score.trusted_share), (1.0, 0.5));
-        // The last one is there for its value: it tells nothing of how often.
+        // The last one was retained as an extreme, so it does not count.
         let thinned = Estimator {
             extremes: [3].into(),
             ..estimator

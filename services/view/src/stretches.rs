@@ -1,29 +1,28 @@
-//! What a run is made of: swings of an excavator, drives of a loader, each with what heft said of it.
+//! Segments of a run: swings of an excavator, drives of a loader, each with its verdicts.
 
 use crate::estimate::Estimate;
 use crate::judgement::Judgement;
 use crate::words::run_judgements;
 
-/// A pause shorter than this does not end a stretch \[s\].
+/// Least duration of a pause that ends a stretch \[s\].
 pub const PAUSE: f64 = 0.3;
-/// A shorter motion is none \[s\].
+/// Least duration of a stretch \[s\].
 pub const SHORTEST: f64 = 1.0;
 
 /// A stretch of motion.
 #[derive(Debug, Clone)]
 pub struct Stretch {
-    /// When it began \[s\].
+    /// Begin \[s\].
     pub start: f64,
-    /// How long it lasted \[s\].
+    /// Duration \[s\].
     pub duration: f64,
-    /// What heft said of each headline quantity: the last value that it trusted within the stretch,
-    /// else the last one.
+    /// Judgement of each headline quantity: the last trusted one within the stretch, else the last one.
     pub reported: Vec<Judgement>,
-    /// Position of the estimate that the first of them is about.
+    /// Index of the estimate of the first of them.
     pub index: usize,
 }
 
-/// The stretches in which the machine moves: `speed` is at least `least`, pauses left out of account.
+/// The stretches in which the machine moves: `speed` is at least `least`, short pauses included.
 pub fn stretches<E: Estimate>(
     estimates: &[E],
     speed: impl Fn(&E) -> f64,

@@ -1,4 +1,4 @@
-//! The terminal dashboard: for those who have only a terminal.
+//! The terminal dashboard.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ use crate::number::{decimals, grouped, nanoseconds, unit, with_std};
 use crate::report::state_name;
 use crate::words::wrapped;
 
-/// What the dashboard knows.
+/// State of the dashboard.
 #[derive(Debug, Clone)]
 pub struct TopState {
     domain: String,
@@ -26,7 +26,7 @@ pub struct TopState {
 }
 
 impl TopState {
-    /// Nothing seen yet of `domain`, whose processes are called by `names`.
+    /// An empty state of `domain`, with the processes' `names`.
     pub fn new(domain: &str, names: Vec<String>) -> Self {
         Self {
             domain: domain.to_owned(),
@@ -35,26 +35,26 @@ impl TopState {
         }
     }
 
-    /// Takes note of a message that came at `now`.
+    /// Takes a message received at `now`.
     pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
         self.monitor.push(channel, message, now);
         self.now = now;
     }
 }
 
-/// Between two values of a trend [s].
+/// Period of the values of a trend [s].
 const TREND_SECONDS: f64 = TREND_PERIOD.as_millis() as f64 / 1000.0;
 
-/// Lines of a terminal below which the default method alone is shown.
+/// Height of a terminal below which only the default method is shown [lines].
 const SMALL: u16 = 34;
 
-/// Draws the dashboard; ages are reported up to the present.
+/// Draws the dashboard, with ages at the present time.
 pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
     let is_small = frame.area().height < SMALL;
     let machines = state.monitor.machines.each(Verdicts);
     let verdicts = machines.into_iter().flat_map(|mut verdicts| {
-        // The default method comes first; others only where trends and processes have room beside them.
+        // The default method comes first; others only if there is room for trends and processes too.
         let default = verdicts.first().map(|v| v.source.clone());
         verdicts.retain(|v| !is_small || Some(&v.source) == default.as_ref());
         verdicts
@@ -76,8 +76,7 @@ pub fn draw(frame: &mut Frame, state: &TopState) {
     }
 }
 
-/// Lines of each part below the title. What is known of the machine goes before what is known of the
-/// processes: values with all their reasons, then the processes, then trends, then channels.
+/// Lines of each part below the title. Order of priority: values with all their reasons, processes, trends, channels.
 struct Heights {
     verdicts: Vec<u16>,
     trend: bool,
@@ -94,7 +93,7 @@ impl Heights {
         let mut heights: Vec<u16> = verdicts
             .iter()
             .map(|v| {
-                // What to do gives way where there is no room for it.
+                // The remedy is left out if there is no room for it.
                 let whole = 1 + v.lines(area.width, true);
                 let short = 1 + v.lines(area.width, false);
                 if whole <= fair {
@@ -151,7 +150,7 @@ fn title(frame: &mut Frame, area: Rect, state: &TopState) {
 struct Verdict {
     source: String,
     judgement: Judgement,
-    /// Where it is not trusted now: the last trusted value, and how old it is.
+    /// Last trusted value and its age, if the present one is not trusted.
     last: Option<String>,
     trend: Trend,
 }
@@ -209,11 +208,11 @@ fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Trend {
     }
 }
 
-/// Columns of a trend that hold its axis.
+/// Columns of the axis of a trend.
 const AXIS: u16 = 34;
 
 impl Trend {
-    /// The newest values that `columns` have room for: their axis in words (lowest, highest, unit, seconds), and each
+    /// The newest values that fit into `columns`: their axis in words (lowest, highest, unit, seconds), and each value scaled
     /// from the lowest (1) to the highest (100).
     fn shown(&self, columns: u16) -> (String, Vec<u64>) {
         let newest = self.values.len().saturating_sub(usize::from(columns));
@@ -237,8 +236,8 @@ impl Trend {
 }
 
 impl Verdict {
-    /// What leads (the last trusted value if it is not the present one), and what explains it: reasons, and what to do
-    /// if that is wanted.
+    /// Emphasised text (the last trusted value if it is not the present one), and explanation: reasons, and the remedy if
+    /// `is_whole`.
     fn words(&self, is_whole: bool) -> (String, String) {
         let value = &self.judgement.value;
         let mut verdict = self.judgement.verdict();
@@ -255,7 +254,7 @@ impl Verdict {
         }
     }
 
-    /// Lines that its words take.
+    /// Number of lines of its words.
     fn lines(&self, width: u16, is_whole: bool) -> u16 {
         let (bold, plain) = self.words(is_whole);
         wrapped(&(bold + &plain), usize::from(width)).len() as u16
@@ -302,7 +301,7 @@ impl Verdict {
     }
 }
 
-/// Columns of the process table with their widths; those that are marked only where there is room.
+/// Columns of the process table with their widths; marked columns are shown only if there is room.
 const PROCESS_COLUMNS: [(&str, u16, bool); 11] = [
     ("process", 8, false),
     ("state", 8, false),
@@ -316,7 +315,7 @@ const PROCESS_COLUMNS: [(&str, u16, bool); 11] = [
     ("silent", 7, true),
     ("fault", 16, false),
 ];
-/// Width that takes all of them.
+/// Width of all columns.
 const WIDE: u16 = 104;
 
 fn process_table(frame: &mut Frame, area: Rect, monitor: &Monitor, now: Instant) {
@@ -349,7 +348,7 @@ fn header<'a>(names: &[&'a str]) -> Row<'a> {
     Row::new(names.to_vec()).style(Style::new().add_modifier(Modifier::DIM))
 }
 
-/// A process tells of itself some times a second; what one has told that is silent for so long is over.
+/// Silence after which a report is stale: a process reports some times a second.
 const SILENT: Duration = Duration::from_secs(2);
 
 fn process_row(name: &str, p: &ProcessState, now: Instant) -> ([String; 11], Style) {

@@ -14,11 +14,11 @@ pub fn verdict<E: Estimate>(estimate: &E) -> String {
     sentences.join(" ")
 }
 
-/// What to do while nothing was accepted.
+/// Remedy while no sample was accepted.
 pub(crate) const NO_SAMPLE: &str =
     "check that the sensors send, and that the map names the right columns";
 
-/// What to do about the reason `code`, by the names of all reasons.
+/// Remedy for the reason `code`, by the names of all reasons.
 pub(crate) fn remedy(
     code: u32,
     reasons: &[(&str, &str)],
@@ -32,20 +32,20 @@ pub(crate) fn remedy(
 /// A headline quantity over a whole run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunJudgement {
-    /// The last estimate that heft trusted, else the last one.
+    /// The last trusted estimate, else the last one.
     pub reported: Judgement,
     /// Time of it \[s\].
     pub time: f64,
-    /// Where `reported` is not the last: what heft says at the end.
+    /// Judgement at the end, if it is not `reported`.
     pub end: Option<Judgement>,
     /// Share of the samples that were trusted.
     pub trusted_share: f64,
-    /// Position of the estimate that `reported` is about.
+    /// Index of the estimate of `reported`.
     pub index: usize,
 }
 
-/// What a whole run says of each headline quantity: a machine that stands still at the end has
-/// not lost what it learnt while it moved. Empty without an estimate.
+/// Judgement of a whole run on each headline quantity: a machine that stands still at the end has not lost its earlier estimate.
+/// Empty without an estimate.
 pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
     let Some(last) = estimates.last() else {
         return Vec::new();
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(distinct.len(), 5);
     }
 
-    /// The rows of a table in docs/reasons.md are these reasons, each with what to do.
+    /// The rows of a table in docs/reasons.md are these reasons, each with its remedy.
     fn is_documented(heading: &str, reasons: &[(&str, &str)], remedies: &[(&str, &str)]) {
         let page = include_str!("../../../docs/reasons.md");
         let (_, table) = page.split_once(heading).expect("a heading");
@@ -190,7 +190,7 @@ mod tests {
         assert!(!verdict(&inertia(ALL | x::TRUSTED)).contains("What to do"));
     }
 
-    /// Whatever makes an estimate untrusted, by reason or by flag, something is said to do.
+    /// Every reason and every flag that withholds trust has a remedy.
     #[test]
     fn every_reason_and_every_missing_flag_has_something_to_do() {
         let of_excavator = 0..messages::EXCAVATOR_REASONS.len() as u32;

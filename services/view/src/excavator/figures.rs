@@ -7,8 +7,8 @@ const PAPER: &str = "after Oh, Yi, Seo, Kim, Lee 2017";
 use crate::panels::error::histogram;
 use crate::plot::{Plot, Style};
 
-/// Fig. 3: inertia by attachment and material in two working postures, normalised by the largest;
-/// each condition is its name and the inertia in posture 1 and 2 (any unit).
+/// Fig. 3: inertia by attachment and material in two working postures, normalised by the largest. Each condition is its name and
+/// the inertia in posture 1 and 2 (any unit).
 pub fn attachments(conditions: &[(&str, f64, f64)]) -> String {
     let largest = conditions
         .iter()
@@ -91,7 +91,7 @@ pub fn working_angles(
     figure("8", PAPER, "working scenario", &panels)
 }
 
-/// Fig. 9: the inertia that follows from the geometry, for one or more payloads [kg m²].
+/// Fig. 9: the inertia from the geometry, for one or more payloads [kg m²].
 pub fn analytic_inertia(t: &[f64], cases: &[Curve<'_>]) -> String {
     let plot = panel("Swing inertia [kg m²]", t, None, cases);
     figure(
@@ -102,7 +102,7 @@ pub fn analytic_inertia(t: &[f64], cases: &[Curve<'_>]) -> String {
     )
 }
 
-/// What Figs. 11, 14 and 17 show: estimates and truth over time, SI units.
+/// Data of Figs. 11, 14 and 17: estimates and truth over time, SI units.
 #[derive(Debug, Clone, Copy)]
 #[allow(missing_docs, reason = "the names of the quantities")]
 pub struct Results<'a> {
@@ -115,7 +115,7 @@ pub struct Results<'a> {
     pub true_torque: &'a [f64],
 }
 
-/// Figs. 11, 14, 17: estimation results; `number` is that of the figure, `case` its material.
+/// Figs. 11, 14, 17: estimation results; `number` is the figure's, `case` its material.
 pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
     let estimate = |values| {
         [Curve {
@@ -151,7 +151,7 @@ pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
     )
 }
 
-/// Figs. 12, 15, 18: where the rule of the nominal damping and that of the forgetting factors acted.
+/// Figs. 12, 15, 18: activity of the rule of the nominal damping and of that of the forgetting factors.
 pub fn updates(
     number: &str,
     case: &str,

@@ -7,7 +7,7 @@ use crate::judgement::Judgement;
 use crate::number::{self, significant};
 use crate::words::{NO_SAMPLE, remedy};
 
-/// What heft says of the swing inertia.
+/// Verdict on the swing inertia.
 pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
     if e.estimated & bits::INERTIA == 0 {
         return Judgement {
@@ -59,7 +59,7 @@ fn percent(e: &ExcavatorEstimate) -> String {
 }
 
 fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
-    // At standstill it is excited by what the pressures carry.
+    // At standstill, the pressures provide the excitation.
     let excited = match e.flags & bits::HELD {
         0 => "the machine swings",
         _ => "the machine stands still, and its pressures weigh the load",
@@ -112,13 +112,13 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
     reasons
 }
 
-/// What the machine does beside its description.
+/// The deviation of the machine from its description.
 fn cause(e: &ExcavatorEstimate) -> Option<String> {
     let (_, words) = EXCAVATOR_REASONS.get(e.reason as usize)?;
     (!words.is_empty()).then(|| (*words).to_owned())
 }
 
-/// What to do about each reason; docs/reasons.md says the same.
+/// Remedy for each reason; docs/reasons.md has the same texts.
 pub(crate) const REMEDIES: &[(&str, &str)] = &[
     (
         "slope",
@@ -180,12 +180,12 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
 ];
 
-/// What would bring trust to a load: what the reason asks for, be the swing over by now or not.
+/// Remedy for a load that is not trusted: that of the reason, whether or not the swing is over.
 pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     remedy(reason, EXCAVATOR_REASONS, REMEDIES).unwrap_or_else(|| advice(reason, flags))
 }
 
-/// What would bring trust: what the reason asks for, else the first condition that is missing.
+/// Remedy: that of the reason, else of the first missing condition.
 fn advice(reason: u32, flags: u32) -> &'static str {
     let has = |bit| flags & bit != 0;
     let of_reason = remedy(reason, EXCAVATOR_REASONS, REMEDIES);

@@ -1,8 +1,7 @@
-//! What a connection may take: one of a few places, and a limited time to ask.
+//! Limits of a connection: their number, and the time for a request.
 //!
-//! Every connection holds a file descriptor of the supervisor, which needs them to start services
-//! again. So there are never more than [`MAX_CONNECTIONS`], and one that does not finish its request,
-//! or does not read what it is sent, is closed.
+//! Every connection holds a file descriptor of the supervisor, which needs descriptors to restart services. So there are at most
+//! [`MAX_CONNECTIONS`]. One that does not finish its request, or does not read its replies, is closed.
 
 use std::io;
 use std::net::SocketAddr;
@@ -19,13 +18,12 @@ use tokio::time::{Instant, Sleep, sleep};
 
 /// Connections at a time; further ones wait in the kernel.
 pub(super) const MAX_CONNECTIONS: usize = 64;
-/// A first request must have come by then.
+/// Time limit for the first request.
 pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(5);
-/// A connection to which nothing could be written for so long is closed. A page that is shown gets
-/// a line every 15 s at least.
+/// Time without a successful write after which a connection is closed. A page that is shown receives a line every 15 s at least.
 const QUIET_LIMIT: Duration = Duration::from_secs(30);
 
-/// Listens, and lets in as many as there are places.
+/// Listener that accepts as many connections as there are places.
 pub(super) struct Door {
     listener: TcpListener,
     places: Arc<Semaphore>,
@@ -45,7 +43,7 @@ impl Listener for Door {
     type Addr = SocketAddr;
 
     async fn accept(&mut self) -> (Connection, SocketAddr) {
-        // An error would mean that the semaphore was closed, which nobody does.
+        // An error would mean that the semaphore was closed, which never happens.
         let place = Arc::clone(&self.places).acquire_owned().await.ok();
         let (stream, address) = Listener::accept(&mut self.listener).await;
         let connection = Connection {
@@ -61,7 +59,7 @@ impl Listener for Door {
     }
 }
 
-/// A connection that ends by itself.
+/// A connection that closes itself at its time limits.
 pub(super) struct Connection {
     stream: TcpStream,
     limit: Pin<Box<Sleep>>,

@@ -1,4 +1,4 @@
-//! What goes over the wire, as JSON: numbers 30 times a second, words 4 times a second.
+//! The transmitted JSON: numbers 30 times a second, words 4 times a second.
 
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ pub(super) fn series(monitor: &Monitor) -> String {
     .to_string()
 }
 
-/// Angles by the names of their joints [rad]; those that are not measured are left out.
+/// Angles by the names of their joints [rad]; unmeasured ones are left out.
 fn posture(posture: &Posture) -> Value {
     let joints = JOINTS.iter().zip(posture);
     let known = joints.filter_map(|(name, angle)| Some(((*name).to_owned(), number((*angle)?))));
@@ -71,7 +71,7 @@ impl Each for Truth {
     }
 }
 
-/// Seven digits: more than a screen shows; null for what is not a number.
+/// Seven digits, more than a screen shows; null for a number that is not finite.
 fn number(value: f64) -> Value {
     if !value.is_finite() {
         return Value::Null;
@@ -117,7 +117,7 @@ impl Each for Judgements {
     type Output = Vec<Value>;
 
     fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Vec<Value> {
-        // The product's filter, ukf, comes before the regression.
+        // The default method, ukf, comes before the regression.
         let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
             let last = &tracked.last;
             let figures = |p: &Parameter<E, E::Truth>, e: &E| {

@@ -1,6 +1,6 @@
-//! Loads on the live page: what is in the bucket now, what the truck holds, what is missing; a button for the next truck.
+//! Loads on the live page: content of the bucket, load of the truck, missing mass; a button for the next truck.
 //!
-//! One panel that needs nothing but `/loads.json`; `/loads` shows it alone.
+//! One panel that needs only `/loads.json`; `/loads` shows it alone.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -10,7 +10,7 @@ use steps::loads::LoadCounter;
 
 use super::page::closed;
 
-/// The counter of a run, shared by who feeds it and who shows it.
+/// The counter of a run, shared by its writer and its viewers.
 #[derive(Debug, Clone)]
 pub struct SharedLoads(Arc<Mutex<LoadCounter>>);
 
@@ -26,10 +26,10 @@ impl SharedLoads {
     }
 }
 
-/// A request that changes something carries this header: a page of another site cannot send it unasked.
+/// Header of a request that changes the state: a page of another site cannot send it.
 const ASKED: &str = "x-heft";
 
-/// What is counted so far.
+/// The present counts.
 pub(super) fn state(loads: Option<&SharedLoads>) -> Response {
     let Some(loads) = loads else {
         return (StatusCode::NOT_FOUND, "this run counts no loads").into_response();
@@ -42,7 +42,7 @@ pub(super) fn state(loads: Option<&SharedLoads>) -> Response {
     (kind, text).into_response()
 }
 
-/// Begins another truck.
+/// Starts another truck.
 pub(super) fn next_truck(loads: Option<&SharedLoads>, headers: &HeaderMap) -> Response {
     if !headers.contains_key(ASKED) {
         return (StatusCode::FORBIDDEN, "the header x-heft is missing").into_response();

@@ -1,4 +1,4 @@
-//! `/metrics`: what a run knows of itself, in the text format that Prometheus reads.
+//! `/metrics`: the state of a run in the text format of Prometheus.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -13,7 +13,7 @@ macro_rules! rows {
     ($( $family:literal, $kind:literal, $help:literal; )*) => { [$( ($family, $kind, $help) ),*] };
 }
 
-/// Families with their kind and what they mean.
+/// Families with their kind and meaning.
 const FAMILIES: [(&str, &str, &str); 14] = rows! {
     "heft_estimate", "gauge", "Estimated quantity, in the SI unit of its label.";
     "heft_estimate_std", "gauge", "Its standard deviation.";
@@ -52,7 +52,7 @@ impl Samples {
     }
 }
 
-/// All of a run.
+/// All metrics of a run.
 pub(super) fn text(monitor: &Monitor, now: Instant) -> String {
     let mut samples = Samples::default();
     monitor.machines.each(&mut samples);
@@ -117,7 +117,7 @@ impl Each for &mut Samples {
     }
 }
 
-/// All samples of a family stand together, as the format wants.
+/// The samples grouped by family, as the format requires.
 fn written(samples: &Samples) -> String {
     let mut out = String::new();
     for (family, kind, help) in FAMILIES {

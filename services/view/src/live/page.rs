@@ -1,4 +1,4 @@
-//! The page itself: everything it needs is in it.
+//! The page itself, self-contained.
 
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
@@ -20,8 +20,8 @@ const SCRIPT: &str = include_str!("../../assets/live.js");
 const UPLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uPlot.min.css");
 
-/// A page with what a browser may do with it: run the scripts that are in it now, each named by its hash, and read its own
-/// events. What was injected into the page does not run.
+/// A page with its policy: a browser may run the scripts that the page contains now, each identified by its hash, and read the
+/// page's own events. Injected scripts do not run.
 pub(super) fn closed(page: String) -> Response {
     let policy = policy(&page);
     let headers = [
@@ -35,7 +35,7 @@ fn policy(page: &str) -> String {
     let scripts = page.split("<script").skip(1).filter_map(|rest| {
         let (attributes, rest) = rest.split_once('>')?;
         let content = rest.split_once("</script>")?.0;
-        // Data are not run.
+        // JSON data are not executed.
         (!attributes.contains("application/json")).then_some(content)
     });
     let hashes: Vec<String> = scripts.map(hash).collect();
@@ -46,13 +46,13 @@ fn policy(page: &str) -> String {
     )
 }
 
-/// The page with what is said now, as JSON: the verdict is there before the first event.
+/// The page with the present status as JSON, so that the verdict is shown before the first event.
 pub(super) fn with(status: &str) -> String {
-    // No text in it ends the element.
+    // Escaped, so that no text closes the element.
     page().replace("<!--FIRST-->", &status.replace('<', "\\u003c"))
 }
 
-/// The page with scripts, styles and the tables of parameters put in.
+/// The page with scripts, styles and the tables of parameters inserted.
 pub(super) fn page() -> String {
     let none = Machines::default();
     let definitions = Value::Object(none.each(Definition).into_iter().collect());
@@ -73,7 +73,7 @@ pub(super) fn page() -> String {
     .replace("/*SCRIPT*/", &[COMMON, SCRIPT].concat())
 }
 
-/// The name of a machine, and what its numbers are.
+/// Name of a machine, and definitions of its numbers.
 struct Definition;
 
 impl Each for Definition {

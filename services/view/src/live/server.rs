@@ -24,19 +24,19 @@ use tokio::sync::{Notify, oneshot};
 use super::connections::Door;
 use super::{Feed, frame, loads, metrics, page};
 
-/// Viewers at a time; the next one is asked to wait.
+/// Most viewers at a time; the next one is rejected with a request to wait.
 pub const MAX_VIEWERS: usize = 16;
-/// Between two frames while nobody looks: the past, for whoever comes.
+/// Period of frames without viewers: they form the history for the next viewer.
 const IDLE_PERIOD: Duration = Duration::from_millis(100);
-/// Between two frames: at most 30 a second.
+/// Period of frames with viewers: at most 30 a second.
 const PERIOD: Duration = Duration::from_millis(34);
-/// Words change slower than numbers: every eighth frame, 4 times a second.
+/// Frames per status: words change slower than numbers, so they are sent 4 times a second.
 const STATUS_EVERY: u64 = 8;
-/// Frames that a viewer may be behind before it skips the oldest: 2 s.
+/// Frames by which a viewer may lag before it skips the oldest: 2 s.
 const RING: usize = 64;
-/// Bytes that the kernel holds for a viewer.
+/// Bytes that the kernel buffers for a viewer.
 const SEND_BUFFER: u32 = 64 * 1024;
-/// Frames that a new viewer gets to see: one minute.
+/// Frames in the history of a new viewer: one minute.
 const HISTORY: usize = 1800;
 
 /// A running page; dropping it ends it, with all its viewers.
@@ -48,7 +48,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Where it listens; the port that was chosen where 0 was asked for.
+    /// Its address; with the chosen port where 0 was requested.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -72,7 +72,7 @@ pub struct ServerThread {
 }
 
 impl ServerThread {
-    /// A thread that ends when it is told by `stop`.
+    /// A thread that ends at a signal on `stop`.
     pub fn new(stop: oneshot::Sender<()>, thread: JoinHandle<()>) -> Self {
         Self {
             stop: Some(stop),
@@ -92,13 +92,13 @@ impl Drop for ServerThread {
     }
 }
 
-/// What the tasks share.
+/// State shared by the tasks.
 #[derive(Debug)]
 struct Shared {
     feed: Feed,
-    /// Time of the machine that was shown last.
+    /// Time of the last frame by the data [s].
     shown: Mutex<f64>,
-    /// Rung when somebody comes to look.
+    /// Notified when a viewer arrives.
     came: Notify,
     frames: broadcast::Sender<Frame>,
     history: Mutex<VecDeque<Arc<str>>>,
@@ -152,7 +152,7 @@ pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> 
                 tokio::spawn(take_frames(period, Arc::clone(&for_thread)));
                 run(listener, for_thread, stopped).await;
             });
-            // Dropping the runtime here closes every connection, the stalled ones too.
+            // Dropping the runtime here closes every connection, including stalled ones.
         })?;
     Ok(Server {
         address,
@@ -161,7 +161,7 @@ pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> 
     })
 }
 
-/// A listening socket whose connections hold little: what a stalled viewer costs the kernel.
+/// A listening socket whose connections have small buffers, which bounds the kernel memory of a stalled viewer.
 fn listen(address: SocketAddr) -> io::Result<TcpListener> {
     let socket = if address.is_ipv4() {
         TcpSocket::new_v4()
@@ -187,7 +187,7 @@ async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Recei
     futures_util::future::select(serving, stopped).await;
 }
 
-/// Takes a frame every `period` while somebody looks, and now and then while nobody does.
+/// Takes a frame every `period` while there are viewers, and less often otherwise.
 async fn take_frames(period: Duration, shared: Arc<Shared>) {
     let mut clock = tokio::time::interval(period);
     clock.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -205,7 +205,7 @@ async fn take_frames(period: Duration, shared: Arc<Shared>) {
 }
 
 impl Shared {
-    /// Takes a frame of the numbers where there is news.
+    /// Takes a frame of the numbers if there are new ones.
     fn take_series(&self) {
         let series = {
             let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -221,9 +221,9 @@ impl Shared {
         self.send("series", data);
     }
 
-    /// What is said now, in words.
+    /// The present status in words.
     fn status(&self) -> String {
-        // Whoever asks is one.
+        // The requester counts as a viewer.
         let viewers = self.viewers.load(Ordering::Relaxed).max(1);
         let skipped = self.skipped.load(Ordering::Relaxed);
         let loads = self.feed.loads.as_ref();
@@ -233,7 +233,7 @@ impl Shared {
     }
 
     fn send(&self, kind: &'static str, data: Arc<str>) {
-        // An error means that nobody watches.
+        // An error means that there are no viewers.
         let _ = self.frames.send(Frame { kind, data });
     }
 
@@ -245,7 +245,7 @@ impl Shared {
         history.push_back(data);
     }
 
-    /// The last minute as one JSON array.
+    /// The history as one JSON array.
     fn history(&self) -> String {
         let history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
         let frames: Vec<&str> = history.iter().map(AsRef::as_ref).collect();
@@ -253,8 +253,8 @@ impl Shared {
     }
 }
 
-/// Whether a request names this host. A page on this host answers only to that, or any site could read it through a name
-/// that it points here.
+/// Whether a request names this host. Only such requests are answered: otherwise any site could read the page through a name that
+/// it resolves to this host.
 pub fn names_this_host(headers: &HeaderMap) -> bool {
     let host = headers
         .get(header::HOST)
@@ -267,7 +267,7 @@ pub fn names_this_host(headers: &HeaderMap) -> bool {
     ["localhost", "127.0.0.1", "[::1]"].contains(&name)
 }
 
-/// What the tasks share, for a request that may be answered.
+/// The shared state, for a request that has passed the check.
 struct Admitted(Arc<Shared>);
 
 impl FromRequestParts<Arc<Shared>> for Admitted {
@@ -314,7 +314,7 @@ async fn events(Admitted(shared): Admitted) -> Response {
         .into_response()
 }
 
-/// A seat; leaving it makes room.
+/// A viewer's place, freed on drop.
 struct Viewer {
     shared: Arc<Shared>,
     frames: broadcast::Receiver<Frame>,
@@ -333,7 +333,7 @@ impl Viewer {
         Some(Self { shared, frames })
     }
 
-    /// The last minute and what is said now, then every frame that the viewer is fast enough for.
+    /// The history and the present status, then every frame that the viewer is fast enough for.
     fn stream(self) -> impl Stream<Item = Result<Event, Infallible>> {
         let history = Event::default()
             .event("history")

@@ -1,4 +1,4 @@
-//! The page over real sockets: what viewers get, and what they cannot do to the feeder.
+//! The page over real sockets: what viewers receive, and that they cannot delay the feeder.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -32,7 +32,7 @@ fn estimate(n: u64) -> LoaderEstimate {
     }
 }
 
-/// One sample of everything that a loader run publishes.
+/// One sample of every channel of a loader run.
 fn push_all(feed: &Feed, n: u64) {
     let stamp = estimate(n).stamp;
     feed.push(&channels::LOADER_CG_EKF, &estimate(n));
@@ -65,7 +65,7 @@ fn request(server: &Server, path: &str, host: &str) -> TcpStream {
     stream
 }
 
-/// Reads until `wanted` has come, or fails.
+/// Reads until all of `wanted` has arrived, or fails.
 fn read_until(stream: &mut TcpStream, wanted: &[&str]) -> String {
     let (mut text, mut part) = (String::new(), [0; 65536]);
     while !wanted.iter().all(|w| text.contains(w)) {
@@ -142,7 +142,7 @@ fn another_name_for_this_host_and_one_viewer_too_many_are_refused() {
     assert!(full.starts_with("HTTP/1.1 503"), "{full}");
 }
 
-/// More half requests than there are places, and one whole request behind them.
+/// More half requests than there are places, and one whole request after them.
 #[test]
 fn a_request_that_is_never_finished_loses_its_place() {
     let server = serve(any_port(), Feed::default()).expect("served");
@@ -157,7 +157,7 @@ fn a_request_that_is_never_finished_loses_its_place() {
     read_until(&mut whole, &["</html>"]);
     assert!(began.elapsed() < REQUEST_LIMIT + Duration::from_secs(3));
     let mut rest = Vec::new();
-    // Closed, or reset: nothing more comes in any case.
+    // Closed or reset: in both cases nothing more arrives.
     let _ = half[0].read_to_end(&mut rest);
     assert!(!rest.starts_with(b"HTTP/1.1 200"));
 }
@@ -168,9 +168,8 @@ fn request_begun(server: &Server) -> TcpStream {
     stream
 }
 
-/// Ten stalled viewers and 1 000 frames a second, 30 times the real rate: pushes stay short, the
-/// viewer that reads sees the newest frame, and so does a stalled one that wakes up, having
-/// skipped the oldest.
+/// Ten stalled viewers and 1 000 frames a second, 30 times the real rate: pushes stay short. The viewer that reads sees the
+/// newest frame. So does a stalled one that resumes, having skipped the oldest.
 #[test]
 fn stalled_viewers_do_not_delay_the_feeder_nor_each_other() {
     let feed = Feed::default();
@@ -202,8 +201,8 @@ fn stalled_viewers_do_not_delay_the_feeder_nor_each_other() {
         "4 pushes beside 10 stalled viewers: p50 {p50:?}, p99 {p99:?}, max {max:?} of {}",
         times.len()
     );
-    // A push waits at most for one frame to be put together (some 50 µs); the rest is room for a
-    // loaded test machine. Waiting for a viewer would take seconds.
+    // A push waits for the assembly of one frame at most (some 50 µs); the margin is for a loaded test machine. Waiting for a
+    // viewer would take seconds.
     assert!(p99 < Duration::from_millis(20), "p99 {p99:?}");
     read_until(&mut stalled[0], &[&newest]);
     assert!(

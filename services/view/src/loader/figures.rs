@@ -6,7 +6,7 @@ use crate::figures::{Curve, figure, panel};
 const PAPER: &str = "after Yang, Wang, Han 2021";
 use crate::plot::Plot;
 
-/// What the figures show over time, SI units.
+/// Data of the figures over time, SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
     /// Time \[s\].
@@ -63,8 +63,8 @@ impl Series<'_> {
     }
 }
 
-/// Figs. 4 and 5: speed, position and height of the centre of gravity on a bumpy road, driving and
-/// spading; `number` is that of the figure, `condition` says which.
+/// Figs. 4 and 5: speed, position and height of the centre of gravity on a bumpy road, driving and spading; `number` is the
+/// figure's, `condition` states which.
 pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
     let [distance, height] = series.centre_of_gravity();
     figure(

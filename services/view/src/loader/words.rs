@@ -8,7 +8,7 @@ use crate::judgement::Judgement;
 use crate::number::{self, significant};
 use crate::words::{NO_SAMPLE, remedy};
 
-/// What heft says of the centre of gravity along the machine.
+/// Verdict on the position of the centre of gravity along the machine.
 pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     if e.estimated & bits::STATE == 0 {
         return none("There is no position of the centre of gravity yet");
@@ -41,7 +41,7 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     judgement(e, value, &Part::POSITION, &width)
 }
 
-/// The payload, which has a verdict of its own; nothing where nothing weighs it.
+/// The payload, which has a verdict of its own; empty if nothing weighs it.
 fn payload(e: &LoaderEstimate) -> String {
     if e.estimated & bits::PAYLOAD == 0 {
         return String::new();
@@ -57,7 +57,7 @@ fn payload(e: &LoaderEstimate) -> String {
     )
 }
 
-/// What heft says of the height of the centre of gravity.
+/// Verdict on the height of the centre of gravity.
 pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
     if e.estimated & bits::STATE == 0 {
         return none("There is no height of the centre of gravity yet");
@@ -84,7 +84,7 @@ fn none(value: &str) -> Judgement {
     }
 }
 
-/// The bits and words of one of the two quantities.
+/// Bits and words of one of the two quantities.
 struct Part {
     trusted: u32,
     excited: u32,
@@ -92,7 +92,7 @@ struct Part {
     identifiable: u32,
     idle: &'static str,
     moving: &'static str,
-    /// What to do while it is idle, and while the interval is wide.
+    /// Remedies without excitation, and with a wide interval.
     to_do: [&'static str; 2],
 }
 
@@ -164,7 +164,7 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     }
     if !has(bits::FRESH) {
         match LOADER_REASONS.get(e.reason as usize).map(|reason| reason.0) {
-            // Their words say it.
+            // The text of the reason states it.
             Some(name) if name == "missing" || name.starts_with("stuck") => {}
             None | Some("") => reasons.push("measurements are missing, rejected or too old".into()),
             Some(_) => reasons.push("measurements are rejected".into()),
@@ -179,7 +179,7 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     {
         reasons.push((*words).into());
     }
-    // Of two reasons an estimate names one.
+    // An estimate has one reason code; this one may have been displaced by another.
     if has(bits::CHANGING) && e.reason != Reason::Load as u32 {
         reasons.push(words_of(Reason::Load).into());
     }
@@ -194,7 +194,7 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     reasons
 }
 
-/// What to do about each reason; docs/reasons.md says the same.
+/// Remedy for each reason; docs/reasons.md has the same texts.
 pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("missing", "check the wiring, the bus and max_age"),
     ("stuck speed", "check the sensor"),
@@ -264,7 +264,7 @@ const WEIGH: &str = "weigh the axles of the empty machine once, level and on a r
 const WEIGH_A_LOAD: &str =
     "run heft calibrate with a weighed load, or state the numbers of machine.lift_arm more closely";
 
-/// What would bring trust to a load: what the reason asks for, else what is missing.
+/// Remedy for a load that is not trusted: that of the reason, else of the missing condition.
 pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     let missing = if flags & bits::FRESH == 0 {
         MISSING
@@ -274,7 +274,7 @@ pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     remedy(reason, LOADER_REASONS, REMEDIES).unwrap_or(missing)
 }
 
-/// What would bring trust: what the reason asks for, else the first condition that is missing.
+/// Remedy: that of the reason, else of the first missing condition.
 fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
     let has = |bit| e.flags & bit != 0;
     let of_reason = remedy(e.reason, LOADER_REASONS, REMEDIES);

@@ -1,4 +1,4 @@
-//! Estimates over time with their 95 % band, the truth, and the stretches that heft trusts.
+//! Estimates over time with their 95 % band, the truth, and the trusted stretches.
 
 use estimation::HALF_WIDTH_95;
 use messages::Message;
@@ -29,7 +29,7 @@ fn panel<E: Estimate>(run: &MachineRun<E>, parameter: &Parameter<E, E::Truth>) -
             plot.shade(label, Style::Trusted, &spans);
         }
     }
-    // One band, with its colour in the legend: two of them cannot be told apart.
+    // One band only, with its colour in the legend: two of them are indistinguishable.
     let primary = run.primary().map(|p| &p.channel);
     let first = estimators.iter().find(|e| Some(&e.channel) == primary);
     if let Some(estimator) = first.or(estimators.first()) {

@@ -1,4 +1,4 @@
-//! Do the innovations have the size and the whiteness that the filters expect?
+//! Size and whiteness of the innovations against the filters' expectation.
 
 use estimation::HALF_WIDTH_95;
 use estimation::consistency::MOST_NIS;
@@ -91,7 +91,7 @@ fn normalised_innovations(motion: &[SwingMotion]) -> Vec<f64> {
         .collect()
 }
 
-/// The autocorrelation plot in the making.
+/// The autocorrelation plot under construction.
 struct Whiteness {
     plot: Plot,
     fewest: usize,
@@ -108,7 +108,7 @@ impl Whiteness {
     }
 
     fn add(&mut self, label: &str, style: Style, values: &[f64]) {
-        // A stretch of 20 000 tells the correlation to 0.01 and costs a millisecond.
+        // 20 000 samples determine the correlation to 0.01 and cost a millisecond.
         let part = &values[..values.len().min(20_000)];
         if part.len() <= LAGS {
             return;

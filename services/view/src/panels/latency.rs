@@ -1,4 +1,4 @@
-//! How old a sample is after each hop.
+//! Age of a sample after each hop.
 
 use super::Panel;
 use crate::estimate::Estimate;
@@ -22,8 +22,8 @@ impl Hop {
     }
 }
 
-/// The hops of an estimator, from the publish times in its messages, and the way as a whole; empty
-/// where nothing was published (a run on a file).
+/// The hops of an estimator, from the publish times in its messages, and the whole path; empty if nothing was published (a run on
+/// a file).
 pub fn hops<E: Estimate>(estimator: &Estimator<E>) -> Vec<Hop> {
     type Pick<E> = fn(&E) -> (u64, u64);
     let table: [(&'static str, Pick<E>); 5] = [

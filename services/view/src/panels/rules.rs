@@ -1,4 +1,4 @@
-//! The conditions of the verdict over time, and what a machine has of its own.
+//! The conditions of the verdict over time, and a machine's own panels.
 
 use super::{Panel, TIME, spans};
 use crate::estimate::Estimate;

@@ -1,4 +1,4 @@
-//! What the sensors measured, as it came: a panel for each unit.
+//! The measurements as received: a panel for each unit.
 
 use super::{Panel, TIME};
 use crate::number::unit;
@@ -16,8 +16,7 @@ pub fn panels(inputs: &[Input]) -> Vec<Panel> {
     units.into_iter().map(|unit| panel(inputs, unit)).collect()
 }
 
-/// What signals of a unit are together, how they are shown, and by how much they are divided: a pressure in Pa has too many
-/// digits.
+/// Name and shown unit of the signals of a unit, and their divisor: a pressure in Pa has too many digits.
 fn kind(of: &str) -> (&'static str, String, f64) {
     let kind = match of {
         "rad" => "angles",

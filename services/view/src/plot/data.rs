@@ -1,10 +1,11 @@
-//! The marks of a plot as numbers, for the script of the report that draws them again to look closer.
+//! The marks of a plot as numbers, for the report's script, which redraws them for zooming.
 
 use serde_json::{Value, json};
 
 use super::{Item, Mark, Plot};
 
-/// Digits of a value: what a screen can show of it, and a reader of a zoomed part. A time is told to a millionth of the plot's length, wherever that begins.
+/// Significant digits of a value: enough for a screen and for a zoomed part. A time has a resolution of a millionth of the plot's
+/// length, wherever it begins.
 const VALUE: usize = 5;
 const TIME: i32 = 6;
 
@@ -16,7 +17,7 @@ pub(super) fn of(plot: &Plot) -> Value {
         "title": plot.title,
         "x": [x.0, x.1],
         "y": plot.y_range.map(|(low, high)| [low, high]),
-        // Null where there is no end.
+        // Null without a bound.
         "possible": [plot.y_possible.0, plot.y_possible.1],
         "names": names,
         "items": plot.items.iter().filter_map(|i| item(i, x.1 - x.0)).collect::<Vec<_>>(),
@@ -56,21 +57,21 @@ fn column<P>(points: &[P], pick: impl Fn(&P) -> f64) -> Vec<Value> {
     points.iter().map(|p| rounded(pick(p))).collect()
 }
 
-/// A time to so many digits of the plot's length.
+/// A time rounded to a share of the plot's length.
 fn time(t: f64, length: f64) -> Value {
     let decimals = TIME - length.log10().floor().clamp(-9.0, 9.0) as i32;
     let text = format!("{t:.*}", decimals.max(0) as usize);
     number(&text)
 }
 
-/// The number with so many significant digits, null where it is none.
+/// The number with [`VALUE`] significant digits, null if it is not finite.
 fn rounded(value: f64) -> Value {
     number(&format!("{value:.*e}", VALUE - 1))
 }
 
 fn number(text: &str) -> Value {
     match text.parse::<f64>() {
-        // An integer takes two bytes less.
+        // Written as an integer, which takes two bytes less.
         Ok(v) if v.fract() == 0.0 && v.abs() < 1e9 => json!(v as i64),
         Ok(v) if v.is_finite() => json!(v),
         _ => Value::Null,

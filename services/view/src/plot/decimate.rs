@@ -1,12 +1,12 @@
-//! Fewer points that look the same: the extremes of each stretch survive.
+//! Decimation that preserves the appearance: the extremes of each stretch are retained.
 
-/// At most `limit` of `points`, in order: of each stretch its first lowest and first highest.
-/// A stretch that holds a gap (a value that is not finite) keeps the gap.
+/// At most `limit` of `points`, in order: the first lowest and first highest of each stretch. A stretch with a gap (a value that
+/// is not finite) retains the gap.
 pub fn decimate(points: &[(f64, f64)], limit: usize) -> Vec<(f64, f64)> {
     if points.len() <= limit {
         return points.to_vec();
     }
-    // Three a stretch at most: lowest, highest, gap; the last point comes on top.
+    // At most three per stretch: lowest, highest, gap; the last point is added.
     let stretch = points.len().div_ceil(((limit - 1) / 3).max(1));
     let mut out = Vec::with_capacity(limit);
     for part in points.chunks(stretch) {

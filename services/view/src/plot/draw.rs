@@ -1,11 +1,11 @@
-//! Writes a plot as SVG.
+//! Drawing of a plot as SVG.
 
 use std::fmt::Write;
 
 use super::scale::Axis;
 use super::{Item, Mark, Plot, STYLE, decimate, escape};
 
-/// Height of a line of text, and the mean width of a character of it, in a 12 px sans serif.
+/// Height of a line of text, and mean width of a character, in a 12 px sans serif.
 const LINE: f64 = 17.0;
 const CHARACTER: f64 = 6.7;
 
@@ -180,7 +180,7 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
     );
 }
 
-/// The marks in a nested picture, which clips what lies outside.
+/// The marks in a nested picture, which clips at the frame.
 fn marks(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis) {
     let _ = write!(
         out,
@@ -247,7 +247,7 @@ fn bars(out: &mut String, class: &str, edges: &[f64], heights: &[f64], x: &Axis,
     }
 }
 
-/// A path through points in pixels; one that is not finite lifts the pen.
+/// A path through points in pixels; a point that is not finite interrupts it.
 fn line_path(points: impl Iterator<Item = (f64, f64)>) -> String {
     let mut path = String::new();
     let mut down = false;

@@ -1,4 +1,4 @@
-//! From values to places: ranges, ticks and their labels.
+//! Scales from values to pixels: ranges, ticks and their labels.
 
 use crate::number;
 
@@ -20,7 +20,7 @@ impl Scale {
     }
 }
 
-/// The range that values need.
+/// The range of the values.
 pub(super) struct Extent {
     scale: Scale,
     low: f64,
@@ -39,7 +39,7 @@ impl Extent {
     pub(super) fn add(&mut self, value: f64) {
         let usable = value.is_finite() && (self.scale == Scale::Linear || value > 0.0);
         if usable {
-            // So wide that no difference or ratio of two of them is infinite.
+            // Clamped, so that no difference or ratio of two of them is infinite.
             let value = match self.scale {
                 Scale::Linear => value.clamp(-1e150, 1e150),
                 Scale::Logarithmic => value.clamp(1e-150, 1e150),
@@ -49,7 +49,7 @@ impl Extent {
         }
     }
 
-    /// A range that was asked for, widened where it is none.
+    /// A requested range, widened if it is a single value.
     pub(super) fn of(scale: Scale, (low, high): (f64, f64)) -> (f64, f64) {
         let mut extent = Self::new(scale);
         extent.add(low);
@@ -57,7 +57,7 @@ impl Extent {
         extent.plain()
     }
 
-    /// The range, 0 to 1 (or 1 to 10) where nothing was added, widened where it is a single value.
+    /// The range: 0 to 1 (or 1 to 10) if nothing was added, widened if it is a single value.
     pub(super) fn plain(&self) -> (f64, f64) {
         let single = (self.high - self.low) <= 1e-12 * self.high.abs().max(self.low.abs());
         match self.scale {
@@ -82,15 +82,15 @@ impl Extent {
         }
     }
 
-    /// The same with 5 % of room at both ends; zero stays an end where it is one, and so does the
-    /// least and the largest value that is `possible`.
+    /// The range with a margin of 5 % at both ends. An end at zero, and an end at the least or largest `possible` value, gets no
+    /// margin.
     pub(super) fn padded(&self, possible: (f64, f64)) -> (f64, f64) {
         let (low, high) = self.plain();
         match self.scale {
             Scale::Linear => {
                 let room = 0.05 * (high - low);
                 let from = if low == 0.0 { 0.0 } else { low - room };
-                // Values beyond what is possible are shown nevertheless.
+                // Values beyond the possible range are still shown.
                 (
                     from.max(possible.0.min(low)),
                     (high + room).min(possible.1.max(high)),
@@ -121,8 +121,8 @@ impl Axis {
         }
     }
 
-    /// Pixel of `value`; NaN for a value that the scale cannot show. Kept within a page or so of
-    /// the plot, so that a wild value cannot make a number that a viewer chokes on.
+    /// Pixel of `value`; NaN for a value that the scale cannot show. Clamped to some plot widths around the plot, so that no
+    /// value is too large for a viewer.
     pub(super) fn place(&self, value: f64) -> f64 {
         let (low, high) = (self.scale.forward(self.low), self.scale.forward(self.high));
         let share = (self.scale.forward(value) - low) / (high - low);
@@ -145,7 +145,7 @@ impl Axis {
 /// Ticks at multiples of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let raw = (high - low) / count.max(1) as f64;
-    // Multiples of the step must be countable.
+    // The multiples of the step must be representable as integers.
     if !raw.is_normal() || raw <= 0.0 || low.abs().max(high.abs()) / raw > 1e12 {
         let ends = [low, high].into_iter().filter(|v| v.is_finite());
         return ends.map(|v| (v, number::significant(v, 4))).collect();

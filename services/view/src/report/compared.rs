@@ -1,4 +1,4 @@
-//! Recordings of the same machine side by side: what they say, what differs in how they were made.
+//! Recordings of the same machine side by side: their results, and the differences in their settings.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -80,7 +80,7 @@ fn machine<E: Estimate>(page: &mut Page, parts: &[Part<'_, E>]) {
     recordings(&mut page.body, parts);
 }
 
-/// What each says of the headline quantities and of those of a single swing, and how far they are apart.
+/// The headline quantities and those of a single swing in each recording, and their differences.
 fn verdicts<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
     let reported = |p: &&Parameter<E, E::Truth>| p.headline() || E::STRETCH.contains(&p.key);
     let mut rows = String::new();
@@ -116,7 +116,7 @@ fn verdicts<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
     );
 }
 
-/// Its last trusted value, else the last, in words, with its standard deviation.
+/// The last trusted value, else the last, in words, with its standard deviation.
 fn value<E: Estimate>(
     estimator: &Estimator<E>,
     parameter: &Parameter<E, E::Truth>,
@@ -125,7 +125,7 @@ fn value<E: Estimate>(
     let own = E::headlines()
         .zip(&judgements)
         .find(|(p, _)| p.key == parameter.key);
-    // A quantity without a verdict of its own is reported where the first of those that have one is.
+    // A quantity without a verdict of its own is reported at the time of the first quantity that has one.
     let judgement = own.map(|(_, j)| j).or(judgements.first());
     let Some((judgement, estimate)) =
         judgement.and_then(|j| Some((j, estimator.estimates.get(j.index)?)))
@@ -197,7 +197,7 @@ fn overlay<E: Estimate>(
     })
 }
 
-/// A row for each recording: how much there is of it, how much of it is trusted, what was lost.
+/// A row for each recording: its length, its trusted share, its losses.
 fn recordings<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
     let (name, least) = E::MOTION_NAME;
     let mut rows = String::new();
@@ -244,7 +244,7 @@ fn recordings<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
     );
 }
 
-/// The settings and circumstances in which they differ.
+/// The differing settings and circumstances.
 fn differences(body: &mut String, runs: &[(String, Run)]) {
     let all: Vec<BTreeMap<String, String>> = runs.iter().map(|(_, run)| settings(run)).collect();
     let keys: std::collections::BTreeSet<&String> = all.iter().flat_map(BTreeMap::keys).collect();
@@ -275,8 +275,8 @@ fn differences(body: &mut String, runs: &[(String, Run)]) {
     };
 }
 
-/// What a recording says of itself, a description key by key; when it was made stands elsewhere, and
-/// each run has a number of its own.
+/// The metadata of a recording, a description key by key. Left out: the wall clock, which is shown elsewhere, and the run, which
+/// always differs.
 fn settings(run: &Run) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for (name, value) in &run.metadata {

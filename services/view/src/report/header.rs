@@ -1,4 +1,4 @@
-//! The top of the report: what the run says, how sure, and why.
+//! The top of the report: result, uncertainty, and reasons.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use crate::number::grouped;
 use crate::posture;
 use crate::run::Run;
 
-/// What a page says of a recording that is damaged or was cut off.
+/// Text for a recording that is damaged or truncated.
 pub const NOT_WHOLE: &str = "The recording is not whole";
 
 /// Title of the page.
@@ -57,7 +57,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
     for part in part::all(run) {
         part.verdicts(body);
     }
-    // Before the picture, so that a printed page has them first.
+    // Before the picture, so that they come first on a printed page.
     if let Some(account) = &run.loads {
         loads::section(body, account);
     }
@@ -67,7 +67,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
     body.push_str("</header>");
 }
 
-/// How the machine stood when the first verdict's value was found.
+/// Posture of the machine at the time of the first verdict's value.
 fn posture(body: &mut String, run: &Run, part: &dyn Part) {
     let posture = |time| Some((time, posture::at(&run.inputs, time)?));
     let Some((time, posture)) = part.reported_at().and_then(posture) else {
@@ -81,12 +81,12 @@ fn posture(body: &mut String, run: &Run, part: &dyn Part) {
     );
 }
 
-/// Whether the samples are a simulator's: older recordings say so by their scenario only.
+/// Whether the samples are simulated: older recordings show it by their scenario only.
 fn is_simulated(run: &Run) -> bool {
     run.metadata("scenario").is_some() || part::all(run).iter().any(|part| part.is_simulated())
 }
 
-/// When, where and with what it was made, and how long it is, as HTML.
+/// Time, place and tools of the recording, and its length, as HTML.
 pub(super) fn facts(run: &Run) -> Vec<String> {
     let facts = [
         ("scenario", "scenario "),
@@ -107,7 +107,7 @@ pub(super) fn facts(run: &Run) -> Vec<String> {
     line
 }
 
-/// From the first estimate to the last.
+/// Time from the first estimate to the last.
 fn duration(run: &Run) -> Option<String> {
     let seconds = part::all(run).iter().find_map(|part| part.seconds())?;
     Some(format!("{} s long", grouped(seconds, 1)))

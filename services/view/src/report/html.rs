@@ -1,4 +1,4 @@
-//! The few pieces of HTML that the report needs.
+//! Elements of HTML for the report.
 
 use sha2::{Digest, Sha256};
 
@@ -7,26 +7,25 @@ use crate::plot::{self, Plot};
 
 const STYLE: &str = include_str!("../../assets/report.css");
 const UPLOT_STYLE: &str = include_str!("../../assets/uPlot.min.css");
-/// The same uPlot as on the live page, and what makes plots of the numbers in the page.
+/// uPlot as on the live page, and the script that makes plots of the numbers in the page.
 const SCRIPT: &str = concat!(
     include_str!("../../assets/uPlot.iife.min.js"),
     include_str!("../../assets/common.js"),
     include_str!("../../assets/report.js")
 );
 
-/// A page that loads nothing and runs nothing: the policy forbids it even if a value smuggled it in.
+/// A page that loads and runs nothing: the policy forbids it even to an injected value.
 pub(super) fn page(title: &str, body: &str) -> String {
     whole(title, &[plot::STYLE, STYLE], "'none'", body, "")
 }
 
-/// A page whose `plots` can be looked at closer. The policy allows the script of the report, named by
-/// its hash, and no other.
+/// A page whose `plots` can be zoomed. The policy allows only the script of the report, identified by its hash.
 pub(super) fn page_of_plots(title: &str, body: &str, plots: &[Plot]) -> String {
     if plots.is_empty() {
         return page(title, body);
     }
     let data: Vec<_> = plots.iter().map(Plot::data).collect();
-    // Nothing in it can end the element.
+    // Escaped, so that no text closes the element.
     let data = serde_json::Value::from(data)
         .to_string()
         .replace('<', "\\u003c");
@@ -50,7 +49,7 @@ fn whole(title: &str, styles: &[&str], allowed: &str, body: &str, script: &str) 
     )
 }
 
-/// A script as a policy names it.
+/// A script's hash in the form of a policy.
 pub(crate) fn hash(script: &str) -> String {
     format!("'sha256-{}'", base64(&Sha256::digest(script)))
 }

@@ -1,4 +1,4 @@
-//! Loads as HTML: the section of a report, and a page that a foreman prints.
+//! Loads as HTML: the section of a report, and a printable page.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use super::html::{self, text};
 use crate::loads::{Account, clock, line, total_words, truck_line};
 use crate::number::{grouped, interval_95, value_and_std};
 
-/// The printable page: what each truck got, load by load, and the sum of the day.
+/// The printable page: the loads of each truck, and the sum of the day.
 pub fn loads_page(accounts: &[Account]) -> String {
     let mut body = String::from("<h1>Loads</h1>");
     for account in accounts {
@@ -37,7 +37,7 @@ pub fn loads_page(accounts: &[Account]) -> String {
     html::page("heft report: loads", &body)
 }
 
-/// The loads of a recording for its report: the sum, and a row a load.
+/// The loads of a recording for its report: the sum, and a row for each load.
 pub(super) fn section(body: &mut String, account: &Account) {
     body.push_str("<section class=\"words loads\"><h2>Loads</h2>");
     let rows: Vec<&Load> = account.loads.iter().chain(&account.carried).collect();
@@ -65,7 +65,7 @@ pub(super) fn section(body: &mut String, account: &Account) {
     );
 }
 
-/// What holds of all loads: how many intervals hold the truth, why some are not trusted, what the machine file leaves to a guess.
+/// Remarks on all loads: intervals that hold the truth, reasons against trust, values that the machine file does not state.
 fn facts(body: &mut String, account: &Account) {
     let words = account.doubts().into_iter().chain(account.remarks());
     let words = words.map(|words| text(&words));
@@ -86,7 +86,7 @@ fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
     );
 }
 
-/// A row a load; the truth only where it is known. A narrow screen leaves out what its style names by place.
+/// A row for each load; the truth only if known. A narrow screen hides the columns that its style names by position.
 fn table(account: &Account, loads: &[&Load]) -> String {
     let mut head = vec![
         "load",
@@ -106,7 +106,7 @@ fn table(account: &Account, loads: &[&Load]) -> String {
     html::table(1, &head, &rows)
 }
 
-/// The truth stands behind the interval.
+/// Column of the truth, after the interval.
 const TRUTH_AT: usize = 5;
 
 fn cells(account: &Account, load: &Load) -> String {

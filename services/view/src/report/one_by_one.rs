@@ -1,4 +1,4 @@
-//! A row for each swing or drive, and what they come to together.
+//! A row for each swing or drive, and their sum.
 
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let shown: Vec<_> = E::STRETCH
         .iter()
         .filter_map(|key| parameter::<E>(key))
-        // Not every method has all of them.
+        // Some methods do not estimate all of them.
         .filter(|p| {
             let mut reported = found.iter().map(|s| p.value(&primary.estimates[s.index]));
             reported.any(f64::is_finite)
@@ -87,7 +87,7 @@ fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
     format!("trusted: {}", each.collect::<Vec<_>>().join(", "))
 }
 
-/// How many, how long, and the sum of what can be summed.
+/// Number, duration, and sum of the summable quantities.
 fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
     let (name, _) = E::MOTION_NAME;
     let trusted = |stretch: &&Stretch| stretch.reported.iter().all(|judgement| judgement.trusted);
@@ -115,9 +115,8 @@ fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
     out
 }
 
-/// The sum with its two intervals: noise averages out over the stretches, while an error of the
-/// description (a nominal damping, a geometry) is the same in each. A standard deviation does not say how
-/// much of it is which, so both ends are reported.
+/// The sum with its two intervals. Noise averages out over the stretches, while an error of the description (a nominal damping, a
+/// geometry) is common to all. A standard deviation does not state the two parts, so both extremes are reported.
 fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
     let value: f64 = known.iter().map(|k| k.0).sum();
     let apart = HALF_WIDTH_95 * known.iter().map(|k| k.1 * k.1).sum::<f64>().sqrt();
@@ -133,7 +132,7 @@ fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
     )
 }
 
-/// Value ± half of the 95 % interval, a dash where there is none.
+/// Value ± half of the 95 % interval, a dash if absent.
 pub(super) fn interval<E: Estimate>(parameter: &Parameter<E, E::Truth>, estimate: &E) -> String {
     let value = parameter.value(estimate);
     let half = HALF_WIDTH_95 * parameter.std(estimate);
@@ -145,7 +144,7 @@ pub(super) fn interval<E: Estimate>(parameter: &Parameter<E, E::Truth>, estimate
     }
 }
 
-/// "trusted", or why not.
+/// "trusted", or the reason against it.
 pub(super) fn brief(judgement: &Judgement) -> String {
     if judgement.trusted {
         "trusted".into()

@@ -1,4 +1,4 @@
-//! The part of a run that concerns one machine, its types put aside.
+//! The part of a run for one machine, without its types.
 
 use messages::{Machine, Message};
 
@@ -8,17 +8,17 @@ use crate::panels::{self, Panel};
 use crate::run::{MachineRun, Run};
 use crate::words::run_judgements;
 
-/// What a page asks of a machine's part.
+/// A machine's part of a run, for a page.
 pub(super) trait Part {
-    /// Which machine.
+    /// Its machine.
     fn machine(&self) -> Machine;
-    /// Whether the run has none of it.
+    /// Whether the run has no data of it.
     fn is_empty(&self) -> bool;
-    /// Whether its estimates were made of simulated samples.
+    /// Whether its estimates were made from simulated samples.
     fn is_simulated(&self) -> bool;
-    /// From the first estimate to the last [s].
+    /// Time from the first estimate to the last [s].
     fn seconds(&self) -> Option<f64>;
-    /// When the value of its first verdict was found [s].
+    /// Time of the value of its first verdict [s].
     fn reported_at(&self) -> Option<f64>;
     /// Writes the verdicts at the top.
     fn verdicts(&self, body: &mut String);

@@ -13,7 +13,7 @@ use crate::panels::latency::Hop;
 use crate::run::{self, Estimator, MachineRun, Run};
 use crate::score::Score;
 
-/// Share in percent, a dash where there is none.
+/// Share in percent, a dash if absent.
 pub(super) fn percent(share: f64) -> String {
     if share.is_finite() {
         format!("{} %", grouped(100.0 * share, 1))
@@ -81,7 +81,7 @@ fn comparison_row<E: Estimate>(
     row(&cells)
 }
 
-/// Whether processes reported how long their steps took; `heft estimate` has no processes.
+/// Whether processes reported their step times; `heft estimate` has no processes.
 fn is_timed(run: &Run) -> bool {
     !run.health.is_empty()
 }
@@ -118,7 +118,7 @@ pub(super) fn hop_rows(rows: &mut String, channel: &str, hops: &[Hop]) {
     }
 }
 
-/// Latencies by hop, and what was lost.
+/// Latencies by hop, and losses.
 pub(super) fn latency<E: Estimate>(
     body: &mut String,
     run: &Run,
@@ -158,7 +158,7 @@ pub(super) fn latency<E: Estimate>(
     );
 }
 
-/// What the processes said of themselves last.
+/// The last health reports of the processes.
 pub(super) fn processes(body: &mut String, run: &Run) {
     let mut rows = String::new();
     for health in last_health(run) {
@@ -189,7 +189,7 @@ pub(super) fn processes(body: &mut String, run: &Run) {
 fn process_row(run: &Run, h: &Health) -> String {
     let times = |ns: &[u64]| {
         let parts: Vec<_> = ns.iter().map(|&n| nanoseconds(n as f64)).collect();
-        // Of a process that takes no steps, or receives nothing, there is nothing to say.
+        // A process without steps or samples has no times to show.
         let is_known = ns.iter().any(|&n| n > 0);
         if is_known {
             parts.join(" / ")
@@ -224,7 +224,7 @@ pub(crate) fn state_name(state: u32) -> &'static str {
     }
 }
 
-/// Everything else that the recording says of itself.
+/// All other metadata of the recording.
 pub(super) fn configuration(body: &mut String, run: &Run) {
     if run.metadata.is_empty() {
         return;

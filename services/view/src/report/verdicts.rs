@@ -1,4 +1,4 @@
-//! The verdicts of a machine as cards: value, why, and the truth beside it.
+//! The verdicts of a machine as cards: value, reasons, and the truth beside it.
 
 use std::fmt::Write;
 
@@ -40,7 +40,7 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     }
 }
 
-/// All that an estimator says.
+/// All sentences of an estimator.
 fn sentences<E: Estimate>(estimator: &Estimator<E>) -> String {
     let judgements = run_judgements(&estimator.estimates);
     let sentences: Vec<_> = judgements.iter().map(|j| j.reported.sentence()).collect();
@@ -90,13 +90,13 @@ fn card<E: Estimate>(
     body.push_str(" ± is one standard deviation.</p></article>");
 }
 
-/// Why, or why not and what to do.
+/// The reasons, with the remedy if it is not trusted.
 fn explained(judgement: &Judgement) -> String {
     let text = format!("{} {}", judgement.verdict(), judgement.what_to_do());
     text.trim_end().to_owned()
 }
 
-/// The number by itself, to be read from afar; nothing where there is none.
+/// The number in large print; nothing if absent.
 fn headline_number<E: Estimate>(
     estimator: &Estimator<E>,
     judgement: &RunJudgement,
@@ -110,7 +110,7 @@ fn headline_number<E: Estimate>(
         return String::new();
     }
     let (number, interval) = large(value, std, parameter.unit);
-    // Faint where nobody should take it for a result.
+    // Faint if it is not trusted.
     let class = if judgement.reported.trusted {
         "number"
     } else {
@@ -123,7 +123,7 @@ fn headline_number<E: Estimate>(
     )
 }
 
-/// How far the stated value is from the truth.
+/// Distance of the stated value from the truth.
 fn truth_sentence<E: Estimate>(
     part: &MachineRun<E>,
     estimator: &Estimator<E>,
