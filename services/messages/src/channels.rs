@@ -1,5 +1,5 @@
-//! The channels, those of a machine in its file: read by the supervisor, who creates them, by every service and by
-//! the logger.
+//! Tables of the channels, those of a machine in its own file. The supervisor, which creates the channels, every service and the
+//! logger use them.
 
 use core::marker::PhantomData;
 use core::ops::Deref;
@@ -10,7 +10,7 @@ use crate::{Credit, Health, Keyframe, Machine, Message};
 /// Rate of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rate {
-    /// That of the sensors.
+    /// The rate of the sensors.
     Sensors,
     /// Fixed \[Hz\].
     Hz(f64),
@@ -23,21 +23,21 @@ pub struct Channel {
     pub name: &'static str,
     /// Payload type.
     pub payload: Payload,
-    /// Samples that a slow reader may be behind before the oldest is dropped. 512 hold 51 ms at
-    /// 10 kHz: without real-time scheduling a reader can be away for 20 ms.
+    /// Messages by which a slow reader may lag before the oldest is dropped. 512 hold 51 ms at 10 kHz: without real-time
+    /// scheduling a reader can be delayed by 20 ms.
     pub depth: usize,
-    /// How often.
+    /// Rate of its messages.
     pub rate: Rate,
 }
 
 impl Channel {
-    /// Its name behind the last slash.
+    /// Its name after the last slash.
     pub fn last_name(&self) -> &'static str {
         self.name.rsplit('/').next().unwrap_or(self.name)
     }
 }
 
-/// A channel that knows its message type: a step on the wrong one does not compile.
+/// A channel with its message type: a step on the wrong one does not compile.
 #[derive(Debug)]
 pub struct ChannelOf<M> {
     channel: Channel,
@@ -59,7 +59,7 @@ impl<M: Message> ChannelOf<M> {
 }
 
 impl<M> ChannelOf<M> {
-    /// The same channel with its message type put aside.
+    /// The same channel without its message type.
     pub const fn any(&self) -> &Channel {
         &self.channel
     }
@@ -73,7 +73,7 @@ impl<M> Deref for ChannelOf<M> {
     }
 }
 
-/// Channels: name, message, name as others see it, depth, rate.
+/// Channels: name, message, public name, depth, rate.
 macro_rules! channels {
     ($( $(#[$doc:meta])* $name:ident: $message:ident = $text:literal, $depth:literal, $rate:expr; )*) => {
         $( $(#[$doc])* pub static $name: ChannelOf<$message> = ChannelOf::new($text, $depth, $rate); )*
@@ -97,7 +97,7 @@ macro_rules! channels_of_machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         $( pub use crate::$module::channels::*; )*
 
-        /// All channels: those of each machine, then those that all have.
+        /// All channels: those of each machine, then the common ones.
         pub fn all() -> impl Iterator<Item = &'static Channel> {
             [$( crate::$module::channels::OWN, )* OWN].into_iter().flatten().copied()
         }
@@ -111,7 +111,7 @@ pub fn find(name: &str) -> Option<&'static Channel> {
     all().find(|c| c.name == name)
 }
 
-/// Channels of a machine, those that both have included.
+/// Channels of a machine, including the common ones.
 pub fn of_machine(machine: Machine) -> impl Iterator<Item = &'static Channel> {
     all().filter(move |c| {
         c.name

@@ -12,7 +12,7 @@ pub enum Words {
 }
 
 impl Words {
-    /// The entry of a code; `None` for bits, and for a code that this version does not know.
+    /// The entry of a code; `None` for bits, and for an unknown code.
     pub fn of(&self, code: u32) -> Option<&'static Entry> {
         match self {
             Self::Bits(_) => None,
@@ -21,7 +21,7 @@ impl Words {
     }
 }
 
-/// Name of a code that this version does not know.
+/// Name of an unknown code.
 pub const UNKNOWN: &str = "unknown";
 
 impl Words {

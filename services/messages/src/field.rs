@@ -1,4 +1,5 @@
-//! What a reader that knows nothing of heft is given of a field: its name, its unit, its type, its value; and the fields that every message begins with.
+//! Description of a field for readers without knowledge of heft: name, unit, type, value; and the fields that every message
+//! begins with.
 
 use crate::{Hops, Stamp};
 
@@ -43,14 +44,14 @@ impl Value {
     }
 }
 
-/// Description of a field: what a reader that knows nothing of heft must be given.
+/// Description of a field for a reader without knowledge of heft.
 #[derive(Debug, Clone, Copy)]
 pub struct Field {
     /// Name, as in the CSV and in the recording.
     pub name: &'static str,
     /// SI unit, "" for bits and pure numbers.
     pub unit: &'static str,
-    /// One sentence.
+    /// Its meaning in one sentence.
     pub doc: &'static str,
     /// Type.
     pub kind: NumberType,
@@ -163,7 +164,7 @@ pub(crate) fn set_head(stamp: &mut Stamp, hops: &mut Hops, index: usize, value: 
     true
 }
 
-/// Type of a field, found from its Rust type.
+/// Type of a field, from its Rust type.
 pub(crate) trait FieldType: Copy {
     const KIND: NumberType;
     fn wrap(self) -> Value;

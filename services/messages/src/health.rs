@@ -1,4 +1,4 @@
-//! What the processes say of themselves.
+//! Health reports of the processes.
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
@@ -17,7 +17,7 @@ pub enum State {
     Waiting = 2,
     /// Has ended in order.
     Ended = 3,
-    /// Is at the same sample for too long.
+    /// Has been at the same sample for too long.
     Hanging = 4,
 }
 

@@ -1,5 +1,5 @@
-//! The complete state of a step, so that what comes after it can be computed without what came before:
-//! by the next life of a process that died, and by a replay behind a gap of the recording.
+//! The complete state of a step, from which its further output follows without earlier samples: for a restarted process, and for
+//! a replay after a gap of the recording.
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
@@ -74,7 +74,7 @@ message! {
 
 /// Bytes of a state in one message.
 pub const PIECE: usize = 192;
-/// A longer state is none: what claims to be one is damaged.
+/// Longest state [bytes]; a longer one is damaged.
 pub const LONGEST: usize = 1 << 16;
 
 /// The words of a piece, each of them once.
@@ -109,18 +109,18 @@ macro_rules! words {
     };
 }
 
-/// Whose state it is.
+/// Owner of a state.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Owner {
     /// Position of the process in the table of processes.
     pub process: u32,
     /// Restarts of the process before this.
     pub restarts: u32,
-    /// What the state fits.
+    /// Number of the build, process, method and description that the state requires.
     pub identity: u64,
 }
 
-/// The messages that carry a state, without allocation; none for one that is too long.
+/// The messages that carry a state, without allocation; none for a state longer than [`LONGEST`].
 pub fn pieces<'a>(
     owner: Owner,
     stamp: &'a Stamp,
@@ -151,15 +151,15 @@ pub fn pieces<'a>(
 /// A whole state.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Snapshot {
-    /// Whose it is.
+    /// Its owner.
     pub owner: Owner,
-    /// The last sample that it has seen.
+    /// Stamp of the last sample that it includes.
     pub stamp: Stamp,
-    /// The state itself, as the step has written it.
+    /// The state as serialised by the step.
     pub bytes: Vec<u8>,
 }
 
-/// Puts the pieces of one process together.
+/// Joins the pieces of one process.
 #[derive(Debug, Clone, Default)]
 pub struct Collector {
     next: Snapshot,
@@ -168,8 +168,7 @@ pub struct Collector {
 }
 
 impl Collector {
-    /// Takes a piece; the state with its last one. A state of which a piece is missing or damaged
-    /// never comes out.
+    /// Takes a piece; returns the state with its last piece. A state with a missing or damaged piece is never returned.
     pub fn take(&mut self, piece: &Keyframe) -> Option<Snapshot> {
         let owner = Owner {
             process: piece.process,
@@ -206,7 +205,7 @@ impl Collector {
     }
 }
 
-/// FNV-1a: tells damage, no attacker.
+/// FNV-1a: detects damage, but not an attack.
 fn sum(bytes: &[u8]) -> u64 {
     let start = 0xcbf2_9ce4_8422_2325;
     let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);

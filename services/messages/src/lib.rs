@@ -3,8 +3,7 @@
 //! Every payload is `repr(C)`, without padding, pointers or destructors, and begins with a
 //! [`Stamp`] and the [`Hops`]. The type names are part of the public interface: a Python or C++
 //! program subscribes with a structure of the same name, size and alignment. [`Message::FIELDS`]
-//! describes each payload, so that the recorder, the CSV writer and the live page need no
-//! knowledge of any particular one.
+//! describes each payload, so that the recorder, the CSV writer and the live page need no code for any particular one.
 //!
 //! | file | what |
 //! |---|---|
@@ -15,7 +14,7 @@
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
 //! | `words` | names of bits and codes, from the sheet |
 //! | `field`, `stamp` | the description of a field, and what every payload begins with |
-//! | `message` | what every payload can do, and any of them |
+//! | `message` | the interface of every payload, and an enum of them all |
 
 pub mod channels;
 mod codes;

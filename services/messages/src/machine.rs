@@ -1,10 +1,10 @@
-//! The machines that heft knows: one row each, from which every crate makes its own table.
+//! The machines, a row each, from which every crate makes its own table.
 
 use core::fmt;
 
-/// The machines, a row each: name, module of that name in every crate, its messages of sensors, truth and
-/// estimate, and further messages. Calls the macro `$then` with all rows, so that a crate says what it has of a
-/// machine once, in the file of that machine, and a new row asks the compiler for what is missing.
+/// The machines, a row each: name, module of that name in every crate, its messages of sensors, truth and estimate, and further
+/// messages. Calls the macro `$then` with all rows. So a crate defines its part of a machine once, in the file of that machine,
+/// and the compiler reports what a new row lacks.
 #[macro_export]
 macro_rules! machines {
     ($then:ident) => {
@@ -17,7 +17,7 @@ macro_rules! machines {
 
 macro_rules! names {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// Which machine.
+        /// A machine.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[allow(missing_docs, reason = "each is the machine of its name")]
         pub enum Machine { $( $machine, )* }
@@ -46,7 +46,7 @@ macro_rules! names {
 crate::machines!(names);
 
 impl Machine {
-    /// The numbers of its estimates that people see, in their order.
+    /// The numbers of its estimates that are shown to people, in order.
     pub fn shown(self) -> impl Iterator<Item = &'static sheet::Quantity> {
         let all = self.quantities().iter();
         (1..).map_while(move |place| all.clone().find(|q| q.shown == place))

@@ -1,4 +1,4 @@
-//! What every payload can do, and the envelope with any of them.
+//! The interface of every payload, and the envelope for any of them.
 
 use core::fmt::Debug;
 
@@ -6,28 +6,27 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::{Field, Hops, Stamp, Value};
 
-/// In the field of bits that each message of a machine has (`columns`, `known` or `flags`): it was
-/// made from simulated samples, nothing was measured.
+/// Bit of the messages of a machine (in `columns`, `known` or `flags`): made from simulated samples, not from measurements.
 pub const SIMULATED: u32 = 1 << 31;
 
 /// A payload of a channel, with its own description.
 pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 'static {
     /// Type name, as iceoryx2 and the recording show it.
     const NAME: &'static str;
-    /// Which payload it is.
+    /// Its variant of [`Payload`].
     const PAYLOAD: Payload;
     /// All fields in the order of the structure, those of stamp and hops first.
     const FIELDS: &'static [Field];
-    /// Names of the bits or codes of those fields that are such.
+    /// Names of the bits or codes in its fields.
     const WORDS: &'static [(&'static str, crate::Words)] = &[];
 
     /// Identity of the sample.
     fn stamp(&self) -> &Stamp;
-    /// Identity of the sample, to write.
+    /// Identity of the sample, mutable.
     fn stamp_mut(&mut self) -> &mut Stamp;
     /// Publish times.
     fn hops(&self) -> &Hops;
-    /// Publish times, to write.
+    /// Publish times, mutable.
     fn hops_mut(&mut self) -> &mut Hops;
     /// Value of field `index` of [`Message::FIELDS`]; `None` past the end.
     fn get(&self, index: usize) -> Option<Value>;
@@ -36,12 +35,12 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
 
     /// Whether it was made from simulated samples, see [`SIMULATED`].
     fn is_simulated(&self) -> bool;
-    /// Says that it was made from simulated samples.
+    /// Marks it as made from simulated samples.
     fn mark_simulated(&mut self);
 
-    /// The message with its type put aside, to be queued with others.
+    /// The message without its type, for a queue of several types.
     fn envelope(&self) -> crate::Envelope;
-    /// The message in an envelope; `None` if another is inside.
+    /// The message in an envelope; `None` if it contains another type.
     fn inside(envelope: &crate::Envelope) -> Option<&Self>;
 
     /// Position of the field called `name`.
@@ -59,7 +58,7 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
         self.field(name).map(Value::as_f64)
     }
 
-    /// The bits in the field called `name`; none where there is no such field.
+    /// The bits in the field called `name`; 0 if there is no such field.
     fn bits_of(&self, name: &str) -> u32 {
         match self.field(name) {
             Some(Value::U32(bits)) => bits,
@@ -70,7 +69,7 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
 
 /// A function that works on any payload type; [`Payload::visit`] calls it with the right one.
 pub trait Visitor {
-    /// What it returns.
+    /// Its result.
     type Output;
     /// Called with the payload type of the channel.
     fn visit<M: Message>(self) -> Self::Output;
@@ -78,7 +77,7 @@ pub trait Visitor {
 
 /// A function that takes a message of any type.
 pub trait Receiver {
-    /// What it returns.
+    /// Its result.
     type Output;
     /// Called with the message in the envelope.
     fn receive<M: Message>(self, message: &M) -> Self::Output;
@@ -88,22 +87,22 @@ fn fields<M: Message>(_: &M) -> &'static [Field] {
     M::FIELDS
 }
 
-/// What a message is to its machine.
+/// Role of a message for its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carries {
-    /// What was measured.
+    /// The measurements.
     Sensors,
-    /// The truth behind it.
+    /// The truth behind the measurements.
     Truth,
-    /// What is estimated from it.
+    /// The estimates.
     Estimate,
-    /// What is between them.
+    /// An intermediate result.
     Between,
-    /// It is of no machine: every process has it.
+    /// Common to all processes, of no machine.
     Common,
 }
 
-/// Everything that must be said once per message type: `payloads!` is called with all of them and their roles.
+/// All message types with their roles; `payloads!` is called with them.
 macro_rules! payloads_of_machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, [$($other:ident),*]; )*) => {
         payloads! {
@@ -122,7 +121,7 @@ macro_rules! payloads {
         }
 
         impl Payload {
-            /// What it is to its machine.
+            /// Its role for its machine.
             pub const fn carries(self) -> Carries {
                 match self {
                     $( Self::$name => Carries::$carries, )*
@@ -145,14 +144,14 @@ macro_rules! payloads {
         }
 
         impl Envelope {
-            /// Hands the message inside to `receiver`.
+            /// Passes the message inside to `receiver`.
             pub fn open<R: Receiver>(&self, receiver: R) -> R::Output {
                 match self {
                     $( Self::$name(m) => receiver.receive(m), )*
                 }
             }
 
-            /// Which payload is inside.
+            /// Type of the message inside.
             pub const fn payload(&self) -> Payload {
                 match self {
                     $( Self::$name(_) => Payload::$name, )*
@@ -166,7 +165,7 @@ macro_rules! payloads {
                 }
             }
 
-            /// Says that it was made from simulated samples.
+            /// Marks it as made from simulated samples.
             pub fn mark_simulated(&mut self) {
                 match self {
                     $( Self::$name(m) => m.mark_simulated(), )*
@@ -199,8 +198,8 @@ macro_rules! payloads {
 
 crate::machines!(payloads_of_machines);
 
-/// Defines a payload together with its description: the structure that iceoryx2 carries, and the
-/// table that every generic reader uses, cannot disagree.
+/// Defines a payload together with its description. So the structure that iceoryx2 carries and the table of the generic readers
+/// cannot disagree.
 macro_rules! message {
     (
         $(#[doc = $doc:literal])*
@@ -294,7 +293,7 @@ macro_rules! message {
     };
 }
 
-/// The unit in words; nothing for bits and pure numbers.
+/// The unit as text; nothing for bits and pure numbers.
 macro_rules! unit {
     ("") => {
         ""

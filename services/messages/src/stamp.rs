@@ -6,20 +6,20 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 #[type_name("Stamp")]
 #[repr(C)]
 pub struct Stamp {
-    /// Which machine (0 where there is only one).
+    /// Number of the machine (0 where there is only one).
     pub machine: u32,
-    /// How often the source had been restarted when it made this sample.
+    /// Restarts of the source before it made this sample.
     pub epoch: u32,
-    /// Number of the sample since the start of the run, from 0; a gap is a loss.
+    /// Number of the sample since the start of the run, from 0; a gap is a lost sample.
     pub sequence: u64,
-    /// Time of the measurement as the data tell it \[s\].
+    /// Time of the measurement by the data \[s\].
     pub time: f64,
     /// Time of the measurement on the host's monotonic clock \[ns\].
     pub measured_ns: u64,
 }
 
-/// When each stage published the sample, on the host's monotonic clock \[ns\]; 0 = not passed.
-/// And which life of that stage it was, so that a replay knows when its state began anew.
+/// Times at which each stage published the sample, on the host's monotonic clock \[ns\]; 0 = not passed. The restarts show a
+/// replay where a stage's state was reset.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
 #[type_name("Hops")]
 #[repr(C)]
@@ -30,7 +30,7 @@ pub struct Hops {
     pub filter_ns: u64,
     /// Published by the estimator.
     pub estimate_ns: u64,
-    /// Restarts of the filter stage before it published this: a new state each time.
+    /// Restarts of the filter stage before it published this; each resets its state.
     pub filter_restarts: u32,
     /// Restarts of the estimator before it published this.
     pub estimate_restarts: u32,
@@ -46,7 +46,7 @@ pub enum Hop {
 }
 
 impl Hops {
-    /// Notes when a stage published \[ns\], and how often it had been restarted before.
+    /// Notes the time of publication \[ns\] and the restarts of a stage.
     pub fn mark(&mut self, hop: Hop, now_ns: u64, restarts: u32) {
         match hop {
             Hop::Filter => (self.filter_ns, self.filter_restarts) = (now_ns, restarts),
@@ -54,7 +54,7 @@ impl Hops {
         }
     }
 
-    /// How often a stage had been restarted when it published this.
+    /// Restarts of a stage before it published this.
     pub fn restarts(&self, hop: Hop) -> u32 {
         match hop {
             Hop::Filter => self.filter_restarts,

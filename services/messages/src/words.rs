@@ -1,35 +1,35 @@
-//! What the numbers of a message mean that are bits or codes, from the sheet.
+//! Meaning of the numbers of a message that are bits or codes, from the sheet.
 
 use std::borrow::Cow;
 
 pub use crate::codes::{Entry, UNKNOWN, Words};
 use crate::{Message, Value};
 
-/// A field, or a bit of one, as people read it.
+/// A field, or a bit of one, as shown to people.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Said {
     /// A number.
     Number(Value),
     /// A flag.
     Flag(bool),
-    /// A code by its name; "" where there is nothing to say.
+    /// A code by its name; "" for none.
     Word(&'static str),
-    /// A number that is not there: not measured, or not estimated.
+    /// An absent number: not measured, or not estimated.
     Missing,
 }
 
-/// Which numbers of a message are there: one that is not is 0, and its bit is not set.
+/// Presence of the numbers of a message: an absent one is 0, and its bit is not set.
 #[derive(Debug, Clone, Copy)]
 pub struct Presence {
-    /// The field of these bits.
+    /// The field with these bits.
     pub field: &'static str,
     entries: &'static [Entry],
-    /// Earlier versions recorded estimates without their bits: one that is not 0 is there.
+    /// Earlier versions recorded estimates without their bits: there, a nonzero number is present.
     is_estimate: bool,
 }
 
 impl Presence {
-    /// Of a message; `None` where all numbers are always there.
+    /// The presence bits of a message; `None` if all its numbers are always present.
     pub fn of<M: Message>() -> Option<Self> {
         let of = |field, is_estimate| match Words::of_field(M::WORDS, field) {
             Some(Words::Bits(entries)) => Some(Self {
@@ -42,21 +42,21 @@ impl Presence {
         of("valid", false).or_else(|| of("estimated", true))
     }
 
-    /// The bit of a number or of its standard deviation; 0 for one that is always there.
+    /// The bit of a number or of its standard deviation; 0 for one that is always present.
     pub fn bit(&self, field: &str) -> u32 {
         let name = field.strip_suffix("_std").unwrap_or(field);
         let entry = self.entries.iter().find(|entry| entry.name == name);
         entry.map_or(0, |entry| entry.number)
     }
 
-    /// Whether a number with this bit is not there, where these bits are set.
+    /// Whether a number with this bit is absent, given the bits that are set.
     pub fn is_missing(&self, value: Value, bit: u32, set: u32) -> bool {
         bit & !set != 0 && (!self.is_estimate || value == Value::F64(0.0))
     }
 }
 
-/// The flags of a message by the names that every output gives them: each with its mask and meaning. One that has
-/// the name of a field is distinguished by `_now`.
+/// The flags of a message by their names in every output, each with its mask and meaning. A flag with the name of a field gets
+/// the suffix `_now`.
 pub fn flags<M: Message>() -> impl Iterator<Item = (Cow<'static, str>, &'static Entry)> {
     let flags = match Words::of_field(M::WORDS, "flags") {
         Some(Words::Bits(entries)) => *entries,
@@ -79,7 +79,7 @@ pub const SIMULATED_ENTRY: Entry = Entry {
     doc: "Made from simulated samples, nothing was measured.",
 };
 
-/// All fields of a message, codes by their names, and then its flags.
+/// All fields of a message, with codes by their names, then its flags.
 pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>, Said)> {
     let presence = Presence::of::<M>();
     let set = presence.map_or(0, |p| message.bits_of(p.field));
@@ -90,7 +90,7 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
         let said = match (Words::of_field(M::WORDS, field.name), value) {
             (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
             _ if is_missing(field.name, value) => Said::Missing,
-            // A row without a time has none, whatever its bits say.
+            // The time of a row without a time is not finite, although its bit is set.
             (_, Value::F64(number)) if !number.is_finite() => Said::Missing,
             _ => Said::Number(value),
         };
@@ -101,7 +101,7 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
     fields.chain(flags)
 }
 
-/// The message of a machine's sensors: numbers, the bits, and the numbers that came later.
+/// The message of a machine's sensors: numbers, the bits, and the numbers of later versions.
 macro_rules! sensors {
     (
         $(#[doc = $about:literal])*
@@ -124,7 +124,7 @@ macro_rules! sensors {
     };
 }
 
-/// The message of a machine's estimates: numbers, the bits and codes, and the numbers that came later.
+/// The message of a machine's estimates: numbers, the bits and codes, and the numbers of later versions.
 macro_rules! estimates {
     (
         $(#[doc = $about:literal])*
@@ -230,7 +230,7 @@ mod tests {
         };
         assert_eq!(of(&message, "friction_std"), Some(Said::Missing));
         assert_eq!(of(&message, "velocity"), zero);
-        // Earlier recordings had no bit for it.
+        // Earlier recordings had no bit for it, and it is not 0.
         let inertia = Some(Said::Number(Value::F64(7e3)));
         assert_eq!(of(&message, "inertia"), inertia);
     }
