@@ -1,10 +1,10 @@
-//! The one judge of values that call themselves trusted, where the truth is known.
+//! Judgement of trusted values where the truth is known.
 //!
-//! A row is **wrong** if it says trusted and its truth lies outside the stated 95 % interval, or more than 10 % away.
+//! A row is **wrong** if it is trusted and its truth lies outside the stated 95 % interval, or more than 10 % away.
 
 use std::collections::BTreeMap;
 
-/// A trusted value further away than this share of the truth is wrong, whatever its interval says.
+/// Relative error beyond which a trusted value is wrong, whatever its interval.
 pub const FAR: f64 = 0.10;
 
 /// Whether the 95 % interval of a value holds the truth.
@@ -17,20 +17,20 @@ pub fn is_wrong(value: f64, std: f64, truth: f64) -> bool {
     !is_covered(value, std, truth) || (value - truth).abs() > FAR * truth.abs()
 }
 
-/// One row of an estimator beside its truth.
+/// One row of an estimator with its truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JudgedRow {
-    /// What is so.
+    /// True value.
     pub truth: f64,
-    /// What the estimator says.
+    /// Estimated value.
     pub estimate: f64,
-    /// The standard deviation it states.
+    /// Stated standard deviation.
     pub std: f64,
-    /// Whether it says trusted.
+    /// Whether the estimator trusts it.
     pub trusted: bool,
-    /// Whether the machine moves: only then trust can be asked for.
+    /// Whether the machine moves: trust is expected only then.
     pub moving: bool,
-    /// Why it is not trusted or not consistent, in a word; empty if nothing is given.
+    /// Reason why it is not trusted or not consistent, in a word; empty for none.
     pub reason: &'static str,
 }
 
@@ -76,7 +76,7 @@ impl Tally {
         }
     }
 
-    /// Adds the counts of another.
+    /// Adds the counts of another tally.
     pub fn add(&mut self, other: &Self) {
         self.rows += other.rows;
         self.covered += other.covered;
@@ -90,7 +90,7 @@ impl Tally {
         }
     }
 
-    /// Share of the rows in motion that say trusted.
+    /// Share of the rows in motion that are trusted.
     pub fn trusted(&self) -> f64 {
         share(self.trusted_moving, self.moving)
     }
@@ -110,7 +110,7 @@ impl Tally {
         share(self.covered, self.rows)
     }
 
-    /// The reason most often given, and the share of all rows that give it.
+    /// The most frequent reason, and its share of all rows.
     pub fn reason(&self) -> Option<(&'static str, f64)> {
         let most = self.reasons.iter().max_by_key(|(_, count)| **count)?;
         Some((most.0, share(*most.1, self.rows)))

@@ -1,11 +1,10 @@
-//! The statistics that tables, plots and evaluations show: one home, so that a percentile that is shown is the same
-//! number everywhere.
+//! The statistics of all tables, plots and evaluations, defined once, so that a percentile is the same number everywhere.
 
 pub mod judge;
 
 use estimation::HALF_WIDTH_95;
 
-/// Arithmetic mean; 0 of nothing.
+/// Arithmetic mean; 0 for an empty slice.
 pub fn mean(values: &[f64]) -> f64 {
     if values.is_empty() {
         0.0
@@ -14,19 +13,19 @@ pub fn mean(values: &[f64]) -> f64 {
     }
 }
 
-/// Population standard deviation; 0 of nothing.
+/// Population standard deviation; 0 for an empty slice.
 pub fn deviation(values: &[f64]) -> f64 {
     let centre = mean(values);
     let squares: Vec<f64> = values.iter().map(|v| (v - centre).powi(2)).collect();
     mean(&squares).sqrt()
 }
 
-/// Largest absolute value; 0 of nothing.
+/// Largest absolute value; 0 for an empty slice.
 pub fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, v| v.abs().max(largest))
 }
 
-/// The percentile `share` (0 to 1), interpolated between neighbours; 0 of nothing.
+/// The percentile `share` (0 to 1), interpolated between neighbours; 0 for an empty slice.
 pub fn percentile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -37,29 +36,29 @@ pub fn percentile(values: &[f64], share: f64) -> f64 {
     }
 }
 
-/// The median; 0 of nothing.
+/// The median; 0 for an empty slice.
 pub fn median(values: &[f64]) -> f64 {
     percentile(values, 0.5)
 }
 
-/// The 95th percentile; 0 of nothing.
+/// The 95th percentile; 0 for an empty slice.
 pub fn p95(values: &[f64]) -> f64 {
     percentile(values, 0.95)
 }
 
-/// Standard error of [`mean`]; 0 of nothing.
+/// Standard error of [`mean`]; 0 for an empty slice.
 pub fn mean_error(values: &[f64]) -> f64 {
     deviation(values) / (values.len().max(1) as f64).sqrt()
 }
 
-/// Standard error of [`p95`]: half the distance between the percentiles one standard deviation of the rank
-/// below and above, without a law of distribution.
+/// Standard error of [`p95`]: half the distance between the percentiles one standard deviation of the rank below and above. It
+/// assumes no distribution.
 pub fn p95_error(values: &[f64]) -> f64 {
     let rank = (0.95 * 0.05 / values.len().max(1) as f64).sqrt();
     0.5 * (percentile(values, 0.95 + rank) - percentile(values, 0.95 - rank))
 }
 
-/// The percentage of true values; 0 of nothing.
+/// The percentage of true values; 0 for none.
 pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
     let hits: Vec<f64> = values
         .into_iter()
@@ -68,16 +67,16 @@ pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
     mean(&hits)
 }
 
-/// How far each of several values, with its standard deviation, stands from their median: the modified z-score of Iglewicz and
-/// Hoaglin (1993), with the value's own uncertainty beside the scatter of all. Several that are off do not hide one another.
-/// None of fewer than four values: there is no telling then which one is the odd one.
+/// Distance of each of several values (value, standard deviation) from their median, in standard deviations. It is the modified
+/// z-score of Iglewicz and Hoaglin (1993), with the value's own variance added to that of the scatter. Several outliers do not
+/// mask one another. `None` for fewer than four values, where the outlier is not identifiable.
 pub fn standing(values: &[(f64, f64)]) -> Option<Vec<f64>> {
     if values.len() < 4 {
         return None;
     }
     let centre = median(&values.iter().map(|v| v.0).collect::<Vec<_>>());
     let distances: Vec<f64> = values.iter().map(|v| (v.0 - centre).abs()).collect();
-    // 1.4826: the standard deviation of a normal distribution over its median absolute deviation.
+    // 1.4826: ratio of the standard deviation of a normal distribution to its median absolute deviation.
     let scatter = 1.4826 * median(&distances);
     let score = |&(value, std): &(f64, f64)| {
         let expected = (scatter * scatter + std * std).sqrt();
@@ -91,13 +90,13 @@ pub fn standing(values: &[(f64, f64)]) -> Option<Vec<f64>> {
     Some(values.iter().map(score).collect())
 }
 
-/// A value whose [`standing`] is further away than this is not of the same kind as the others (Iglewicz and Hoaglin 1993).
+/// Limit of [`standing`] beyond which a value is an outlier (Iglewicz and Hoaglin 1993).
 pub const STANDS_OUT: f64 = 3.5;
 
 /// Count, mean and standard deviation (population) of a sample, and its largest magnitude.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Summary {
-    /// How many values.
+    /// Number of values.
     pub count: usize,
     /// Mean.
     pub mean: f64,
@@ -108,7 +107,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summary of the finite ones among `values`; `None` where there is none.
+    /// Summary of the finite `values`; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let finite = || values.iter().copied().filter(|v| v.is_finite());
         let count = finite().count();
@@ -143,7 +142,7 @@ pub fn normal_density(x: f64, mean: f64, std: f64) -> f64 {
     (-0.5 * z * z).exp() / (std * (2.0 * std::f64::consts::PI).sqrt())
 }
 
-/// A histogram as densities, so that a normal density can be laid over it.
+/// A histogram as densities, comparable with a normal density.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     /// Bounds of the bins, one more than there are bins.
@@ -153,7 +152,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Histogram over mean ± 4 standard deviations; what lies outside counts in the outermost bins.
+    /// Histogram over mean ± 4 standard deviations; values outside count in the outermost bins.
     pub fn of(values: &[f64], bins: usize) -> Option<Self> {
         let summary = Summary::of(values)?;
         let half = if summary.std > 0.0 {
@@ -217,7 +216,7 @@ pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A fixed sequence that is uniform on 0..1 and as white as a 64-bit LCG is.
+    /// A fixed sequence, uniform on 0..1 and as white as a 64-bit LCG is.
     fn uniform(n: usize) -> Vec<f64> {
         let mut state = 1u64;
         let mut next = || {
