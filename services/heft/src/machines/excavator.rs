@@ -102,7 +102,7 @@ impl MachineKind for Excavator {
     }
 }
 
-/// Rate of the machines at work \[Hz\], and how long they work if nobody says \[s\].
+/// Sampling rate of the machines at work \[Hz\], and default duration of their runs \[s\].
 const WORK_RATE: f64 = 100.0;
 const WORK_DURATION: f64 = 60.0;
 

@@ -1,12 +1,12 @@
-//! Torques that never change while the machine moves: nothing measures them.
+//! Detects torque columns that stay constant while the machine moves: no sensor measures them.
 
-/// Moving rows that tell: some ten seconds.
+/// Fewest moving rows for a verdict: some ten seconds.
 const FEWEST: u32 = 1000;
 
-/// Torques of which one at least must change in a machine that moves.
+/// Torques of which at least one must change in a machine that moves.
 pub(super) struct Still<const N: usize> {
     names: [&'static str; N],
-    /// The first values, and whether another one came.
+    /// The first values, and whether a later row differs.
     first: Option<[f64; N]>,
     changes: bool,
     rows: u32,
@@ -22,7 +22,7 @@ impl<const N: usize> Still<N> {
         }
     }
 
-    /// A row in which the machine moves.
+    /// Takes a row in which the machine moves.
     pub(super) fn see(&mut self, torques: [Option<f64>; N]) {
         if torques.iter().all(Option::is_some) {
             let torques = torques.map(Option::unwrap_or_default);
@@ -31,7 +31,7 @@ impl<const N: usize> Still<N> {
         }
     }
 
-    /// That none changes, and what to do.
+    /// The fault and its remedy, if no torque changes.
     pub(super) fn fault(&self) -> Option<String> {
         let first = self.first.filter(|_| !self.changes)?;
         let said = self.names.iter().zip(first);

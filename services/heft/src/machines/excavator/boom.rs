@@ -1,8 +1,8 @@
-//! A boom angle with the other sign.
+//! Detects a boom angle of opposite sign.
 
 use messages::{ExcavatorSensors, excavator_bits as bits};
 
-/// Does the boom point into the ground in nearly every sample in which an excavator swings? No machine can.
+/// Counts swinging samples in which the boom points into the ground. No machine can swing like that.
 #[derive(Default)]
 pub(super) struct Boom {
     down: usize,
@@ -10,11 +10,11 @@ pub(super) struct Boom {
 }
 
 impl Boom {
-    /// Swinging from this velocity on [rad/s].
+    /// Least swing velocity of a swinging sample [rad/s].
     const SWINGS: f64 = 0.1;
-    /// Down from this angle on \[rad\].
+    /// Boom angle below which the boom points into the ground \[rad\].
     const DOWN: f64 = -0.2;
-    /// Fewest samples that tell.
+    /// Fewest samples for a verdict.
     const FEWEST: usize = 50;
 }
 

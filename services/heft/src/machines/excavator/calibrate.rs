@@ -22,7 +22,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
             payload,
         });
     }
-    // A fit lasts, and a recording may be gone by then.
+    // A fit takes time, and a recording may be gone by its end.
     let origin = origin(args)?;
     let stop = interrupt()?;
     let outcome = machine::calibrate(

@@ -1,23 +1,23 @@
-//! Do the boom's pressures carry boom, arm and bucket while the machine swings? They must: nothing else holds them up.
+//! Checks that the boom's head pressure carries boom, arm and bucket while the machine swings: nothing else holds them up.
 
 use estimation::excavator::Sample;
 
-/// Swinging from this velocity on, the bucket is in the air [rad/s].
+/// Swing velocity above which the bucket is in the air [rad/s].
 const SWINGS: f64 = 0.1;
-/// Swinging rows that tell: some ten seconds.
+/// Fewest swinging rows for a verdict: some ten seconds.
 const FEWEST: u32 = 1000;
-/// Pumps give 20 MPa and more, and no boom is carried by so little of it \[Pa\]. Recorded while machines of 5 to 36 t swing: 12 to 23 MPa
-/// in the highest row of a hundred, 14 MPa without any load; psi that are read as kPa leave a seventh. The other end is a line without
-/// pressure.
+/// Range of head pressures too low to carry a boom \[Pa\]; pumps give 20 MPa and more. Highest row of a hundred while machines of 5 to
+/// 36 t swing, as recorded: 12 to 23 MPa, 14 MPa without any load. Pressures in psi that are read as kPa are a seventh of that. Below
+/// the range is a line without pressure.
 const LOW: [f64; 2] = [1e5, 3.5e6];
-/// One row in so many may be a disturbance.
+/// Rows per disturbance: a share of 1/100 may be disturbed.
 const DISTURBED: u32 = 100;
 
-/// Looks at the head pressure of swinging rows.
+/// Counts head pressures of swinging rows.
 #[derive(Default)]
 pub(super) struct Carries {
     rows: u32,
-    /// Rows beyond each end of what is too low.
+    /// Rows above each limit of [`LOW`].
     beyond: [u32; 2],
 }
 
@@ -32,7 +32,7 @@ impl Carries {
         }
     }
 
-    /// That they do not, and what to do.
+    /// The fault and its remedy, if the pressures are too low.
     pub(super) fn fault(&self) -> Option<String> {
         let [some, enough] = self.beyond.map(|rows| DISTURBED * rows > self.rows);
         (self.rows >= FEWEST && some && !enough).then(|| {
@@ -66,7 +66,7 @@ mod tests {
         };
         assert_eq!(said(1.0), "");
         assert!(said(6.894_76).contains("psi that are read as kPa"));
-        // A sensor that shows nothing is another fault.
+        // A sensor without output is another fault.
         assert_eq!(said(1e9), "");
     }
 }

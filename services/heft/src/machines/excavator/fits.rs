@@ -1,4 +1,4 @@
-//! Are data and description of one machine?
+//! Checks whether data and machine file belong to the same machine.
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, joint, largest};
 use messages::ExcavatorSensors;
@@ -12,13 +12,13 @@ use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder};
 
-/// Mass of the reference machine \[kg\], which a description without an operating mass is of.
+/// Operating mass of the reference machine \[kg\], assumed for a machine file without one.
 const REFERENCE: f64 = 5500.0;
 
-/// Swinging from this velocity on, the boom's cylinders carry it [rad/s].
+/// Swing velocity above which the boom's cylinders carry boom, arm and bucket [rad/s].
 const SWINGS: f64 = 0.1;
 
-/// Looks at columns alone, at postures, and at the machine.
+/// All checks: single columns, postures, then torque against the machine file.
 pub(in crate::machines) struct Fits {
     angles: Angles<3>,
     speed: Speed,
@@ -73,7 +73,7 @@ impl Look for Fits {
         }
         let [boom, arm] = &mut self.cylinders;
         boom.see(sample.boom_head_pressure, sample.boom_rod_pressure, swings);
-        // The head side of the arm's cylinder curls it.
+        // The head side of the arm's cylinder curls the arm: it need not carry a load while the machine swings.
         arm.see(sample.arm_head_pressure, sample.arm_rod_pressure, false);
     }
 
@@ -93,7 +93,7 @@ impl Look for Fits {
     }
 }
 
-/// What to do about it.
+/// What the user can do about a mismatch.
 fn remedy(mismatch: Mismatch, mass: f64) -> String {
     let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {
@@ -124,15 +124,15 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
     }
 }
 
-/// Mass of a machine with this many times the inertia \[t\], if there are such. Machines are alike: inertia grows with the mass to the
-/// power of 5/3.
+/// Mass of a machine with this many times the inertia \[t\], if such machines exist. Machines are geometrically similar: inertia grows
+/// with the mass to the power of 5/3.
 fn tonnes(mass: f64, ratio: f64) -> Option<f64> {
     let tonnes = mass * ratio.abs().powf(0.6) / 1000.0;
     (0.75..300.0).contains(&tonnes).then_some(tonnes)
 }
 
-/// What fits is told so far, as shares: machines of one mass differ, and a load counts with the machine. It was 1.2 to 1.35 times too
-/// large on loaded machines of 13 to 36 t.
+/// Range of masses that are reported to fit, as shares of the mass by inertia: machines of one mass differ, and a load adds to the
+/// inertia. The mass by inertia was 1.2 to 1.35 times too large on loaded machines of 13 to 36 t.
 const SIZES: [f64; 2] = [0.65, 1.15];
 
 fn size(mass: f64, ratio: f64) -> String {

@@ -1,24 +1,24 @@
-//! Do pitch and roll turn with the machine? On ground of one slope, uphill at the angle u, a machine that heads h is inclined by
+//! Checks that pitch and roll rotate with the swing. On ground of one slope, uphill at the angle u, a machine of heading h is inclined by
 //! pitch = s cos(h - u) and roll = s sin(h - u). With the swing velocity w = dh/dt that is
 //!
 //! d pitch/dt = -w roll, d roll/dt = w pitch,
 //!
-//! whatever slope and machine. Both change sign where one of the two columns has the other sign, where they are exchanged, and
-//! where the swing is positive clockwise. Where both have the other sign nothing changes.
+//! for any slope and machine. Both rates change sign if one of the two columns has the opposite sign, if they are exchanged, or if
+//! the swing is positive clockwise. If both have the opposite sign nothing changes.
 
 use estimation::excavator::Sample;
 
-/// Length of a block \[s\]: long beside the noise of inclinometers, short beside a swing.
+/// Duration of a block \[s\]: longer than the noise of inclinometers, shorter than a swing.
 const BLOCK: f64 = 0.5;
-/// Rows that are further apart are of two blocks \[s\].
+/// Time between rows above which a new block starts \[s\].
 const APART: f64 = 0.2;
-/// So far the swing must have turned pitch and roll, as the root of the sum of squares \[rad\]: recorded on slopes of 3 to 5 degrees
-/// .07 to .13 in a minute.
+/// Least change of pitch and roll predicted from the swing, as the root of the sum of squares \[rad\]: recorded on slopes of 3 to 5
+/// degrees .07 to .13 in a minute.
 const TURNED: f64 = 0.03;
-/// Correlation of what they did with what the swing says. Recorded: .90 to .99.
+/// Correlation of measured and predicted changes below which the signs contradict. Recorded: .90 to .99.
 const AGAINST: f64 = -0.7;
 
-/// Means of pitch and roll, and how far the swing turned them, over the rows of a block.
+/// Sums of pitch and roll over the rows of a block, and their change predicted from the swing.
 #[derive(Clone, Copy, Default)]
 struct Block {
     begin: f64,
@@ -28,12 +28,12 @@ struct Block {
     turned: [f64; 2],
 }
 
-/// Looks at both beside the swing.
+/// Compares measured changes of pitch and roll with those predicted from the swing.
 #[derive(Default)]
 pub(super) struct Ground {
     block: Option<Block>,
     before: Option<Block>,
-    /// Sums of squares of what the swing says and of what they did, and of products.
+    /// Sums of squares of the predicted changes and of the measured ones, and of their products.
     said: f64,
     did: f64,
     both: f64,
@@ -72,7 +72,7 @@ impl Ground {
         }
     }
 
-    /// From the middle of a block to that of the next.
+    /// Compares the changes from the middle of a block to that of the next.
     fn compare(&mut self, before: &Block, block: &Block) {
         for axis in 0..2 {
             let said = 0.5 * (before.turned[axis] + block.turned[axis]);
@@ -83,7 +83,7 @@ impl Ground {
         }
     }
 
-    /// That one of them is not what it is called.
+    /// The fault and its remedy, if signs or columns contradict.
     pub(super) fn fault(&self) -> Option<String> {
         let correlation = self.both / (self.said * self.did).sqrt();
         (self.said > TURNED * TURNED && correlation < AGAINST).then(|| {
@@ -98,7 +98,7 @@ impl Ground {
 mod tests {
     use super::*;
 
-    /// Swings to and fro on this slope, seen by inclinometers of .2 degrees.
+    /// The fault of a machine that swings to and fro on this slope, with inclinometers of .2 degrees noise.
     fn said(slope: f64, change: fn([f64; 2]) -> [f64; 2]) -> Option<String> {
         let mut ground = Ground::default();
         for k in 0..6000 {

@@ -1,17 +1,17 @@
-//! Which of the angles are exchanged, have the other sign, or are measured from elsewhere: what brings the machine into postures
-//! that it has.
+//! Detects joint angles that are exchanged, have the opposite sign, or another reference: the correction that gives postures within
+//! the machine's range.
 
 use core::f64::consts::FRAC_PI_2;
 
-/// Angles of boom, arm and bucket that machines reach \[rad\]. Recorded: -.3 to 1.2, -2.4 to -.8, -1.6 to .3.
+/// Ranges of boom, arm and bucket angle that machines reach \[rad\]. Recorded: -.3 to 1.2, -2.4 to -.8, -1.6 to .3.
 const REACHED: [[f64; 2]; 3] = [[-0.9, 1.4], [-2.9, -0.3], [-2.9, 1.3]];
-/// Fewest rows that tell.
+/// Fewest rows for a verdict.
 const FEWEST: u32 = 1000;
-/// Share of the rows in which an angle is beyond where something is wrong, and where nothing is.
+/// Share of rows out of range above which the angles are wrong, and below which a correction explains them.
 const WRONG: f64 = 0.05;
 const RIGHT: f64 = 0.01;
 
-/// What may be wrong: the name, what to do, and how a posture is put right.
+/// A hypothesis: its name, the remedy, and the corrected posture.
 type Hypothesis = (&'static str, &'static str, fn([f64; 3]) -> [f64; 3]);
 
 const EXCHANGE: &str = "exchange the two in the signal map";
@@ -37,7 +37,7 @@ const HYPOTHESES: [Hypothesis; 7] = [
         "in the signal map `sign = -1` for each; up is positive (docs/signs-excavator.svg)",
         |q| q.map(|angle| -angle),
     ),
-    // Where the arm is measured so too, this alone explains the postures as well.
+    // Where the arm is measured from the horizontal too, this correction alone explains the postures as well.
     (
         "bucket_angle seems to be measured from the horizontal",
         "subtract the angle of the link before in the signal map, and that of the boom from the arm if it is measured so too (docs/map.md)",
@@ -50,7 +50,7 @@ const HYPOTHESES: [Hypothesis; 7] = [
     ),
 ];
 
-/// Counts postures that no machine has.
+/// Counts postures out of range.
 #[derive(Default)]
 pub(super) struct Postures {
     rows: u32,
@@ -67,7 +67,7 @@ impl Postures {
         }
     }
 
-    /// The one hypothesis that explains the postures, if they need one.
+    /// The only hypothesis that explains the postures, if they are wrong.
     pub(super) fn fault(&self) -> Option<String> {
         let share = |beyond: u32| f64::from(beyond) / f64::from(self.rows);
         if self.rows < FEWEST || share(self.beyond[0]) < WRONG {
@@ -118,7 +118,7 @@ mod tests {
                 "{what}: {said}"
             );
         }
-        // Whatever is wrong here, it is none of these.
+        // A fault that is none of the hypotheses.
         assert_eq!(said(|q| [q[0], -q[1], q[2]]), "");
     }
 }

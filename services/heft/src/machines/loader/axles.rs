@@ -1,6 +1,6 @@
-//! What the axles and the accelerometer of a loader say of each other.
+//! Consistency checks of a loader's axles (torques, wheel speeds) and accelerometer.
 //!
-//! In blocks, with the specific force of the way, D = dv/dt + g slope:
+//! Averages of blocks, with the specific force along the path, D = dv/dt + g slope:
 //!
 //! | what | sound |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | acceleration over dv/dt | 1 |
 //! | c3 in (w_f - w_r)/w = c1 sgn v + c2 T + c3 T D | positive: what accelerates the machine unloads its front wheels, which slip more |
 //!
-//! c1 is the radii, c2 the place of the load. Both axles carry alike torques, so only c3 tells which is the front one.
+//! c1 is the difference of the radii, c2 the load distribution. Both axles carry similar torques, so only c3 identifies the front axle.
 
 use std::ops::Range;
 
@@ -22,38 +22,38 @@ use super::regression::Regression;
 use super::speed::Speed;
 use crate::machines::units::TURNING;
 
-/// Length of a block, and the longest time between two rows in it \[s\].
+/// Duration of a block, and longest time between two of its rows \[s\].
 const BLOCK: f64 = 0.2;
 const GAP: f64 = 0.2;
-/// Slower than this it may stand, or dig [m/s].
+/// Speed below which the machine may stand, or dig [m/s].
 const DRIVES: f64 = 1.0;
-/// Turning from this angle, or this rate, on, its axles roll at two speeds \[rad\], \[rad/s\].
+/// Articulation \[rad\] or yaw rate \[rad/s\] above which the axles roll at different speeds.
 const TURNS: f64 = 0.05;
-/// More difference of the wheel speeds than this is no slip that goes with the torque.
+/// Slip difference above which it is not the slip by torque.
 const SLIPS: f64 = 0.2;
-/// Blocks that tell, those of them in which it accelerates by so much [m/s^2], and those of slip.
+/// Fewest blocks for a verdict, dv/dt of hard acceleration [m/s^2], and fewest blocks with slip. Half of the blocks must be hard.
 const ENOUGH: f64 = 50.0;
 const HARD: f64 = 0.3;
 const SLIPPING: f64 = 100.0;
-/// Correlation from which on two belong together: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
+/// Least correlation of two related quantities: .74 to 1.0 of torque and D was recorded, .83 to .99 of acceleration and dv/dt.
 const TOGETHER: f64 = 0.5;
-/// Mass times radius by torque and accelerometer over those of the machine file, where both belong together: 1.01 to 1.24 was
-/// recorded, by tyres, axles and loads; .738 times as much in lbf ft.
+/// Least correlation of torque and acceleration, and range that means lbf ft: mass times radius by torque and accelerometer over that of
+/// the machine file. 1.01 to 1.24 was recorded, by tyres, axles and loads; torques in lbf ft give .738 times as much.
 const MOVED: f64 = 0.95;
 const LIGHT: Range<f64> = 0.6..0.85;
-/// Less of it is moved by torques at the motor: from there to the wheel a gear has at least four turns to one.
+/// Ratio below which the torques are those at the motor: the gear from motor to wheel has at least four turns to one.
 const AT_MOTOR: f64 = 1.24 / 4.0;
 /// Feet in a metre.
 const FEET: f64 = 3.281;
-/// A unit that is meant is within this factor, another tyre or gear too.
+/// Factor within which a ratio identifies a unit, also with another tyre or gear.
 const ABOUT: f64 = 1.3;
-/// Wheels of both axles turn alike within this factor: units are exact, and tyres differ by a few percent.
+/// Factor within which the wheel speeds of both axles agree: units are exact, and tyres differ by a few percent.
 const TURN_ALIKE: f64 = 1.12;
-/// One of a thousandth within this factor: the split of the torque is free.
+/// Factor within which a ratio identifies a thousandth: the split of the torque between the axles is arbitrary.
 const THOUSANDTH: f64 = 10.0;
-/// Root mean square of the torque over that of the machine's weight at the wheels: no machine moves with less.
+/// Root mean square of the torque over the machine's weight at the wheel radius, below which no machine moves.
 const MOVES: f64 = 2e-3;
-/// Standard deviations of c3 as of independent blocks; -4.5 to 55 were recorded, the least in turns.
+/// Significance of c3 in standard deviations, as of independent blocks; -4.5 to 55 were recorded, the least in turns.
 const SURE: f64 = 8.0;
 
 /// Rows of a block.
@@ -77,11 +77,11 @@ fn values(s: &Sample) -> Option<[f64; 7]> {
     Some([v, f, r, tf, tr, slope, a])
 }
 
-/// Looks at the rows of a recording.
+/// Accumulates the rows of a recording.
 #[derive(Default)]
 pub(super) struct Axles {
     block: Block,
-    /// Speed and end of the block before.
+    /// Speed and middle time of the block before.
     last: Option<[f64; 2]>,
     blocks: f64,
     hard: f64,
@@ -92,9 +92,9 @@ pub(super) struct Axles {
     acceleration: Pair,
     grade: Grade,
     speed: Speed,
-    /// T by sgn v, v and the acceleration that is measured.
+    /// T regressed on sgn v, v and the measured acceleration.
     moved: Regression,
-    /// The difference of the wheel speeds by sgn v, T and T D.
+    /// Slip difference regressed on sgn v, T and T D.
     slips: Regression,
 }
 
@@ -164,12 +164,12 @@ impl Axles {
         }
     }
 
-    /// What one of the columns is that the others are not, and what to do, for a machine with this mass times wheel radius [kg m].
+    /// The fault of a column and its remedy, for a machine with this mass times wheel radius [kg m].
     pub(super) fn fault(&self, moment: f64) -> Option<String> {
         if self.blocks < ENOUGH || 2.0 * self.hard < ENOUGH {
             return None;
         }
-        // Torques are compared with the slope.
+        // The torques are compared with the slope: it is checked first.
         let what = self.wheel_unit().or_else(|| self.slope());
         let what = what.or_else(|| self.torque(moment));
         let what = what.or_else(|| self.accelerometer());
@@ -183,12 +183,12 @@ impl Axles {
         })
     }
 
-    /// What accelerometer and torques say of the slope.
+    /// The fault of the slope by accelerometer and torques.
     pub(super) fn slope(&self) -> Option<String> {
         self.grade.fault()
     }
 
-    /// What the wheels say of the speed.
+    /// The fault of the speed by the wheel speeds.
     pub(super) fn speed(&self) -> Option<&'static str> {
         self.speed.fault()
     }
@@ -238,7 +238,7 @@ impl Axles {
         ))
     }
 
-    /// Torques that would move a lighter machine than the empty one.
+    /// Torques that would move a machine lighter than the empty one: they are in lbf ft.
     fn pound_feet(&self, moment: f64) -> Option<String> {
         let [_, moved] = self.moved.coefficients();
         let ratio = moved / moment;
@@ -251,7 +251,7 @@ impl Axles {
         })
     }
 
-    /// Which part of the described mass times radius the torques move, where that is none of a machine.
+    /// Share of the described mass times radius that the torques move, if no machine is so light.
     pub(super) fn at_motor(&self, moment: f64) -> Option<f64> {
         let [_, moved] = self.moved.coefficients();
         let ratio = moved / moment;
@@ -288,7 +288,7 @@ impl Axles {
 mod tests {
     use super::*;
 
-    /// A machine of 10 t, half of it on each axle, its mass a metre up on a wheelbase of 3 m, whose wheels of .7 m slip by a
+    /// The fault of a machine of 10 t, half of it on each axle, centre of gravity 1 m high, wheelbase 3 m, wheels of .7 m. Slip is a
     /// twentieth of torque over load.
     fn said(change: impl Fn(&mut Sample)) -> Option<String> {
         driven(change).fault(7e3)
@@ -391,7 +391,7 @@ mod tests {
         assert!(both(0.7376).is_some_and(|said| said.contains("`unit = \"lbf ft\"`")));
         assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
         assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
-        // Without an accelerometer, in turns, and with tyres of another size nothing is said.
+        // Without an accelerometer, in turns, and with tyres of another size nothing is reported.
         assert_eq!(said(|s| s.acceleration = None), None);
         assert_eq!(said(|s| times(&mut s.front_wheel_speed, 1.05)), None);
         assert_eq!(

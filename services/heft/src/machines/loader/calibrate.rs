@@ -10,7 +10,7 @@ use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;
 
-/// No loader is lighter \[kg\].
+/// Least plausible mass of a loader \[kg\].
 const LIGHTEST: f64 = 1.0;
 
 /// The loader's own parameters from recordings.
@@ -40,7 +40,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
             payload: payloads[i],
         });
     }
-    // A fit lasts, and a recording may be gone by then.
+    // A fit takes time, and a recording may be gone by its end.
     let origin = origin(args)?;
     let stop = interrupt()?;
     let outcome = machine::calibrate(
@@ -60,7 +60,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
     finish(args, &outcome.summary(), written)
 }
 
-/// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
+/// Loads weighed on axle scales: of the machine as described, then of the machine in each file; `SCALES` or `FILE=SCALES`.
 fn weighed(args: &CalibrateArgs, d: &config::Loader) -> Result<Vec<StatedLoad>, Failure> {
     let mut all = vec![StatedLoad::default(); args.files.len() + 1];
     for text in &args.weigh {

@@ -1,4 +1,4 @@
-//! Are the data in the units and signs that are meant?
+//! Checks the units and signs of a loader's data.
 
 use estimation::loader::{Carriage, Mismatch, Plausible, largest};
 use messages::LoaderSensors;
@@ -10,31 +10,31 @@ use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder, TURNING};
 
-/// A sensor shows a slope that is too steep for less than this share of the rows.
+/// Least share of rows with a slope that is too steep, for a verdict.
 const OFTEN: f64 = 0.1;
 
-/// From motor to wheel a gear has at least four turns to one.
+/// Ratio of wheel to motor speed: the gear has at least four turns to one.
 const AT_MOTOR: f64 = 0.25;
 
-/// Faster than this it drives, and the lift cylinders carry arm and bucket [m/s].
+/// Speed above which the machine drives, and the lift cylinders carry arm and bucket [m/s].
 const DRIVES: f64 = 1.0;
-/// Pounds in a kilogram, and the most that a machine has of its own mass with a load: half of it is more than any rated payload.
+/// Pounds in a kilogram, and largest mass with load over the empty machine's: a load of half the mass exceeds any rated payload.
 const POUNDS: f64 = 2.204_62;
 const LADEN: f64 = 1.6;
-/// The arm of no loader goes further up or down \[rad\]: -.7 to .8 was recorded.
+/// Largest angle of a lift arm, up or down \[rad\]: -.7 to .8 was recorded.
 const LIFTS: f64 = 1.0;
 
-/// Looks at columns alone, at the slope, at how the bucket is carried, and at wheels and torques.
+/// All checks: single columns, slope, carriage of the bucket, wheels and torques.
 pub(in crate::machines) struct Fits {
     angles: Angles<3>,
     cylinder: Cylinder,
     torques: Still<2>,
-    /// Driving rows, and those in which the angle of the arm, that of the bucket, is beyond an arm's.
+    /// Driving rows, and rows among them in which the lift angle, the tilt angle, exceeds the range of a lift arm.
     driving: u32,
     beyond: [u32; 2],
     axles: Axles,
     turning: Turning,
-    /// Rows with a mass, and with one that the described machine has in tonnes, in pounds.
+    /// Rows with a mass, and rows in which it is that of the described machine in tonnes, in pounds.
     massive: u32,
     tonnes: u32,
     pounds: u32,
@@ -43,12 +43,12 @@ pub(in crate::machines) struct Fits {
     /// Mass times wheel radius [kg m].
     moment: f64,
     rows: u64,
-    /// Rows with a slope that is too steep in radians, and in degrees.
+    /// Rows with a slope too steep for radians, and too steep for degrees.
     steep: [u64; 2],
     carriage: Carriage,
     last: Option<f64>,
     plausible: Plausible,
-    /// Described \[kg\].
+    /// Mass by the machine file \[kg\].
     mass: f64,
 }
 
@@ -62,13 +62,13 @@ impl Fits {
         }
     }
 
-    /// The arm is often where only buckets are, and the bucket hardly ever.
+    /// Whether the lift angle is often in the range of buckets only, and the tilt angle hardly ever.
     fn is_exchanged(&self) -> bool {
         let [lift, tilt] = self.beyond;
         10 * lift > self.driving && 100 * tilt < self.driving
     }
 
-    /// A mass of the data that is more than the described machine has with any load: of pounds, or of a larger machine.
+    /// The fault of a mass larger than the described machine with any load: it is in pounds, or the machine is larger.
     fn too_massive(&self) -> String {
         let mean = self.mass_sum / f64::from(self.massive);
         let [shown, described] = [mean, self.mass].map(|kg| kg / 1000.0);
@@ -76,7 +76,7 @@ impl Fits {
             format!("say how large yours is (--class {shown:.1}t, or machine.mass)"),
             "write `unit = \"lb\"` for mass in a signal map",
         );
-        // Nobody says how large the reference machine is.
+        // The size of the reference machine is not stated by the user.
         if self.mass == config::Loader::REFERENCE_MASS {
             return format!(
                 "mass is {shown:.1} t, more than the reference machine of {described:.1} t has with any load\n  \
@@ -89,7 +89,7 @@ impl Fits {
         )
     }
 
-    /// What is wrong with the unit of the slope, and what to do.
+    /// The fault of the slope's unit and its remedy.
     fn slope_unit(&self) -> Option<&'static str> {
         let is_too_steep = self
             .steep
@@ -203,9 +203,9 @@ impl Look for Fits {
             "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
              what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg"
         } else {
-            // One axle that contradicts the other makes the sum of both another machine's.
+            // One axle that contradicts the other makes the sum of both that of another machine.
             let axles = self.axles.fault(self.moment);
-            // A bucket that pushes hides from the speed what the accelerometer shows.
+            // A bucket that pushes into a pile hides from the speed what the accelerometer shows.
             let at_motor = || self.axles.at_motor(self.moment).map(Mismatch::Mass);
             return match self.plausible.mismatch().or_else(at_motor) {
                 Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
@@ -219,7 +219,7 @@ impl Look for Fits {
     }
 }
 
-/// Whether speed and wheel speeds alone say so.
+/// Whether speed and wheel speeds alone show this mismatch.
 fn is_of_wheels(mismatch: Mismatch) -> bool {
     !matches!(
         mismatch,
@@ -227,7 +227,7 @@ fn is_of_wheels(mismatch: Mismatch) -> bool {
     )
 }
 
-/// Units of wheel speeds that make a machine so many times as fast as its wheels; the rest is named otherwise.
+/// Unit of the wheel speeds by the ratio of machine speed to wheel speed; none for other ratios.
 fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
     const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
     let [_, degrees, turns] = TURNING;
@@ -240,7 +240,7 @@ fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
     .map(|(column, (unit, _))| (column, unit))
 }
 
-/// What to do about it.
+/// What the user can do about a mismatch.
 fn remedy(mismatch: Mismatch, mass: f64) -> String {
     let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {

@@ -1,35 +1,35 @@
-//! What accelerometer and torques say of the slope.
+//! Checks the slope sensor against accelerometer and torques.
 //!
-//! Over blocks, with s = g times the slope that is sent:
+//! Regressions over blocks, with s = g times the measured slope:
 //!
 //! | what | model | sound |
 //! |---|---|---|
 //! | accelerometer | c0 + c1 dv/dt + c2 s | c2 = 1 |
 //! | torque of both axles | c0 sgn v + c1 dv/dt + c2 s | c2 = c1 |
 //!
-//! A hill sensor that follows the acceleration leaves less of c1 and all of c2. Level ground tells nothing.
+//! A slope sensor that follows the acceleration lowers c1 and leaves c2. Level ground carries no information.
 
 use estimation::GRAVITY;
 
 use super::pair::about;
 use super::regression::Regression;
 
-/// Blocks that tell.
+/// Fewest blocks for a verdict.
 const ENOUGH: f64 = 50.0;
-/// The accelerometer and a slope that is meant: .93 to 1.02 was recorded with correlations of .45 to .95. On level ground 5 and
-/// more, with .34 at most.
+/// Accelerometer: factor within which the share identifies a unit, and least correlation. A correct slope gave .93 to 1.02, with
+/// correlations of .45 to .95. Level ground gave 5 and more, with .34 at most.
 const ALIKE: f64 = 1.15;
 const TOGETHER: f64 = 0.4;
-/// The torques and a slope that is meant: .83 to 1.33 with correlations above this one; with -.29 at the least.
+/// Torques: the same. A correct slope gave .83 to 1.33 with correlations above this one; -.29 was the least correlation.
 const ABOUT: f64 = 1.4;
 const SURELY: f64 = 0.6;
-/// The accelerometer's c1 where the sensor does not follow the acceleration: another unit of the slope leaves it. On nearly level
-/// ground a sensor that follows it leaves .25 to .80, and a c2 of 1.8 to 7.
+/// Factor of the accelerometer's c1 where the sensor does not follow the acceleration: another unit of the slope leaves c1 unchanged.
+/// On nearly level ground a sensor that follows it leaves .25 to .80, and a c2 of 1.8 to 7.
 const UNMOVED: f64 = 1.1;
 /// Per cent in a radian of a small slope.
 const PERCENT: f64 = 100.0;
 
-/// Looks at blocks of rows.
+/// Accumulates blocks of rows.
 #[derive(Default)]
 pub(super) struct Grade {
     acceleration: Regression,
@@ -37,7 +37,7 @@ pub(super) struct Grade {
 }
 
 impl Grade {
-    /// A block that drives: speed, dv/dt, slope, acceleration, torque of both axles.
+    /// Takes a driving block: speed, dv/dt, slope, acceleration, torque of both axles.
     pub(super) fn see(
         &mut self,
         speed: f64,
@@ -51,7 +51,7 @@ impl Grade {
         self.torque.see([speed.signum(), gain, fall, torque]);
     }
 
-    /// How much of the slope that is sent the others show, within which factor, and what may be its unit; none where they do not tell.
+    /// Share of the measured slope that accelerometer or torques show, its tolerance factor, and the candidate units; none if undecided.
     fn share(&self) -> Option<(f64, f64, &'static [Unit])> {
         let belongs = |r: &Regression, least: f64| r.correlation().abs() > least;
         if self.acceleration.rows >= ENOUGH && belongs(&self.acceleration, TOGETHER) {
@@ -68,7 +68,7 @@ impl Grade {
         tells.then_some((share / gain, ABOUT, &UNITS[..FAR]))
     }
 
-    /// What the slope is, and what to do.
+    /// The fault of the slope and its remedy.
     pub(super) fn fault(&self) -> Option<String> {
         let (share, factor, units) = self.share()?;
         let (.., what, remedy) = units
@@ -80,11 +80,11 @@ impl Grade {
     }
 }
 
-/// A slope that is so many times the one that is meant, what it seems, and what to do.
+/// A candidate: measured over true slope, its name, and the remedy.
 type Unit = (f64, &'static str, &'static str);
 
-/// Those that are far from the right one come first. The torques tell no others, as of a load on the machine they know nothing;
-/// nor does a sensor that follows the acceleration, which on level ground shows little else.
+/// Number of candidates that are far from a correct slope; they come first. Torques distinguish no others, because they depend on the
+/// unknown load. Nor does a sensor that follows the acceleration, which on level ground shows little else.
 const FAR: usize = 3;
 const UNITS: [Unit; 5] = [
     (
@@ -118,7 +118,7 @@ const UNITS: [Unit; 5] = [
 mod tests {
     use super::*;
 
-    /// A machine of 10 t on wheels of .7 m on hills, with a slope that is so many times the true one.
+    /// The fault of a machine of 10 t on wheels of .7 m on hills; `by`: measured over true slope.
     fn said(by: f64, has_accelerometer: bool, hills: f64) -> String {
         let mut grade = Grade::default();
         for k in 0..400 {
@@ -144,14 +144,14 @@ mod tests {
         }
         assert!(said(1.745, true, 0.08).contains("percent that is read as degrees"));
         assert!(said(0.573, true, 0.08).contains("degrees that are read as percent"));
-        // A load of half the machine is no other unit, and level ground tells nothing.
+        // A load of half the machine is no other unit, and level ground carries no information.
         assert_eq!(said(0.67, false, 0.08), "");
         assert_eq!(said(-1.0, true, 1e-5), "");
     }
 
     #[test]
     fn a_sensor_that_follows_the_acceleration_on_level_ground_is_in_no_other_unit() {
-        // Of level ground, and of the acceleration a moment ago.
+        // Level ground, and a sensor that shows the acceleration of a moment ago.
         let said = |follows: f64| {
             let mut grade = Grade::default();
             for k in 0..400 {

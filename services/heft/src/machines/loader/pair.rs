@@ -1,6 +1,6 @@
-//! Two quantities that belong together.
+//! Correlation and ratio of two related quantities.
 
-/// Squares and product of two quantities.
+/// Sums of squares and products of two quantities.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Pair {
     pub(super) squares: [f64; 2],
@@ -9,7 +9,7 @@ pub(super) struct Pair {
 
 impl Pair {
     pub(super) fn see(&mut self, x: f64, y: f64) {
-        // Where there is no sensor nothing is said.
+        // A missing sensor gives NaN.
         if x.is_finite() && y.is_finite() {
             self.squares[0] += x * x;
             self.squares[1] += y * y;
@@ -21,7 +21,7 @@ impl Pair {
         self.product / (self.squares[0] * self.squares[1]).sqrt()
     }
 
-    /// Size of the first over that of the second.
+    /// Root mean square of the first over that of the second.
     pub(super) fn ratio(&self) -> f64 {
         (self.squares[0] / self.squares[1]).sqrt()
     }

@@ -1,6 +1,6 @@
-//! A regression on three quantities of blocks.
+//! A least-squares regression on three regressors over blocks.
 
-/// Squares and products of three regressors and what they explain, and how many.
+/// Sums of squares and products of three regressors and the response, and number of blocks.
 #[derive(Default)]
 pub(super) struct Regression {
     sums: [[f64; 4]; 4],
@@ -8,7 +8,7 @@ pub(super) struct Regression {
 }
 
 impl Regression {
-    /// A block; one without a sensor says nothing.
+    /// Takes a block; one without a sensor (NaN) is skipped.
     pub(super) fn see(&mut self, row: [f64; 4]) {
         if !row.iter().all(|x| x.is_finite()) {
             return;
@@ -19,7 +19,7 @@ impl Regression {
         self.rows += 1.0;
     }
 
-    /// The sums without what the first two regressors explain.
+    /// The sums after elimination of the first two regressors.
     fn eliminated(&self) -> [[f64; 4]; 4] {
         let mut s = self.sums;
         for pivot in 0..2 {
@@ -40,7 +40,7 @@ impl Regression {
         [(s[1][3] - s[1][2] * third) / s[1][1], third]
     }
 
-    /// Correlation of the third with what the first two leave.
+    /// Partial correlation of the third regressor with the response, given the first two.
     pub(super) fn correlation(&self) -> f64 {
         let s = self.eliminated();
         s[2][3] / (s[2][2] * s[3][3]).sqrt()

@@ -1,34 +1,34 @@
-//! What the wheels say of the speed, in blocks of rows that drive: it must have a sign, and come from elsewhere than from them.
+//! Checks the speed against the wheel speeds, in driving blocks: it must have a sign, and must not be computed from them.
 
-/// Blocks that tell, of each direction.
+/// Fewest blocks of a direction for a verdict.
 const ENOUGH: u32 = 20;
-/// The relative deviation of speed over wheel speed of a machine that pulls: slip is .1 to 2 %, and a speed of its own has noise. A bus
-/// rounds to 1/256 km/h.
+/// Relative standard deviation of speed over wheel speed below which the speed is computed from the wheels. A machine that pulls slips
+/// by .1 to 2 %, and an independent speed has noise. A bus rounds to 1/256 km/h.
 const SAME: f64 = 3e-4;
-/// An axle with less than this share of the other one's torque rolls freely, and may tell the speed.
+/// Share of the other axle's torque below which an axle rolls freely: the speed may come from its wheels.
 const PULLS: f64 = 0.1;
 
-/// Mean and squares of a ratio.
+/// Mean of a ratio, and sum of squared deviations.
 #[derive(Clone, Copy, Default)]
 struct Ratio {
     mean: f64,
     squares: f64,
 }
 
-/// Looks at blocks.
+/// Accumulates blocks.
 #[derive(Default)]
 pub(super) struct Speed {
     rows: f64,
-    /// Forwards by both; speed forwards and wheels backwards; the other way; backwards by both.
+    /// Blocks by direction: both forwards; speed forwards and wheels backwards; speed backwards and wheels forwards; both backwards.
     ways: [u32; 4],
-    /// Speed over that of the front wheels, of the rear ones, of their mean.
+    /// Ratio of the speed to the speed of the front wheels, of the rear wheels, and of their mean.
     ratios: [Ratio; 3],
-    /// Sums of the sizes of the torques.
+    /// Sums of the absolute torques.
     torques: [f64; 2],
 }
 
 impl Speed {
-    /// Takes a block that drives.
+    /// Takes a driving block.
     pub(super) fn see(&mut self, speed: f64, wheels: [f64; 2], torques: [f64; 2]) {
         let mean = 0.5 * (wheels[0] + wheels[1]);
         if mean == 0.0 || wheels[0] * wheels[1] <= 0.0 {
@@ -48,7 +48,7 @@ impl Speed {
         }
     }
 
-    /// What is wrong with it, and what to do.
+    /// The fault of the speed and its remedy.
     pub(super) fn fault(&self) -> Option<&'static str> {
         let [forwards, speed_alone, wheels_alone, backwards] = self.ways;
         if forwards < ENOUGH {
@@ -86,7 +86,7 @@ impl Speed {
 mod tests {
     use super::*;
 
-    /// What is said of a machine that drives both ways and slips, by what its sensors make of speed and front wheels.
+    /// The fault of a machine that drives in both directions and slips, with these sensors of speed and front wheels.
     fn said(speed: impl Fn(f64, f64) -> f64, wheel: impl Fn(f64) -> f64) -> &'static str {
         let mut seen = Speed::default();
         for k in 0..600 {
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(said(|v, _| v, |w| w), "");
         assert!(said(|v, _| v.abs(), |w| w).starts_with("speed has no sign"));
         assert!(said(|v, _| v, f64::abs).starts_with("front_wheel_speed and rear"));
-        // The other sign altogether is another fault.
+        // The opposite sign in both directions is another fault.
         assert_eq!(said(|v, _| -v, |w| w), "");
     }
 

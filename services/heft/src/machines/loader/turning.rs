@@ -1,20 +1,20 @@
-//! What articulation and yaw rate say of each other: yaw rate = speed times articulation over a length.
+//! Checks articulation against yaw rate: yaw rate = speed times articulation over a length.
 
 use estimation::loader::Sample;
 
 use super::pair::Pair;
 
-/// Slower than this it may turn on the spot [m/s].
+/// Speed below which it may turn on the spot [m/s].
 const DRIVES: f64 = 1.0;
-/// Less is no turn \[rad\].
+/// Least articulation of a turn \[rad\].
 const TURNS: f64 = 0.05;
-/// Rows that tell, and the correlation from which on the two belong together: .95 and more was recorded.
+/// Fewest rows for a verdict, and least correlation of the two: .95 and more was recorded.
 const ENOUGH: u32 = 200;
 const TOGETHER: f64 = 0.7;
-/// The length of a machine lies between these \[m\]: some wheelbases.
+/// Plausible lengths \[m\]: some wheelbases.
 const LENGTHS: [f64; 2] = [0.5, 12.0];
 
-/// Looks at rows in turns.
+/// Accumulates rows in turns.
 #[derive(Default)]
 pub(super) struct Turning {
     rows: u32,
@@ -33,7 +33,7 @@ impl Turning {
         }
     }
 
-    /// Which of the two is in another unit or has the other sign, and what to do.
+    /// The fault, unit or sign of one of the two columns, and its remedy.
     pub(super) fn fault(&self) -> Option<&'static str> {
         let together = self.both.correlation();
         if self.rows < ENOUGH || together.abs() < TOGETHER {
