@@ -1,25 +1,25 @@
-//! What can go wrong in an evaluation.
+//! Errors of an evaluation.
 
 use std::fmt;
 
-/// Why an evaluation did not take place.
+/// Reason why an evaluation did not take place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
     /// There is no table of that name.
     UnknownTable {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: Vec<&'static str>,
     },
-    /// No seed was run: none was asked for, or the evaluation was interrupted before the first.
+    /// No seed was run: none was requested, or the evaluation was interrupted before the first.
     NoSeeds,
-    /// A simulation or an estimator refused what it was given.
+    /// A simulation or an estimator refused its input.
     Refused(String),
 }
 
 impl Error {
-    /// Wraps what a simulation or an estimator said.
+    /// Wraps the error of a simulation or an estimator.
     pub fn refused(reason: impl fmt::Display) -> Self {
         Self::Refused(reason.to_string())
     }

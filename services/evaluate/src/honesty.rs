@@ -1,6 +1,6 @@
-//! How often a value that calls itself trusted is wrong: the table, for both machines. The measure is that of
-//! [`statistics::judge`]. An honest estimator is wrong in at most one trusted row of twenty, whatever the machine does;
-//! and its interval holds the truth in 95 % of all rows, trusted or not, moving or standing.
+//! Share of wrong values among the trusted: the table, for both machines. The measure is that of [`statistics::judge`]. An honest
+//! estimator is wrong in at most one trusted row of twenty, whatever the machine does. Its interval holds the truth in 95 % of
+//! all rows, trusted or not, moving or standing.
 
 use crate::text::{Table, plain};
 use serde_json::{Value, json};
@@ -12,22 +12,22 @@ pub use statistics::judge::{JudgedRow, Tally};
 pub struct Line {
     /// The effect.
     pub effect: String,
-    /// How strong it is, with its unit; empty if it has no degrees.
+    /// Its severity with a unit; empty if it has no degrees.
     pub severity: String,
     /// The quantity, or the method, that is judged.
     pub what: String,
     /// The counts.
     pub tally: Tally,
-    /// The largest share of wrong among trusted rows that is allowed.
+    /// Largest allowed share of wrong among trusted rows.
     pub allowed: f64,
-    /// The least trusted share of the moving time that is asked for.
+    /// Least required trusted share of the moving time.
     pub least_trusted: f64,
-    /// The least coverage of all rows that is asked for.
+    /// Least required coverage of all rows.
     pub least_covered: f64,
 }
 
 impl Line {
-    /// A line with the limits that every effect has: wrong at most .05, nothing else asked.
+    /// A line with the common limits: wrong at most .05, no other.
     pub fn new(effect: &str, severity: &str, what: &str, tally: Tally) -> Self {
         Self {
             effect: effect.to_owned(),
@@ -40,7 +40,7 @@ impl Line {
         }
     }
 
-    /// Whether the line holds its limits.
+    /// Whether the line is within its limits.
     pub fn met(&self) -> bool {
         self.tally.wrong() <= self.allowed
             && self.tally.trusted() >= self.least_trusted

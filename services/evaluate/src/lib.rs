@@ -1,12 +1,12 @@
-//! Monte-Carlo evaluation: the one place where truth (`sim`) and belief (`estimation`) meet.
+//! Monte-Carlo evaluation: the only crate that uses both the truth (`sim`) and the estimators (`estimation`).
 //!
-//! Every table runs many seeds in parallel, compares the estimates with the truth and says which targets are
-//! met. [`Options::table`] selects one table; without it everything is evaluated.
+//! Every table runs many seeds in parallel, compares the estimates with the truth and reports which targets are met.
+//! [`Options::table`] selects one table; without it everything is evaluated.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`excavator`], [`loader`] | the tables of a machine, a file each |
-//! | [`honesty`] | of what is called trusted, how much is wrong: sums and lines for both |
+//! | [`honesty`] | share of wrong values among the trusted: sums and lines for both |
 //! | [`text`] | tables as text |
 
 mod error;

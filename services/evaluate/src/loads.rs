@@ -1,11 +1,11 @@
-//! The ledger's loads beside the true ones.
+//! Comparison of the ledger's loads with the true ones.
 
 use std::collections::BTreeSet;
 
 use estimation::HALF_WIDTH_95;
 use estimation::loads::{Ledger, Load, Row, Settings};
 
-/// A payload beyond this share of a full bucket is a load.
+/// Least load, as a share of a full bucket.
 pub const LOAD: f64 = 0.3;
 
 /// Sums over loads.
@@ -13,9 +13,9 @@ pub const LOAD: f64 = 0.3;
 pub struct Tally {
     /// True loads.
     pub all: usize,
-    /// Those that the ledger has.
+    /// Those found by the ledger.
     pub found: usize,
-    /// Loads that left the bucket, by the ledger, beyond those.
+    /// Further loads that left the bucket by the ledger only.
     invented: usize,
     trusted: usize,
     covered: usize,
@@ -24,7 +24,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds the counts of another.
+    /// Adds the counts of another tally.
     pub fn add(&mut self, other: &Self) {
         self.all += other.all;
         self.found += other.found;
@@ -44,12 +44,12 @@ impl Tally {
         self.squares += (error / rated).powi(2);
     }
 
-    /// Share of the true loads that the ledger has.
+    /// Share of the true loads that the ledger found.
     pub fn found(&self) -> Option<f64> {
         share(self.found, self.all)
     }
 
-    /// Loads that the ledger has too many, as a share of the true ones.
+    /// Invented loads of the ledger, as a share of the true ones.
     pub fn invented(&self) -> Option<f64> {
         share(self.invented, self.all)
     }
@@ -70,17 +70,17 @@ impl Tally {
     }
 }
 
-/// A share, where there is anything to take it of.
+/// A share, `None` of nothing.
 pub fn share(part: usize, of: usize) -> Option<f64> {
     (of > 0).then(|| part as f64 / of as f64)
 }
 
-/// Root of a mean square, where there is anything to take it of.
+/// Root of a mean square, `None` of nothing.
 pub fn rms(squares: f64, count: usize) -> Option<f64> {
     (count > 0).then(|| (squares / count as f64).sqrt())
 }
 
-/// A true load: when it was in the bucket \[s\], and the most that was \[kg\].
+/// A true load: its time in the bucket \[s\], and its largest content \[kg\].
 #[derive(Debug, PartialEq)]
 struct True {
     from: f64,
@@ -88,19 +88,19 @@ struct True {
     kg: f64,
 }
 
-/// A ledger at work, and what it should say.
+/// A ledger and the true loads.
 pub struct Book {
     ledger: Ledger,
-    /// What the ledger says now of each load.
+    /// The ledger's latest state of each load.
     loads: Vec<Load>,
     truths: Vec<True>,
-    /// The load that is in the bucket.
+    /// The load that is in the bucket now.
     open: Option<True>,
     rated: f64,
 }
 
 impl Book {
-    /// For a machine with this rated payload \[kg\].
+    /// A book for a machine with this rated payload \[kg\].
     pub fn new(rated: f64) -> Self {
         Self {
             ledger: Ledger::new(Settings::with_rated(rated)),
@@ -111,7 +111,7 @@ impl Book {
         }
     }
 
-    /// A row of estimates, and the true payload \[kg\].
+    /// Takes a row of estimates with the true payload \[kg\].
     pub fn row(&mut self, row: &Row, payload: f64) {
         let load = self.ledger.step(row).load;
         self.note(load);
@@ -136,7 +136,7 @@ impl Book {
         self.loads.push(load);
     }
 
-    /// Each true load that left the bucket, with the one that the ledger has at the time.
+    /// Compares each true load that left the bucket with the load of the ledger at that time.
     pub fn judge(mut self) -> Tally {
         let last = self.ledger.finish().load;
         self.note(last);
@@ -145,10 +145,10 @@ impl Book {
         for truth in &self.truths {
             let during =
                 |l: &&Load| l.filled < truth.to && l.dumped.is_some_and(|t| t > truth.from);
-            // Of several it is the one that leaves the bucket when the true one does.
+            // Of several candidates, the one whose time of dumping is closest to the true one.
             let apart = |l: &Load| l.dumped.map_or(f64::INFINITY, |t| (t - truth.to).abs());
             let candidates = self.loads.iter().filter(during);
-            // One load of the ledger is one load, however long it lasts.
+            // A load of the ledger matches one true load only, however long it lasts.
             let candidates = candidates.filter(|l| !taken.contains(&l.number));
             let load = candidates.min_by(|a, b| apart(a).total_cmp(&apart(b)));
             taken.extend(load.map(|l| l.number));
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!((tally.found(), tally.rms()), (Some(0.0), None));
     }
 
-    /// What is said of loads that are this and seem to be that for some seconds \[kg, kg, s\].
+    /// The tally of phases with true content, estimated content and duration \[kg, kg, s\].
     fn judged(phases: &[(f64, f64, u32)]) -> Tally {
         let mut book = Book::new(1000.0);
         let mut time = 0.0;

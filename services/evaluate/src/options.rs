@@ -1,6 +1,6 @@
-//! What to evaluate, and what came out.
+//! Options and results of an evaluation.
 
-/// What to evaluate.
+/// Options of an evaluation.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The table; all if none.
@@ -19,7 +19,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The same with one of so many seeds, for what takes long.
+    /// The same with the number of seeds divided by `many`, for long runs.
     pub(crate) fn one_of(&self, many: usize) -> Self {
         Self {
             seeds: self.seeds.div_ceil(many),
@@ -28,7 +28,7 @@ impl Options {
     }
 }
 
-/// What came out.
+/// Results of an evaluation.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The tables, to be printed.

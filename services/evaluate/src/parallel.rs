@@ -1,4 +1,4 @@
-//! Seeds in parallel, with a line that counts them.
+//! Runs of many seeds in parallel, with a line that counts them.
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -8,7 +8,7 @@ use calibrate::parallel;
 
 use crate::{Error, Options};
 
-/// The results of `run` for the seeds 1 to `options.seeds`, in their order. The line on stderr shows only on a terminal.
+/// The results of `run` for the seeds 1 to `options.seeds`, in order. The line on stderr is shown only on a terminal.
 ///
 /// # Errors
 /// The first error of a run; [`Error::NoSeeds`] if no seed was run.
@@ -19,7 +19,7 @@ pub fn seeds<T: Send>(
 ) -> Result<Vec<T>, Error> {
     let (count, failed) = (Count::new(options.seeds, label), AtomicBool::new(false));
     let results = parallel::map(options.seeds, |at| {
-        // After an error no seed is begun.
+        // After an error, no further seed is started.
         let runs = !failed.load(Ordering::Relaxed);
         runs.then(|| {
             let result = run(at as u64 + 1);
@@ -37,7 +37,7 @@ pub fn seeds<T: Send>(
     }
 }
 
-/// How many seeds are done.
+/// Number of finished seeds.
 struct Count<'a> {
     label: &'a str,
     all: usize,

@@ -1,4 +1,4 @@
-//! The tables of a machine: the one that is asked for, or all of them.
+//! The tables of a machine: the requested one, or all of them.
 
 use serde_json::json;
 
@@ -8,7 +8,7 @@ use crate::{Error, Options, Report};
 pub struct NamedTable {
     name: &'static str,
     evaluate: fn(&Options) -> Result<Report, Error>,
-    /// Among all tables it runs this part of the seeds.
+    /// Divisor of the number of seeds in an evaluation of all tables.
     part: usize,
 }
 
@@ -22,13 +22,13 @@ impl NamedTable {
         }
     }
 
-    /// A long table: among all tables it runs one of so many seeds.
+    /// A long table: in an evaluation of all tables its number of seeds is divided by `part`.
     pub const fn one_of(self, part: usize) -> Self {
         Self { part, ..self }
     }
 }
 
-/// The table asked for, or all of them: then the JSON has one key per table.
+/// The requested table, or all of them: then the JSON has one key per table.
 ///
 /// # Errors
 /// The table is unknown, or the estimators refuse their settings.

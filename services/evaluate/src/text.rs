@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A table: the first column to the left, all others to the right.
+/// A table: the first column left-aligned, all others right-aligned.
 #[derive(Clone, Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,
@@ -60,7 +60,7 @@ pub fn plain(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// How a target was met.
+/// Result of a target: "pass" or "FAIL".
 pub fn verdict(met: bool) -> String {
     if met { "pass" } else { "FAIL" }.to_owned()
 }

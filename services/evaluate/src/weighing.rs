@@ -1,10 +1,10 @@
-//! What the tables `weighing` of both machines share: columns, lines, and how they are printed.
+//! Columns and lines common to the `weighing` tables of both machines, and their formatting.
 
 use serde_json::{Value, json};
 
 use crate::text::{Table, plain};
 
-/// A number of each line: its key in the JSON, its heading, and how it is printed.
+/// A number of each line: its key in the JSON, its heading, and its format.
 pub struct Column {
     key: &'static str,
     heading: &'static str,
@@ -38,15 +38,15 @@ impl Column {
     }
 }
 
-/// A machine with what is stated of it.
+/// A machine with the statements about it.
 pub struct Line<const N: usize> {
     /// The machine.
     pub machine: &'static str,
-    /// What is stated and measured.
+    /// Statements and measurements.
     pub stated: &'static str,
     /// True loads.
     pub loads: usize,
-    /// The number of each column, where there is anything to count.
+    /// The number of each column, `None` if there is nothing to count.
     pub numbers: [Option<f64>; N],
     /// Whether the targets are met.
     pub met: bool,
@@ -80,12 +80,12 @@ pub fn text<const N: usize>(columns: &[Column; N], lines: &[Line<N>]) -> String 
     table.to_string()
 }
 
-/// Whether a number, where there is one, is at most so large.
+/// Whether a number is absent, or at most `limit`.
 pub fn at_most(value: Option<f64>, limit: f64) -> bool {
     value.is_none_or(|v| v <= limit)
 }
 
-/// Whether there is a number, and it is at least so large.
+/// Whether a number is present and at least `limit`.
 pub fn at_least(value: Option<f64>, limit: f64) -> bool {
     value.is_some_and(|v| v >= limit)
 }

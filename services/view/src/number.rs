@@ -102,7 +102,7 @@ pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
     )
 }
 
-/// "5 753 to 5 993": the 95 % interval of a quantity that is not negative; from its normal distribution truncated at zero.
+/// "5 753 to 5 993": the normal 95 % interval of a quantity that is not negative, cut off at zero.
 pub fn interval_95(value: f64, std: f64) -> String {
     let places = decimals(std);
     let half = estimation::HALF_WIDTH_95 * std;

@@ -1,9 +1,9 @@
-//! Faulty sensors and wrong parameters: the estimate stays usable, or says that it is not.
+//! Faulty sensors and wrong parameters: the estimate stays usable, or is not trusted.
 //!
-//! JSON: a list of `{"input":..,"mode":..,"payload":..,"summary":{..},"targets":[..],"met":..}`, errors in percent.
-//! A fault that can be noticed must not lead to values that are trusted and wrong by more than 10 %; where the
-//! estimator has to deal with it, the accuracy is asked as well. A wrong parameter that the inputs of a mode cannot
-//! tell from another inertia is only documented: "-".
+//! JSON: a list of `{"input":..,"mode":..,"payload":..,"summary":{..},"targets":[..],"met":..}`, errors in percent. A detectable
+//! fault must not lead to values that are trusted and wrong by more than 10 %. Where the estimator must handle it, there is a
+//! target for the accuracy as well. A wrong parameter that the inputs of a mode cannot distinguish from another inertia is only
+//! documented: "-".
 
 use super::case::Case;
 use super::estimators::Setup;
@@ -18,35 +18,35 @@ use sim::fault::Fault;
 
 /// The loads [kg].
 const PAYLOADS: [f64; 2] = [0.0, 423.0];
-/// Trusted and wrong: at most this share of the time [%].
+/// Largest share of the time in which a value is trusted and wrong [%].
 const TRUSTED_WRONG: f64 = 0.5;
 
-/// What is asked of a mode in trouble.
+/// Requirement on a mode with a fault.
 #[derive(Clone, Copy)]
 enum Requirement {
-    /// A largest error (p95) [%], and honesty.
+    /// Largest error (p95) [%], and no value trusted and wrong.
     Accuracy(f64),
-    /// Nothing trusted and wrong.
+    /// No value trusted and wrong.
     Honesty,
-    /// Nothing: the figures are for the record.
+    /// None: the figures are only reported.
     Nothing,
 }
 
 use Requirement::{Accuracy, Honesty, Nothing};
 
-/// What is wrong.
+/// A fault or a wrong parameter.
 struct Trouble {
     name: &'static str,
     noise: Sensors,
-    /// As [`Fault::parse`] reads it; empty where there is none.
+    /// The fault in the notation of [`Fault::parse`]; empty for none.
     fault: &'static str,
     settings: fn(&mut Settings),
-    /// The record begins here [s].
+    /// Begin of the record [s].
     start: f64,
-    /// Damping and torque offset are what the estimators take them for: BM_known and C run, else the
-    /// default variants, which do not rely on that.
+    /// Whether damping and torque offset have the values that the estimators assume. Then BM_known and C run, else the default
+    /// variants, which do not assume them.
     calibrated: bool,
-    /// What is asked of D, BM and C.
+    /// Requirements on D, BM and C.
     asked: [Requirement; 3],
 }
 
@@ -105,7 +105,7 @@ fn targets(s: &Summary, asked: Requirement) -> Vec<Target> {
 }
 
 impl Trouble {
-    /// The modes and what is scored of them; a record that begins in the swing is scored half a second later.
+    /// The modes with their scored windows; a record that begins during the swing is scored half a second later.
     fn modes(&self) -> [(Setup, Window); 3] {
         let from = |time: f64| {
             let until = if time > 7.0 { 9.1 } else { 9.3 };
@@ -167,13 +167,13 @@ fn entry(input: &str, mode: &str, payload: f64, summary: &Summary, targets: &[Ta
     })
 }
 
-/// As accurate as without the fault: a quarter above the figures of the undisturbed runs.
+/// The accuracy without a fault: a quarter above the figures of the undisturbed runs.
 const AS_NONE: [Requirement; 3] = [Accuracy(8.0), Accuracy(9.0), Accuracy(18.0)];
-/// The stated uncertainty covers it: D learns it on the way, the others must know their limits.
+/// The stated uncertainty covers it: D identifies it during the swing, the others must widen their interval.
 const STATED: [Requirement; 3] = [Accuracy(10.0), Honesty, Honesty];
 /// Twice the stated uncertainty of a constant torque.
 const FRICTION: [Requirement; 3] = [Nothing, Honesty, Honesty];
-/// No mode can tell.
+/// No mode can detect it.
 const RECORD: [Requirement; 3] = [Nothing; 3];
 
 fn trouble(name: &'static str, asked: [Requirement; 3], fault: &'static str) -> Trouble {
@@ -188,7 +188,7 @@ fn trouble(name: &'static str, asked: [Requirement; 3], fault: &'static str) -> 
     }
 }
 
-/// Rows of name, what is asked, fault, and what else is not as usual.
+/// Rows of name, requirements, fault, and other changes.
 macro_rules! troubles {
     ($( $name:literal, $asked:expr, $fault:literal $(, $field:ident: $value:expr)*; )*) => {
         vec![$( Trouble { $( $field: $value, )* ..trouble($name, $asked, $fault) } ),*]
@@ -216,7 +216,7 @@ fn troubles() -> Vec<Trouble> {
         "the same, stated", [Honesty; 3], "swing_torque:scale=1.02",
             settings: |s| s.sensors.swing_torque_gain_std = 0.02;
         "torque offset 100", STATED, "swing_torque:bias=100", calibrated: false;
-        // A gap of whole rows, noise beyond the usual, and a record that begins late.
+        // A gap of whole rows, increased noise, and a record that begins late.
         "60 ms gap", AS_NONE, "row:missing,from=6.995,to=7.045";
         "noise x 2", [Accuracy(9.0), Accuracy(9.0), Honesty], "",
             noise: Sensors { swing_velocity: 2.0 * noise.swing_velocity, ..noise };

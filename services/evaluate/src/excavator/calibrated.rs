@@ -1,4 +1,5 @@
-//! A simulated machine at work as `heft calibrate` finds it: by two recordings of swings and slow lifts, one of them with a weighed load.
+//! Calibration of a simulated machine at work, as by `heft calibrate`: from two recordings of swings and slow lifts, one of them
+//! with a weighed load.
 
 use calibrate::excavator::{self as calibration, Input, Options};
 use estimation::Quantity;
@@ -12,18 +13,18 @@ use crate::Error;
 
 /// Length of a recording: 150 s at 100 Hz.
 const ROWS: usize = 15_000;
-/// The weighed load, in rated payloads, and how well it is weighed.
+/// The weighed load, in rated payloads, and the relative accuracy of its weighing.
 const LOAD: f64 = 0.7;
 const SCALE: f64 = 0.01;
 /// Stream of the scale's error.
 const STREAM: u64 = 340;
 
-/// The settings of the calibrated machine; none where the calibration is refused. `before` is what a user states.
+/// The settings of the calibrated machine, `None` if the calibration is refused; `before`: the description stated by a user.
 pub fn settings(
     (size, effects, seed): (Size, Effects, u64),
     before: &Description,
 ) -> Result<Option<Settings>, Error> {
-    // Who calibrates looks for level ground.
+    // A user calibrates on level ground.
     let level = Effects {
         slope: 0.0,
         ..effects

@@ -1,5 +1,5 @@
-//! Calibration over simulated machines (`heft calibrate`): what two recordings of two minutes find, and
-//! whether the stated intervals hold.
+//! Calibration over simulated machines (`heft calibrate`): errors of the result from two recordings of two minutes, and coverage
+//! of its intervals.
 //!
 //! Each seed is a machine of its own: torque gain within 3 %, masses of the attachment within 5 %, damping
 //! within 20 %, friction within 30 %, efficiency of the drive 0.9 to 1, a torque offset, and either the
@@ -7,7 +7,7 @@
 //!
 //! JSON: `{"gain":{"median":..,"p95":..,"covered":..},..,"machines":n,"refused":n}`: errors in percent of
 //! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent;
-//! `"after":{"rms":..,"trusted":..,"wrong":..}` is the inertia that a third recording gives, in percent.
+//! `"after":{"rms":..,"trusted":..,"wrong":..}` is the inertia from a third recording, in percent.
 
 use calibrate::excavator::{self as calibration, Input, Role};
 use estimation::Quantity;
@@ -32,7 +32,7 @@ const LOAD: Quantity = Quantity {
     value: 423.0,
     std: 0.5,
 };
-/// The load afterwards, which nobody tells [kg]; motion begins at this velocity [rad/s].
+/// The load afterwards, which is not stated [kg]; motion begins at this velocity [rad/s].
 const AFTER: f64 = 288.0;
 const MOVING: f64 = 0.10;
 /// Noise of velocity [rad/s], torque [N m] and joint angles [rad].
@@ -59,7 +59,7 @@ const OTHERS: [(&str, Role); 4] = [
 pub struct Truth {
     /// Measured over true torque.
     pub gain: f64,
-    /// Measured torque where there is none [N m].
+    /// Measured torque at zero torque [N m].
     pub offset: f64,
     /// Masses and inertias of boom, arm and bucket over the described ones.
     pub links: f64,
@@ -69,7 +69,7 @@ pub struct Truth {
     pub friction: f64,
     /// Efficiency of the drive.
     pub efficiency: f64,
-    /// How late the velocity comes, less how late the torque comes \[s\].
+    /// Delay of the velocity minus delay of the torque \[s\].
     pub delay: f64,
 }
 
@@ -126,7 +126,7 @@ impl Truth {
         machine
     }
 
-    /// Swings there and back without end on a path, with a load that stays.
+    /// Endless swings to and fro on a path, with a constant load.
     fn plant(&self, path: Path, load: f64) -> Plant {
         let mut plant = Plant {
             machine: self.machine(),
@@ -150,7 +150,7 @@ impl Truth {
         self.record_on(working_path(), load, seed)
     }
 
-    /// The same on a path of its own.
+    /// A recording on another path.
     pub fn record_on(&self, path: Path, load: f64, seed: u64) -> Vec<Sample> {
         self.measure(&self.exact(path, load), seed)
     }
@@ -159,7 +159,7 @@ impl Truth {
         Course::new(self.plant(path, load), 0.0, RATE, LENGTH).collect()
     }
 
-    /// What its sensors show.
+    /// The measurements of its sensors.
     fn measure(&self, exact: &[Exact], seed: u64) -> Vec<Sample> {
         let mut noises = [0, 1, 2].map(|channel| Noise::channel(seed, channel));
         let velocity = |time: f64| at(exact, time, |e| e.truth.velocity);
@@ -184,7 +184,7 @@ impl Truth {
             .collect()
     }
 
-    /// The torque of the drive, of which the gear loses a part on its way to the upper body.
+    /// The torque of the drive; the gear loses a part of it before the upper body.
     fn drive_torque(&self, exact: &Exact) -> f64 {
         let torque = exact.truth.torque;
         if torque * exact.truth.velocity >= 0.0 {
@@ -215,7 +215,7 @@ fn at(exact: &[Exact], time: f64, of: impl Fn(&Exact) -> f64) -> f64 {
     (1.0 - share) * of(&exact[below]) + share * of(&exact[above])
 }
 
-/// What one machine gave.
+/// Results of one machine.
 struct MachineResult {
     /// Per parameter the error and whether the interval holds.
     parameters: Vec<(f64, bool)>,
@@ -223,7 +223,7 @@ struct MachineResult {
     after: Tally,
 }
 
-/// Judges the inertia that the calibrated machine estimates in motion, with a load of its own.
+/// Scores the inertia that the calibrated machine estimates in motion, with an unstated load.
 fn afterwards(truth: &Truth, description: &config::Excavator, seed: u64) -> Result<Tally, Error> {
     let columns = Columns {
         velocity: true,
@@ -264,7 +264,7 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
         let errors: Vec<f64> = found.iter().map(|f| f.parameters[i].0.abs()).collect();
         let covered = percentage(found.iter().map(|f| f.parameters[i].1));
         let target = TARGETS.get(i).map(|t| t.2);
-        // Two standard deviations of a share of 95 % in so few machines.
+        // Two standard deviations of a share of 95 % over this number of machines.
         let luck = 200.0 * (0.95 * 0.05 / found.len().max(1) as f64).sqrt();
         let good = target.is_none_or(|t| median(&errors) < t)
             && (90.0 - luck..=98.0 + luck).contains(&covered);
@@ -332,7 +332,7 @@ fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
             payload: Some(stated),
         },
     ];
-    // Lengths are as drawn.
+    // The lengths of the simulated machine are exactly the described ones.
     let mut description = config::Excavator::default();
     description.machine.geometry_tolerance = 0.0;
     let options = calibration::Options::of(&description);

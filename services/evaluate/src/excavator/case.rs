@@ -1,4 +1,4 @@
-//! A course of events, integrated once and measured with any seed.
+//! A scenario, integrated once and measured with any seed.
 
 use crate::Error;
 use sim::excavator::{Course, Exact, Instruments, Plant, Row, Scenario, Sensors, Truth};
@@ -18,12 +18,12 @@ pub struct Case {
 }
 
 impl Case {
-    /// Integrates a scenario; with no payload it has its own.
+    /// Integrates a scenario; without `payload`, with the scenario's own.
     pub fn new(scenario: Scenario, payload: Option<f64>) -> Self {
         Self::of(scenario, scenario.plant(payload), scenario.start())
     }
 
-    /// Integrates a scenario of another machine, with its own payload for which the torque is solved.
+    /// Integrates a scenario of another machine, with the payload for which its torque is solved.
     pub fn of(scenario: Scenario, plant: Plant, start: f64) -> Self {
         let duration = scenario.duration() + scenario.start() - start;
         let exact = Course::new(plant.clone(), start, RATE, duration).collect();

@@ -1,10 +1,10 @@
-//! The default estimator while the payload changes in mid-swing.
+//! The default estimator while the payload changes during the swing.
 //!
 //! JSON: `{"events":[{"event":..,"during":{..},"after":{..},"later":{..},"flag":{"median":..,"missed":..},
 //! "valid_wrong":{"median":..,"p95":..,"max":..},"targets":[..],"met":..},..],"no_change":{..},
 //! "sweep":[{"first":..,"during":{..},"after":{..}},..]}`. `during` is from first to last
 //! material, `after` 0.3 to 0.5 s after, `later` from 0.5 s on; errors in percent; `flag` is the time from the
-//! first material to the flag `changing`, `valid_wrong` how long a value wrong by more than 10 % is called valid \[s\].
+//! first material to the flag `changing`, `valid_wrong` the time with a valid value wrong by more than 10 % \[s\].
 
 use super::case::{Case, PAYLOADS};
 use super::estimators::{Point, Setup, series};
@@ -17,12 +17,12 @@ use sim::excavator::Scenario::{self, *};
 use sim::excavator::Sensors;
 use statistics::{largest, mean, mean_error, median, p95, percentage};
 
-/// What is asked of an event; none is asked of a part that the swing does not reach.
+/// Targets of an event; there is none for a part that the swing does not reach.
 #[derive(Clone, Copy)]
 struct Requirement {
     during: Option<f64>,
     later: f64,
-    /// Whether the bucket is seen to open.
+    /// Whether the bucket is measured to open.
     visible: bool,
 }
 
@@ -66,12 +66,12 @@ const EVENTS: [(Scenario, Requirement); 15] = [
     (PickUpBraking, unseen()),
 ];
 
-/// Largest error after a change that is seen, and after one that is not [%].
+/// Largest error after a detected change, and after an undetected one [%].
 const AFTER: (f64, f64) = (7.0, 11.0);
-/// The flag comes within this after the first material where the bucket does not move [s].
+/// Largest delay of the flag after the first material if the bucket does not move [s].
 const FLAG: f64 = 0.45;
 
-/// While the machine swings at all: a change may come near its stop [rad/s].
+/// Least velocity of a scored sample: a change may be close to a stop [rad/s].
 const SWINGS: f64 = 0.05;
 
 fn swinging(from: f64, to: f64) -> Window {
@@ -88,7 +88,7 @@ struct Outcome {
     later: Score,
     /// Time from the first material to the flag [s].
     flag: Option<f64>,
-    /// How long a wrong value is called valid [s].
+    /// Time with a valid value that is wrong [s].
     valid_wrong: f64,
 }
 
@@ -154,14 +154,14 @@ fn outcomes(options: &Options, scenario: Scenario) -> Result<Vec<Outcome>, Error
     })
 }
 
-/// Here trust is not asked for, which needs seconds: what is called valid while a load falls is converged and not changing.
+/// Valid here means converged and not changing: trust needs seconds, longer than a load falls.
 fn valid_and_wrong(point: &Point) -> bool {
     let flags = point.estimate.flags;
     let valid = flags.converged && !flags.changing;
     valid && point.is_far() && point.truth.velocity.abs() >= 0.05
 }
 
-/// Time from the first material to the flag; negative if the flag was there before.
+/// Time from the first material to the flag; negative if the flag was set before.
 fn flag(points: &[Point], first: f64) -> Option<f64> {
     let before = points.iter().rev().skip_while(|p| p.time > first - 1e-9);
     let raised = before.take_while(|p| p.estimate.flags.changing).last();
@@ -271,7 +271,7 @@ impl Event {
     }
 }
 
-/// Share of undisturbed swings in which the flag is raised before the bucket opens at 9.3 s [%].
+/// Share of undisturbed swings in which the flag is set before the bucket opens at 9.3 s [%].
 fn false_alarms(options: &Options) -> Result<(f64, Vec<Target>), Error> {
     let mut alarms = Vec::new();
     for payload in PAYLOADS {
@@ -295,7 +295,7 @@ const SWEEP: &str = "The same dump of 423 kg in 0.65 s at any time of the swing 
 /// Bucket openings of the sweep: the first [s], their distance [s], their number.
 const OPENINGS: (f64, f64, usize) = (6.25, 0.15, 14);
 
-/// Errors by the time at which the material begins to leave.
+/// Errors by the time at which the material begins to fall.
 fn sweep(options: &Options) -> Result<(Table, Vec<Value>), Error> {
     let header = [
         "first material s",

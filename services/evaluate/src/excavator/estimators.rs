@@ -1,4 +1,4 @@
-//! From simulated samples to estimates: which estimator sees which columns.
+//! Estimators of the tables, with the columns that each of them receives.
 
 use super::case::Case;
 use crate::Error;
@@ -8,16 +8,16 @@ use estimation::excavator::{
 use sim::excavator::{Row, Sensors, Truth};
 use statistics::judge::{FAR, is_covered};
 
-/// An estimator with its settings and the columns it is given.
+/// An estimator with its settings and its columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
-    /// How tables call it.
+    /// Name in the tables.
     pub name: &'static str,
     /// The method.
     pub method: Method,
     /// Its settings.
     pub settings: Settings,
-    /// What it is given.
+    /// The columns that it receives.
     pub columns: Columns,
 }
 
@@ -26,9 +26,9 @@ pub struct Setup {
 pub struct Point {
     /// Time \[s\].
     pub time: f64,
-    /// What is so.
+    /// True values.
     pub truth: Truth,
-    /// What the estimator says.
+    /// Estimated values.
     pub estimate: Estimate,
 }
 
@@ -38,8 +38,8 @@ impl Point {
         100.0 * (self.estimate.inertia / self.truth.inertia - 1.0)
     }
 
-    /// Whether the inertia is further away than a trusted one may be, whatever its interval says. The tables that count
-    /// this have a column for the intervals.
+    /// Whether the error of the inertia exceeds the limit for trusted values, whatever its interval. The tables with this count
+    /// have a separate column for the intervals.
     pub fn is_far(&self) -> bool {
         self.error().abs() > 100.0 * FAR
     }
@@ -110,7 +110,7 @@ impl Setup {
         Self::new("BM_tol", Method::Torque, true, false).variant(Variant::Tolerant)
     }
 
-    /// Torque, as it comes: the damping held, its uncertainty in the interval.
+    /// Torque, uncalibrated: the damping is not estimated, its uncertainty is in the interval.
     pub fn torque_auto() -> Self {
         Self::new("BM_auto", Method::Torque, true, false)
     }
@@ -120,7 +120,7 @@ impl Setup {
         Self::new("C", Method::Posture, false, true).variant(Variant::Known)
     }
 
-    /// The same as it comes.
+    /// Posture without torque, uncalibrated.
     pub fn posture_auto() -> Self {
         Self::new("C_auto", Method::Posture, false, true)
     }
@@ -166,7 +166,7 @@ impl Setup {
         }
     }
 
-    /// What of a row the estimator is given.
+    /// The part of a row that the estimator receives.
     pub(super) fn sample(&self, row: &Row) -> Sample {
         let Columns {
             velocity,
@@ -204,7 +204,7 @@ impl Setup {
 
 type Step = Box<dyn FnMut(&Sample) -> Estimate>;
 
-/// Truth and estimates of one seed: what a figure shows.
+/// Truth and estimates of one seed, for a figure.
 pub fn series(case: &Case, setup: &Setup, seed: u64) -> Result<Vec<Point>, Error> {
     setup.run(&case.rows(seed, Sensors::default(), &[])?)
 }

@@ -1,8 +1,8 @@
-//! Of what is called trusted, how much is wrong: machines of four sizes at work, with the ordinary physics
-//! that no description has, one effect at a time and all together.
+//! Share of wrong values among the trusted: machines of four sizes at work, with ordinary physical effects that no description
+//! contains, one at a time and all together.
 //!
-//! JSON: [`crate::honesty::json`]. The machines are uncalibrated: what the estimators are given is the data
-//! sheet and the default of everything else ([`estimation::excavator::Doubts`]): what a machine file means that says no more.
+//! JSON: [`crate::honesty::json`]. The machines are uncalibrated: the estimators receive the data sheet and the default of
+//! everything else ([`estimation::excavator::Doubts`]). A machine file without further statements means the same.
 
 use super::estimators::Setup;
 use super::honesty_lines::{EFFECT, Requirement, USUAL, described, effects};
@@ -16,7 +16,7 @@ const ROWS: usize = 4000;
 /// True velocity above which the machine moves [rad/s].
 const MOVING: f64 = 0.05;
 
-/// The methods that are judged, as tables call them.
+/// The judged methods, by their names in the tables.
 const METHODS: [(&str, Method, bool); 6] = [
     ("posture-torque", Method::PostureTorque, false),
     ("torque", Method::Torque, false),
@@ -26,11 +26,11 @@ const METHODS: [(&str, Method, bool); 6] = [
     ("svf-rls joint", Method::SvfRls, true),
 ];
 
-/// A torque as far off as a machine file should say that it may be.
+/// Standard deviation of the torque gain in the lines where the machine file states it.
 const STATED_GAIN_STD: f64 = 0.05;
 const STATED: [(&str, f64); 2] = [("+10 %", 1.10), ("-10 %", 0.90)];
 
-/// A line: the effects, or those of each seed by chance, and the gain of the torque that is stated.
+/// A line: its effects, or random ones for each seed, and the stated deviation of the torque gain.
 struct Case {
     effect: &'static str,
     severity: &'static str,
@@ -65,7 +65,7 @@ fn cases() -> Vec<Case> {
     let after = cases.iter().rposition(|case| case.effect == "torque gain");
     let at = after.map_or(cases.len(), |i| i + 1);
     cases.splice(at..at, stated);
-    // Machines that nobody listed.
+    // Machines with random effects, unlike those of the list.
     cases.push(case("by chance", "", None, USUAL));
     cases
 }
@@ -102,7 +102,7 @@ fn reason(estimate: &Estimate) -> &'static str {
     estimate.reason.name()
 }
 
-/// Every effect at every severity, every method; the sizes take turns with the seeds.
+/// Every effect at every severity, every method; the sizes alternate with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let mut lines = Vec::new();

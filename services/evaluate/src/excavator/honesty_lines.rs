@@ -1,10 +1,10 @@
-//! The lines of the honesty table, and what the estimators are given of a simulated machine.
+//! The lines of the honesty table, and the description of a simulated machine for the estimators.
 
 use estimation::excavator::Geometry;
 use estimation::excavator::keys::{Attachment, Description, Variant};
 use sim::excavator::{Effects, Work, cases, cylinders};
 
-/// What is asked of a line.
+/// Requirement on a line.
 #[derive(Clone, Copy)]
 pub struct Requirement {
     /// Largest share of wrong among the trusted.
@@ -31,13 +31,13 @@ const GOOD: Requirement = Requirement {
     covered: 0.93,
     ..EFFECT
 };
-/// Everything at once, as on most machines.
+/// All effects at once, as on most machines.
 pub const USUAL: Requirement = Requirement {
     wrong: 0.10,
     ..EFFECT
 };
 
-/// The effects with their severities, and what is asked of each.
+/// The effects with their severities and requirements.
 pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, Requirement)> {
     cases().into_iter().map(|(effect, severity, effects)| {
         let asked = match effect {
@@ -50,7 +50,7 @@ pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, R
     })
 }
 
-/// What the drawing says of the boom's cylinders.
+/// Adds the boom's cylinders from the drawing.
 pub fn describe_boom_cylinder(d: &mut Description, work: &Work) {
     let [boom, _] = cylinders(&work.size().geometry);
     let c = &mut d.boom_cylinder;
@@ -60,7 +60,7 @@ pub fn describe_boom_cylinder(d: &mut Description, work: &Work) {
     c.friction_std = 0.5 * boom.friction;
 }
 
-/// What a competent user states of a machine: its data sheet.
+/// The statements of a competent user: the data sheet of the machine.
 pub fn described(work: &Work) -> Description {
     let (size, nominal) = (work.size(), work.nominal());
     let tool = &nominal.attachment;

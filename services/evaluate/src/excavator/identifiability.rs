@@ -1,4 +1,4 @@
-//! What can be known at all: bounds beside what the estimators reach, and why the paper's regression cannot.
+//! Identifiability: Cramer-Rao bounds beside the errors of the estimators, and the rank deficiency of the paper's regression.
 //!
 //! JSON: `{"regression":{"singular_values":[..],"null_vector":[..]},"modes":[{"mode":..,"points":[{"time":..,
 //! "singular_values":[..],"bound":..,"bound_data_alone":..,"reached":..},..]},..]}`. Bounds are standard deviations of
@@ -16,11 +16,11 @@ use sim::excavator::{Exact, Scenario, Sensors};
 
 /// The load [kg].
 const PAYLOAD: f64 = 288.0;
-/// The swing begins at rest [s].
+/// Begin of the swing, at rest [s].
 const START: f64 = 5.5;
-/// Where bounds are computed [s].
+/// Times of the bounds [s].
 const TIMES: [f64; 8] = [5.75, 6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0];
-/// A direction that the data do not determine [share of the largest singular value].
+/// Singular value below which a direction is not determined by the data [share of the largest singular value].
 const NULL: f64 = 1e-3;
 
 fn modes() -> [(Setup, Knowledge); 5] {
@@ -203,7 +203,7 @@ fn regression() -> Result<Regression, Error> {
 }
 
 impl Regression {
-    /// The null direction exists: that is the finding.
+    /// Whether the null direction exists, which is the expected result.
     fn met(&self) -> bool {
         self.singular_values[2] < NULL * self.singular_values[0]
     }

@@ -1,8 +1,8 @@
-//! How much the measured velocity says about inertia, torque and damping.
+//! Information of the measured velocity about inertia, torque and damping.
 //!
 //! Along the true swing the velocity samples y = w + v depend on the unknown constants theta (each in units of its
 //! prior standard deviation) and on unknown disturbances e of unit variance: the noise of the torque samples, or the
-//! random walk of an unknown torque or of an inertia whose posture is not known. To first order
+//! random walk of an unknown torque or of an inertia of unknown posture. To first order
 //! ```text
 //! y = w + S theta + G e + v,   cov y = C = G G' + sigma_w^2 I,   information = S' C^-1 S
 //! ```
@@ -28,16 +28,16 @@ const LOG_INERTIA_STD: f64 = 0.3;
 const UNKNOWN_TORQUE_STD: f64 = 3000.0;
 /// Walk of an unknown torque while it changes [N m/sqrt(s)].
 const CHANGING: f64 = 15_000.0;
-/// It changes in these times [s].
+/// Times in which it changes [s].
 const CHANGES: [(f64, f64); 2] = [(5.5, 5.75), (7.5, 7.75)];
 
-/// What an estimator is given and what it assumes.
+/// Inputs and assumptions of an estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knowledge {
-    /// The inertia up to the payload; without it ln J walks by this much [1/sqrt(s)].
+    /// The inertia up to the payload is known; otherwise the rate of the walk of ln J [1/sqrt(s)].
     pub posture: Result<(), f64>,
-    /// The torque with its noise and an offset of this prior deviation [N m]; without it the torque walks by
-    /// this much on its plateaus [N m/sqrt(s)].
+    /// Prior deviation of the offset of a torque with known noise [N m]; otherwise the rate of the walk of the torque on its
+    /// plateaus [N m/sqrt(s)].
     pub torque: Result<f64, f64>,
     /// Prior deviation of the damping; 0 if it is known [N m s/rad].
     pub damping_std: f64,
@@ -46,16 +46,16 @@ pub struct Knowledge {
 /// The bound at the end of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
-    /// Square roots of the eigenvalues of the information, largest first: below 1 the data say less about a
+    /// Square roots of the eigenvalues of the information, largest first. Below 1 the data carry less information about a
     /// direction than the prior does.
     pub singular_values: Vec<f64>,
     /// Lower bound of the standard deviation of the inertia, prior included [% of the inertia].
     pub with_prior: f64,
-    /// The same from the data alone; none if they do not determine it.
+    /// The same from the data alone; `None` if they do not determine it.
     pub data_alone: Option<f64>,
 }
 
-/// What is unknown, as a disturbance of the truth per step.
+/// An unknown, as a disturbance of the truth per step.
 #[derive(Clone, Copy)]
 enum Unknown {
     Payload,
@@ -66,7 +66,7 @@ enum Unknown {
     TorqueNoise(usize),
     /// A step of the unknown torque before sample j, of this size.
     TorqueStep(usize, f64),
-    /// ln J was lower by this up to sample j.
+    /// ln J was lower by this amount up to sample j.
     Earlier(usize, f64),
 }
 
@@ -158,7 +158,7 @@ fn whitened(
         .ok_or_else(|| Error::refused("the covariance of the velocities has no root"))
 }
 
-/// The change of the velocity at every sample that an unknown makes.
+/// The change of the velocity at every sample due to an unknown.
 fn response(exact: &[Exact], factor: &[f64], unknown: Unknown) -> Vec<f64> {
     let mut momentum = 0.0;
     let mut velocities = Vec::with_capacity(exact.len());

@@ -1,16 +1,16 @@
 //! The excavator: the paper's Table 1, and every mode against its targets.
 //!
-//! | table, whose file says what its JSON is | what |
+//! | table (its file documents the JSON) | what |
 //! |---|---|
 //! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 |
 //! | `modes` | all modes, three loads, no disturbance |
-//! | `drop` | payload that changes in mid-swing |
+//! | `drop` | payload that changes during the swing |
 //! | `bad-input` | faulty sensors, wrong parameters |
-//! | `identifiability` | Cramer-Rao bounds beside what is reached |
+//! | `identifiability` | Cramer-Rao bounds beside the errors reached |
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 |
 //! | `calibration` | `heft calibrate` over simulated machines |
-//! | `honesty` | what is trusted on machines that are not what they are said to be |
-//! | `weighing` | what cylinder pressures add: narrow intervals, loads |
+//! | `honesty` | wrong values among the trusted, on machines that deviate from their description |
+//! | `weighing` | gain from cylinder pressures: narrow intervals, loads |
 
 mod attachments;
 mod bad_input;
@@ -47,7 +47,7 @@ const TABLES: [NamedTable; 9] = [
     NamedTable::new("weighing", weighing::evaluate),
 ];
 
-/// The table asked for, or all of them: then the JSON has one key per table.
+/// The requested table, or all of them: then the JSON has one key per table.
 ///
 /// # Errors
 /// The table is unknown, or the estimators refuse their settings.

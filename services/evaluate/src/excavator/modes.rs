@@ -16,7 +16,7 @@ use sim::excavator::{Scenario, Sensors};
 struct Line {
     setup: Setup,
     case: Case,
-    /// What the case is called where its scenario's name does not say it.
+    /// Name of the case if it is not that of its scenario.
     name: String,
     payload: f64,
     window: Window,
@@ -190,7 +190,7 @@ fn line(
     }
 }
 
-/// C where the drive torque is only reduced instead of reversed.
+/// C with a drive torque that is only reduced instead of reversed.
 fn soft_brake(payload: f64, share: f64, window: Window) -> Line {
     let mut plant = Scenario::SoftBrake.plant(Some(payload));
     for swing in &mut plant.swings {
@@ -212,7 +212,7 @@ fn none(_: &Summary) -> Vec<Target> {
     Vec::new()
 }
 
-/// Of a mode that does not know the damping: no accuracy, but an interval that holds.
+/// Targets of a mode with unknown damping: no accuracy, but coverage.
 fn honest(s: &Summary) -> Vec<Target> {
     vec![
         Target::least("coverage", s.coverage, 95.0).known_to(s.error.coverage),

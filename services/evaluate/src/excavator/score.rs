@@ -6,19 +6,19 @@ use statistics::{deviation, largest, mean, mean_error, median, p95, p95_error, p
 
 /// The swing begins [s].
 const SWING: f64 = 5.5;
-/// An estimate this close has arrived [%].
+/// Error below which an estimate counts as converged [%].
 const ARRIVED: f64 = 5.0;
-/// It has to stay so until then [s].
+/// Time until which it must stay below [s].
 const STAYS_UNTIL: f64 = 9.1;
 
-/// Which samples are scored.
+/// Selection of the scored samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// From this time \[s\].
     pub from: f64,
     /// To this time, included \[s\].
     pub to: f64,
-    /// While the true velocity has at least this size [rad/s].
+    /// Least true velocity [rad/s].
     pub velocity: f64,
 }
 
@@ -54,7 +54,7 @@ pub struct Score {
     pub trusted: f64,
     /// Share of the samples that are trusted and far from the truth, see [`Point::is_far`].
     pub trusted_wrong: f64,
-    /// Share of the samples that are said to be identifiable.
+    /// Share of the identifiable samples.
     pub identifiable: f64,
     /// Share of the samples whose 95 % interval is wider than plus or minus 10 %.
     pub wide: f64,
@@ -125,7 +125,7 @@ pub struct Summary {
     pub trusted: f64,
     /// Average share of samples trusted and wrong [%].
     pub trusted_wrong: f64,
-    /// Average share of samples said to be identifiable [%].
+    /// Average share of identifiable samples [%].
     pub identifiable: f64,
     /// Average share of samples with an interval wider than 10 % [%].
     pub wide: f64,
@@ -135,7 +135,7 @@ pub struct Summary {
     pub convergence_p95: f64,
     /// Number of seeds.
     pub seeds: usize,
-    /// How sure these numbers are.
+    /// Their standard errors.
     pub error: StandardErrors,
 }
 
@@ -192,7 +192,7 @@ impl Summary {
         }
     }
 
-    /// All numbers under their names; a time that is never reached is null.
+    /// All numbers by name; a time that is never reached is null.
     pub fn json(&self) -> Value {
         let time = |t: f64| if t.is_finite() { json!(t) } else { Value::Null };
         json!({
@@ -206,7 +206,7 @@ impl Summary {
     }
 }
 
-/// The percentile without interpolation: infinite times cannot be averaged.
+/// The percentile without interpolation, because infinite times cannot be averaged.
 fn nearest(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

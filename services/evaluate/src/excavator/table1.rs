@@ -1,4 +1,4 @@
-//! Table 1 of the paper, reproduced: what it shows and what it does not.
+//! Table 1 of the paper, reproduced.
 //!
 //! JSON, in percent of the true inertia, averaged over the seeds:
 //! `{"cases":[{"case":1,"mean":..,"std":..,"max":..},..],"wrong_start":[..]}`; `wrong_start` is the mean error
@@ -13,13 +13,13 @@ use serde_json::json;
 use sim::excavator::{Scenario, Sensors};
 use statistics::{deviation, largest, mean};
 
-/// Mean and standard deviation that the paper prints [%].
+/// Mean and standard deviation printed in the paper [%].
 const PAPER: [(f64, f64); 3] = [(-1.70, 4.51), (0.13, 4.99), (-0.49, 4.00)];
-/// Our standard deviations as specified [%], and how far ours may be from them and the mean from zero.
+/// Our standard deviations as specified [%], and the tolerances of standard deviation and mean.
 const EXPECTED_STD: [f64; 3] = [3.36, 3.81, 4.01];
 const STD_TOLERANCE: f64 = 0.3;
 const MEAN_TOLERANCE: f64 = 0.5;
-/// A start at 0.8 of the truth ends here [%].
+/// Error at the end for a start at 0.8 of the truth [%].
 const WRONG_START: f64 = 0.8;
 const WRONG_MEAN: f64 = -20.1;
 /// The scored part of the swing: all of it, at any velocity.
@@ -79,7 +79,7 @@ fn row(options: &Options, number: usize, case: &Case) -> Result<Row, Error> {
     })
 }
 
-/// Mean, deviation and largest error of the answer "the inertia is what it was at the start".
+/// Mean, deviation and largest error of a constant estimate: the inertia at the start.
 fn held(case: &Case, start: f64) -> (f64, f64, f64) {
     let swing = case
         .exact()

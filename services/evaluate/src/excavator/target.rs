@@ -1,19 +1,19 @@
-//! A number that has to lie within limits.
+//! A target: limits of a number.
 //!
-//! The numbers come from a finite number of seeds. Some hundred targets are judged at once, so a limit counts as
-//! missed only when it is exceeded by more than three standard errors; within that the judgement is "close".
+//! The numbers come from a finite number of seeds. Some hundred targets are judged at once, so a limit counts as missed only if
+//! it is exceeded by more than three standard errors; below that the judgement is "close".
 
 use serde_json::{Value, json};
 
-/// So many standard errors may be luck.
+/// Number of standard errors that is attributed to chance.
 const LUCK: f64 = 3.0;
 
-/// A target and what was reached.
+/// A target and the value reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// The quantity.
     pub what: &'static str,
-    /// What was reached.
+    /// The value reached.
     pub value: f64,
     /// Lower limit.
     pub least: f64,
@@ -55,13 +55,13 @@ impl Target {
         self.least - allowance <= self.value && self.value <= self.most + allowance
     }
 
-    /// Whether it is met, or missed by no more than luck.
+    /// Whether it is met, or missed by no more than chance.
     pub fn met(&self) -> bool {
         self.within(LUCK * self.error)
     }
 
-    /// `{"what":..,"value":..,"least":..,"most":..,"error":..,"met":..}`; a limit that does not exist is null, and so is a
-    /// value that was never reached.
+    /// `{"what":..,"value":..,"least":..,"most":..,"error":..,"met":..}`; null for a limit that does not exist, and for a value
+    /// that was never reached.
     pub fn json(&self) -> Value {
         let finite = |v: f64| if v.is_finite() { json!(v) } else { Value::Null };
         json!({
@@ -71,7 +71,7 @@ impl Target {
     }
 }
 
-/// "pass", or which targets are missed and by what; "-" where there are none.
+/// "pass", or the missed targets and their values; "-" without targets.
 pub fn judgement(targets: &[Target]) -> String {
     let missed: Vec<String> = targets
         .iter()

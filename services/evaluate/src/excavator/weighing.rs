@@ -1,8 +1,9 @@
-//! The second witness: how much of all time the pressures of the boom's cylinders make trustworthy, and how well each load is weighed.
+//! Gain from the pressures of the boom's cylinders: share of all time with a narrow trusted interval, and errors of the weighed
+//! loads.
 //!
-//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, `loads`, `rows`, `met`, and a number by the key of each column; null
-//! where there is nothing to count. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described
-//! machine with pressures.
+//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, `loads`, `rows`, `met`, and a number by the key of each column;
+//! null where there is nothing to count. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a
+//! described machine with pressures.
 
 use estimation::HALF_WIDTH_95;
 use estimation::excavator::{Estimate, Method, Reason, Settings};
@@ -20,19 +21,19 @@ use crate::{Error, Options, Report, seeds};
 
 /// Length of a record: 90 s at 100 Hz, five or six loads.
 const ROWS: usize = 9000;
-/// A 95 % half width below this share is narrow.
+/// A 95 % half width below this share counts as narrow.
 const NARROW: f64 = 0.05;
-/// Content that changes within this many rows is not knowable.
+/// Rows around a change of the content in which it is not knowable.
 const AROUND: usize = 20;
 
-/// What the estimator is given.
+/// Inputs of the estimator.
 #[derive(Clone, Copy, PartialEq)]
 enum Knowledge {
     /// No pressures.
     Motion,
     /// Pressures and cylinders, data-sheet tolerances.
     Described,
-    /// The same, calibrated by two recordings ([`super::calibrated`]).
+    /// Described, and calibrated by two recordings ([`super::calibrated`]).
     Calibrated,
     /// Pressures without the torque.
     Scale,
@@ -56,7 +57,7 @@ struct Case {
     effects: Effects,
     /// The described bucket over the true one.
     bucket: f64,
-    /// The reason that names what is wrong.
+    /// The reason code that identifies the deviation.
     names: Option<Reason>,
 }
 
@@ -133,7 +134,7 @@ struct Sums {
     wrong: usize,
     covered: usize,
     runs: usize,
-    /// Runs in which the reason that names what is wrong was given.
+    /// Runs in which that reason was reported.
     named: usize,
     loads: Tally,
 }
@@ -171,7 +172,7 @@ impl Sums {
     }
 }
 
-/// The settings of a machine with this knowledge; none where its calibration is refused.
+/// The settings of a machine with this knowledge; `None` if its calibration is refused.
 fn settings(work: &Work, case: &Case, seed: u64) -> Result<Option<Settings>, Error> {
     let mut d = described(work);
     d.geometry.bucket_mass *= case.bucket;
@@ -281,7 +282,7 @@ fn line(case: &Case, s: &Sums) -> Line<10> {
     }
 }
 
-/// Whether a line meets what section "acceptance" of the weighing specification asks.
+/// Whether a line meets section "acceptance" of the weighing specification.
 fn met(case: &Case, numbers: [Option<f64>; 10]) -> bool {
     let [narrow, _, wrong, covered, named, _, _, trusted, inside, rms] = numbers;
     let honest = at_most(wrong, 0.03);
@@ -299,7 +300,7 @@ fn met(case: &Case, numbers: [Option<f64>; 10]) -> bool {
     }
 }
 
-/// Every case; the sizes take turns with the seeds.
+/// Every case; the sizes alternate with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let (mut lines, mut json) = (Vec::new(), Vec::new());
     for case in cases() {

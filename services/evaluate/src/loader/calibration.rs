@@ -1,18 +1,20 @@
-//! Calibration over simulated machines (`heft calibrate loader`): what three recordings of two minutes find, whether the stated
-//! intervals hold, and what the estimator makes of it.
+//! Calibration over simulated machines (`heft calibrate loader`): errors of the result from three recordings of two minutes,
+//! coverage of its intervals, and errors of the estimator that uses it.
 //!
-//! Each seed is a machine of tier B (radii, torque gains, slope bias, tyres, resistance and mass not exactly known) whose
-//! speed comes up to 80 ms and whose torques come up to 20 ms late, whose axles differ in stiffness by up to 8 %, whose stiffness
-//! falls with the load by an exponent of up to 0.15, and whose load sensitivity is another by 0.002 (standard deviation) than stated.
-//! The zero of its accelerometer is off by 0.04 m/s^2 (standard deviation), and the slope sensor of every other machine lags up to
-//! 0.5 s and follows up to 40 % of the acceleration.
-//! It drives two minutes empty, the same way back with the torque shifted between the axles, and elsewhere two minutes with 1500 kg,
-//! weighed to 30 kg; the empty machine stood on axle scales of 0.5 %, level and tilted.
+//! Each seed is a machine of tier B (radii, torque gains, slope bias, tyres, resistance and mass not exactly known). Its speed is
+//! up to 80 ms late and its torques up to 20 ms. Its axles differ in stiffness by up to 8 %. Its stiffness falls with the load by
+//! an exponent of up to 0.15. Its load sensitivity differs from the stated one by 0.002 (standard deviation). The zero of its
+//! accelerometer is off by 0.04 m/s^2 (standard deviation). The slope sensor of every other machine lags up to 0.5 s and follows
+//! up to 40 % of the acceleration.
+//! It drives two minutes empty, the same path back with the torque shifted between the axles, and elsewhere two minutes with
+//! 1500 kg, weighed to 30 kg. The empty machine stood on axle scales of 0.5 %, level and tilted.
 //!
-//! JSON: `{"load_sensitivity":{"median":..,"p95":..,"covered":..},..,"after":[{"line","ratio","height",..}],"machines":n,"refused":n}`:
-//! errors in percent (radii of the radius, slope in mrad, delay in ms), coverage of the 95 % intervals in percent; `after` has the
-//! largest errors of the estimator, median and p95 over the machines (`after_prompt` and `after_late` by slope sensor): as described; as
-//! calibrated, which leaves room for other ground and worn tyres; and with what may be stated on the ground of the recordings on the same day ([`same_ground`]).
+//! JSON:
+//! `{"load_sensitivity":{"median":..,"p95":..,"covered":..},..,"after":[{"line","ratio","height",..}],"machines":n,"refused":n}`:
+//! errors in percent (radii of the radius, slope in mrad, delay in ms), coverage of the 95 % intervals in percent. `after` has
+//! the largest errors of the estimator, median and p95 over the machines (`after_prompt` and `after_late` by slope sensor). They
+//! are given for three descriptions: as described; as calibrated, which allows for other ground and worn tyres; and with the
+//! uncertainty that may be stated on the ground of the recordings on the same day ([`same_ground`]).
 
 mod machine;
 
@@ -38,10 +40,11 @@ const WORK: f64 = 160.0;
 /// The weighed load and the accuracy of its scale [kg].
 const LOAD: f64 = 1500.0;
 const LOAD_STD: f64 = 30.0;
-/// How far from the mark the machine sets out on its way back [m].
+/// Standard deviation of the start of the return path from the mark [m].
 const MARK_STD: f64 = 1.0;
 
-/// What is judged: name, role, factor from the value to the printed unit; relative to the true value where the factor is negative.
+/// Judged quantities: name, role, factor from the value to the printed unit; relative to the true value if the factor is
+/// negative.
 const JUDGED: [(&str, Role, f64); 16] = [
     ("front_radius", Role::FrontRadius, 100.0),
     ("rear_radius", Role::RearRadius, 100.0),
@@ -61,7 +64,7 @@ const JUDGED: [(&str, Role, f64); 16] = [
     ("height", Role::Height(0), -100.0),
 ];
 
-/// The estimator afterwards: line, scenario, largest errors allowed of ratio and height, median and p95 [percent].
+/// The estimator afterwards: line, scenario, largest allowed errors of ratio and height, median and p95 [percent].
 const LINES: [(&str, Scenario, [f64; 2], [f64; 2]); 3] = [
     ("S1 bumpy", Scenario::Bumpy, [3.2, 9.2], [f64::INFINITY; 2]),
     (
@@ -78,9 +81,9 @@ const LINES: [(&str, Scenario, [f64; 2], [f64; 2]); 3] = [
     ),
 ];
 
-/// By what the estimator knows of the machine.
+/// Names of the three descriptions.
 const DESCRIPTIONS: [&str; 3] = ["as described", "calibrated", "same ground"];
-/// On the ground of the recordings, on the same day: slip stiffness, relative, and radii.
+/// Uncertainty on the ground of the recordings, on the same day: slip stiffness, relative, and radii.
 const SAME_GROUND: (f64, f64) = (0.02, 2e-4);
 
 fn same_ground(calibrated: &config::Loader) -> config::Loader {
@@ -90,13 +93,13 @@ fn same_ground(calibrated: &config::Loader) -> config::Loader {
     d
 }
 
-/// What one machine gave.
+/// Results of one machine.
 struct MachineResult {
-    /// Its slope sensor lags.
+    /// Whether its slope sensor lags.
     lags: bool,
-    /// Per judged parameter the error and whether the interval holds.
+    /// Error of each judged parameter, and whether the interval holds.
     parameters: Vec<(f64, bool)>,
-    /// Per line the scores by [`DESCRIPTIONS`].
+    /// Scores of each line by [`DESCRIPTIONS`].
     after: Vec<[Score; 3]>,
     /// Rows of the work in which the machine moves, for ratio and height.
     work: [Tally; 2],
@@ -166,7 +169,7 @@ fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
     Ok(Some(found))
 }
 
-/// What a parameter of the simulated machine is.
+/// True value of a parameter of the simulated machine.
 fn true_value(role: Role, simulation: &Simulation, truth: &Truth) -> f64 {
     let (machine, gains) = (simulation.machine(), simulation.torque_gains());
     match role {
@@ -208,7 +211,7 @@ fn errors(outcome: &Outcome, true_value: impl Fn(Role) -> f64) -> Option<Vec<(f6
 }
 
 impl MachineResult {
-    /// The estimator under both descriptions on the rows of a line.
+    /// Runs the estimator with each description on the rows of a line.
     fn drive(
         &mut self,
         rows: &[Row],

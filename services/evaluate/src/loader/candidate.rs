@@ -1,4 +1,4 @@
-//! The filters under comparison: which method, with which settings, given what.
+//! The compared filters: method, settings, inputs.
 
 use estimation::loader::settings::Estimator;
 use estimation::loader::{
@@ -7,17 +7,17 @@ use estimation::loader::{
 };
 use sim::loader::{Grade, Nominal, Row};
 
-/// One filter under comparison.
+/// One of the compared filters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     /// Name in the tables.
     pub name: &'static str,
     method: Method,
-    /// Before anything is stated of the machine.
+    /// Settings without statements about the machine.
     settings: Settings,
     /// Start from the truth instead of the initial guess.
     start_at_truth: bool,
-    /// The wheel speeds are corrected with radii that were calibrated before.
+    /// Whether the wheel speeds are corrected with radii calibrated before.
     warm: bool,
     /// Standard deviation of the load sensitivity of the rolling radius; 0 where it is stated exactly.
     load_sensitivity_std: f64,
@@ -25,7 +25,7 @@ pub(super) struct Candidate {
     weighed: bool,
 }
 
-/// Of the methods with six states, as specified: the error of the initial guess alone.
+/// Prior of the methods with six states, as specified: the error of the initial guess only.
 const PAPER_PRIOR: Prior = Prior {
     slip_stiffness_std: 2.0,
     cg_height_std: 0.10,
@@ -63,33 +63,33 @@ impl Candidate {
     pub const EKF: Self = Self::six("EKF", Method::Ekf, Settings::PAPER);
     /// Six states with the tuning that suits an exactly known machine.
     pub const TUNED: Self = Self::six("tuned 6 states", Method::IsrUkf, KNOWN_MACHINE);
-    /// The product, nothing calibrated.
+    /// The default filter, nothing calibrated.
     pub const COLD: Self = Self::new("full, cold", Method::Full, Settings::DEFAULT);
-    /// The product on a machine of which nobody knows more than its data sheet.
+    /// The default filter on a machine known by its data sheet only.
     pub const DATA_SHEET: Self = Self {
         load_sensitivity_std: Machine::DEFAULT.radius_load_sensitivity_std,
         ..Self::COLD
     };
-    /// The product by the model's tangent.
+    /// The default filter in its extended form, linearised by the model's tangent.
     pub const TANGENT: Self = Self::new("full-ekf, cold", Method::FullEkf, Settings::DEFAULT);
-    /// The product with rolling radii known to 5e-4.
+    /// The default filter with rolling radii known to 5e-4.
     pub const WARM: Self = Self {
         warm: true,
         ..Self::new("full, warm", Method::Full, CALIBRATED_RADII)
     };
-    /// The product that is given the one tolerance which it cannot learn and which moves the ratio most.
+    /// The default filter with the one known tolerance that it cannot estimate and that moves the ratio most.
     pub const CALIBRATED: Self = Self {
         load_sensitivity_std: 0.0,
         name: "full, load sensitivity known",
         ..Self::COLD
     };
-    /// The product that is given the payload.
+    /// The default filter with a reported payload.
     pub const WEIGHED: Self = Self {
         weighed: true,
         ..Self::new("full, weighed", Method::Full, WEIGHED)
     };
 
-    /// The filter of the demonstration about the sign of the load transfer: height held, everything else known.
+    /// The filter that demonstrates the sign of the load transfer: height fixed, everything else known.
     pub const fn sign(load_transfer: LoadTransfer) -> Self {
         let settings = Settings {
             estimator: Estimator {
@@ -124,7 +124,7 @@ impl Candidate {
         }
     }
 
-    /// What this filter is given of the machine.
+    /// The machine's data for this filter.
     pub fn nominal(&self, nominal: &Nominal, machine: &sim::loader::Machine) -> Nominal {
         let mut nominal = *nominal;
         if self.load_sensitivity_std == 0.0 {
@@ -133,7 +133,7 @@ impl Candidate {
         nominal
     }
 
-    /// The settings that follow from what is stated.
+    /// The settings from the stated values.
     pub fn settings(&self, nominal: &Nominal, first: &Row) -> Settings {
         let mut prior = prior(nominal, &self.settings.prior);
         if self.start_at_truth {
@@ -151,13 +151,13 @@ impl Candidate {
         }
     }
 
-    /// A filter that waits for the first row.
+    /// A filter before its first row.
     pub fn estimator(&self, settings: &Settings) -> Result<CgEstimator, SettingsError> {
         let columns = Columns { acceleration: true };
         CgEstimator::new(settings, self.method, columns)
     }
 
-    /// What this filter gets to see of a row.
+    /// The part of a row that this filter receives.
     pub fn sample(&self, nominal: &Nominal, row: &Row) -> Sample {
         let mut sample = sample(row);
         if self.warm {
@@ -184,7 +184,7 @@ impl Candidate {
         sample
     }
 
-    /// What the weighing system tells this filter before a row.
+    /// The payload that the weighing system reports to this filter before a row.
     pub fn payload(&self, row: &Row) -> Option<Payload> {
         let p = &row.payload;
         self.weighed
@@ -192,8 +192,8 @@ impl Candidate {
     }
 }
 
-/// What is exactly known hardly walks: a third of the process noise of [`Settings::TUNED`], which lets the ratio drift by
-/// 1 % within a work cycle. Rows with a changing torque count half.
+/// An exactly known machine needs little process noise: a third of that of [`Settings::TUNED`], which lets the ratio drift by 1 %
+/// within a work cycle. Rows with a changing torque count half.
 const KNOWN_MACHINE: Settings = Settings {
     estimator: Estimator {
         q_slip_stiffness: 1e-4,
@@ -213,7 +213,7 @@ const CALIBRATED_RADII: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// A payload that is reported moves no state: nothing to reopen.
+/// A reported payload changes no state, so the covariance is not reopened.
 const WEIGHED: Settings = Settings {
     estimator: Estimator {
         reopen: 0.0,
@@ -223,10 +223,10 @@ const WEIGHED: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// How well the tables' makers know the load sensitivity of their tyres.
+/// Standard deviation of the load sensitivity that the tables assume for the tyres.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
 
-/// What a competent user states of the machine.
+/// The statements of a competent user about the machine.
 pub(super) fn described(nominal: &Nominal) -> config::Loader {
     config::Loader {
         machine: machine(nominal, &Machine::DEFAULT),
@@ -269,7 +269,7 @@ fn sensors(grade: Grade) -> Sensors {
     }
 }
 
-/// A row as the estimator takes it.
+/// A row in the form of the estimator.
 pub(super) fn sample(row: &Row) -> Sample {
     Sample {
         time: row.time,

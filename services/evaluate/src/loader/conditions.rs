@@ -109,7 +109,7 @@ fn run(options: &Options, grade: Grade, scenario: Scenario) -> Result<[Summary; 
     Ok(std::array::from_fn(|k| Summary::of(&runs, k)))
 }
 
-/// What a reading of the paper may claim: see [`READING`].
+/// Whether the results support the claims of [`READING`].
 fn holds(grade: Grade, scenario: Scenario, [printed, joint, ekf]: &[Summary; 3]) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() <= SAME.0.max(SAME.1 * b);
     let reproduced = grade != Grade::Hall
@@ -168,7 +168,7 @@ mod tests {
                     &[printed, joint, ekf]
                 )
         );
-        // The height is the initial guess: 0.10 m of 0.90 m, as good in any form that is consistent.
+        // The height is the initial guess: 0.10 m of 0.90 m, equally good in any consistent form.
         assert!(joint.height.rms > 3.0, "{joint:?}");
     }
 }

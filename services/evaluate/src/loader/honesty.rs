@@ -1,9 +1,9 @@
-//! Of what is called trusted, how much is wrong: loaders of three sizes at work, with the ordinary physics that no
-//! description has, one effect at a time and all together.
+//! Share of wrong values among the trusted: loaders of three sizes at work, with ordinary physical effects that no description
+//! contains, one at a time and all together.
 //!
-//! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is given the data sheet, its
-//! noises and floors scaled with the size, and the default of everything else. They turn round as loaders do: one that never
-//! reverses does not tell how its tyres give under a load, so its ratio is not trusted.
+//! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator receives the data sheet, with noises
+//! and floors scaled with the size, and the default of everything else. The loaders reverse as in real work. One that never
+//! reverses does not show how its tyres deflect under a load, so its ratio is not trusted.
 
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
 use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Simulation, Size, Tier};
@@ -16,10 +16,10 @@ use crate::{Error, Options, Report, seeds};
 const DURATION: f64 = 120.0;
 /// True speed above which the machine moves [m/s].
 const MOVING: f64 = 0.1;
-/// Payload of a load cycle, as a share of the machine.
+/// Payload of a load cycle, as a share of the machine's mass.
 const PAYLOAD: f64 = 0.25;
 
-/// What a line asks for: least trusted share of the moving time, least coverage of all rows.
+/// Targets of a line: least trusted share of the moving time, least coverage of all rows.
 type Requirement = (f64, f64);
 
 fn requirement(effect: &str) -> Requirement {
@@ -30,16 +30,16 @@ fn requirement(effect: &str) -> Requirement {
     }
 }
 
-/// Name of the line of machines that nobody listed, and the share of wrong that it may have.
+/// Name of the line of machines with random effects, and its largest share of wrong.
 const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
 
 /// Name of the line of machines that never reverse.
 const ONE_WAY: &str = "one way only";
 
-/// Name of the line of a slope sensor whose delay, and what it follows of the acceleration, are stated.
+/// Name of the line of a slope sensor with stated delay and acceleration sensitivity.
 const CALIBRATED: &str = "slope sensor, calibrated";
 
-/// What a competent user states for a machine of that size: the default, scaled.
+/// The statements of a competent user for a machine of that size: the default, scaled.
 pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
     let heavy = machine.mass / reference.mass;
@@ -59,7 +59,7 @@ pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
     settings
 }
 
-/// A machine of one of the three sizes under these effects, turning round or not.
+/// A machine of one of the three sizes with these effects, reversing or not.
 fn work(effects: Effects, reverses: bool, seed: u64) -> Run {
     let size = Size::REAL[(seed as usize - 1) % Size::REAL.len()];
     let loads = effects.payload_reported != PayloadReport::All;
@@ -76,13 +76,13 @@ fn work(effects: Effects, reverses: bool, seed: u64) -> Run {
     }
 }
 
-/// The methods that are judged, on the same rows.
+/// The judged methods, on the same rows.
 const METHODS: [Method; 2] = [Method::Full, Method::FullEkf];
 
-/// Drives the product through a run; `tell` says more of the machine, `look` sees each answer, with the index of its method.
+/// Runs the default filters; `adjust` changes their settings, `look` receives each answer with the index of its method.
 fn drive(
     run: &Run,
-    tell: impl Fn(&mut Settings),
+    adjust: impl Fn(&mut Settings),
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
@@ -91,7 +91,7 @@ fn drive(
         return Ok(());
     };
     let mut settings = scaled(candidate.settings(&nominal, &first), run.size);
-    tell(&mut settings);
+    adjust(&mut settings);
     let columns = Columns { acceleration: true };
     let estimators = METHODS.map(|method| CgEstimator::new(&settings, method, columns));
     let [full, full_ekf] = estimators;
@@ -108,16 +108,16 @@ fn drive(
     Ok(())
 }
 
-/// Ratio and height of each method.
+/// Counts of ratio and height for each method.
 fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
     let mut tallies: [[Tally; 2]; 2] = Default::default();
-    let tell = |settings: &mut Settings| {
+    let adjust = |settings: &mut Settings| {
         if calibrated {
             settings.sensors.slope_delay = run.effects.slope_lag;
             settings.sensors.slope_acceleration_sensitivity = run.effects.slope_follows;
         }
     };
-    drive(run, tell, |k, row, estimate| {
+    drive(run, adjust, |k, row, estimate| {
         for (tally, judged) in tallies[k].iter_mut().zip(judge(row, estimate)) {
             tally.push(&judged);
         }
@@ -125,7 +125,7 @@ fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
     Ok(tallies)
 }
 
-/// Ratio and height.
+/// Rows of ratio and height.
 fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
     let moving = row.truth.speed.abs() > MOVING;
     let judged = |truth: f64, quantity: estimation::Quantity, trusted: bool| JudgedRow {
@@ -150,7 +150,7 @@ fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
     ]
 }
 
-/// Every effect at every severity, ratio and height; the sizes take turns with the seeds.
+/// Every effect at every severity, ratio and height; the sizes alternate with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut lines = Vec::new();
     let listed = CASES.map(|(effect, severity, effects)| match (effect, severity) {
@@ -232,10 +232,11 @@ mod tests {
     #[test]
     fn a_load_sensitivity_that_is_known_exactly_opens_nothing_when_the_loader_reverses() {
         let run = work(effects("reversing", "radius sensitivity -.005"), true, 1);
-        // Largest growth of the height's standard deviation from row to row, about when the loader has been driven both ways [m].
-        let growth = |tell: fn(&mut Settings)| {
+        // Largest increase of the height's standard deviation from row to row, around the time when the loader has been driven
+        // both ways [m].
+        let growth = |adjust: fn(&mut Settings)| {
             let (mut last, mut most, mut ways) = ([f64::INFINITY; 2], 0.0, [0; 2]);
-            drive(&run, tell, |k, row, estimate| {
+            drive(&run, adjust, |k, row, estimate| {
                 if row.truth.speed.abs() > 0.5 {
                     ways[usize::from(row.truth.speed > 0.0)] += 1;
                 }
@@ -257,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn slips_that_waver_and_brakes_that_nobody_tells_leave_trust_and_nothing_wrong_in_it() {
+    fn unsteady_slip_and_unstated_brakes_leave_trust_and_nothing_wrong_in_it() {
         for (effect, severity) in [
             ("rough road", "ISO 8608 D"),
             ("jitter", "10 ms"),
@@ -274,8 +275,8 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_that_straightens_out_of_a_curve_tells_no_ratio_by_it() {
-        // Those of 20 t whose first rows that count follow a curve.
+    fn a_machine_that_straightens_out_of_a_curve_learns_no_ratio_from_it() {
+        // Machines of 20 t whose first evaluated rows follow a curve.
         for seed in [9, 15] {
             let run = work(effects("good machine", "all a little"), true, seed);
             for [ratio, _] in tally(&run, false).unwrap() {

@@ -1,4 +1,4 @@
-//! The loader: the paper's conditions, what it does not show, and our targets.
+//! The loader: the paper's conditions, a demonstration of its limits, and our targets.
 //!
 //! | table | shows |
 //! |---|---|
@@ -6,10 +6,10 @@
 //! | `sign` | that the printed sign of the load transfer makes a rigid centre of gravity seem to move |
 //! | `tiers` | the targets on a known machine (tier A) and on a real one (tier B) |
 //! | `robustness` | bad input, and runs without divergence |
-//! | `honesty` | how much of what is trusted is wrong on machines that are not the reference plant |
-//! | `remembered` | what a run gains by what an earlier one has learnt (`heft run --state`) |
-//! | `calibration` | what `heft calibrate loader` finds, and what the estimator makes of it |
-//! | `weighing` | what lift pressures and angles add: centre of gravity, loads |
+//! | `honesty` | share of wrong values among the trusted, on machines that deviate from the reference plant |
+//! | `remembered` | gain of a run from remembered parameters (`heft run --state`) |
+//! | `calibration` | errors of `heft calibrate loader`, and of the estimator that uses it |
+//! | `weighing` | gain from lift pressures and angles: centre of gravity, loads |
 
 mod calibration;
 mod candidate;
@@ -38,7 +38,7 @@ const TABLES: [NamedTable; 8] = [
     NamedTable::new("weighing", weighing::evaluate),
 ];
 
-/// The table asked for, or all of them: then the JSON has one key per table.
+/// The requested table, or all of them: then the JSON has one key per table.
 ///
 /// # Errors
 /// The table is unknown, or the estimators refuse their settings.

@@ -1,7 +1,7 @@
-//! What a run gains by what an earlier one has learnt (`heft run --state`), and what it loses when that is wrong by now.
+//! Gain of a run from the parameters of an earlier one (`heft run --state`), and its loss if they have changed since.
 //!
-//! The earlier run is a work cycle of the same machine and sensors; the later one accelerates and brakes hard on another
-//! road with other noise, begun cold or with the remembered parameters as its prior, on the same tyres or on others.
+//! The earlier run is a work cycle of the same machine and sensors. The later one accelerates and brakes hard on another road
+//! with other noise. It begins cold or with the remembered parameters as its prior, on the same tyres or on others.
 //!
 //! JSON: `[{"tyres", "prior", "ratio", "height", "diverged", "runs", "met"}]`; `met` is null without a target.
 
@@ -19,14 +19,14 @@ use crate::{Error, Options, Report, seeds};
 const SHIFT: f64 = 100.0;
 /// The night between the runs [s].
 const PAUSE: f64 = 12.0 * 3600.0;
-/// Seeds of the days of a machine lie this far apart.
+/// Distance of the seeds of a machine's days.
 const DAY: u64 = 1 << 32;
 
 /// Upper limits of the ratio's largest error, median and 95th percentile [percent], and least coverage.
 const LIMITS: (f64, f64) = (3.0, 6.0);
 const COVERAGE: f64 = 0.93;
 
-/// The lines: the later run's tyres, whether it begins with what was remembered, and whether its errors have a target.
+/// The lines: the later run's tyres, whether it begins with remembered parameters, and whether its errors have a target.
 const LINES: [(&str, bool, bool); 4] = [
     ("the same", false, false),
     ("the same", true, true),
@@ -69,7 +69,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     })
 }
 
-/// A machine: its earlier run, then every line.
+/// Scores a machine: its earlier run, then every line.
 fn one(seed: u64) -> Result<Vec<Score>, Error> {
     let day = |scenario, n| Run {
         seed: seed + n * DAY,
@@ -96,7 +96,7 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
             tyres_seed: (tyres == "others").then_some(seed + DAY / 2),
             ..day(Scenario::AccelDecel, 2)
         };
-        scores.extend(trial::scores_told(
+        scores.extend(trial::scores_adjusted(
             &later,
             &[Candidate::COLD],
             |settings| {
@@ -109,12 +109,12 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
     Ok(scores)
 }
 
-/// The latest estimates whose ratio, and whose height, was trusted.
+/// The latest estimates with a trusted ratio, and with a trusted height.
 type Learnt = (Option<Estimate>, Option<Estimate>);
 
-/// As `heft run --state` restores them. Neither rolling radii and slope bias, nor a narrower floor, nor so the covariance
-/// between them, make the later run better (160 machines, floors of 0.4 to 0.2 of the prior: 2.3 to 2.4 % in the median);
-/// on other tyres radii that are believed more closely make it worse.
+/// Restores the prior as `heft run --state` does. The later run does not gain from rolling radii and slope bias, nor from a
+/// narrower floor, nor from the covariance between them (160 machines, floors of 0.4 to 0.2 of the prior: 2.3 to 2.4 % in the
+/// median). On other tyres, a smaller deviation of the radii increases the error.
 fn restore(prior: &mut Prior, learnt: &Learnt) {
     let widened = |std, prior| config::widened(std, prior, PAUSE);
     if let Some(e) = learnt.0 {

@@ -1,6 +1,6 @@
-//! Bad input, and how often a filter diverges.
+//! Bad input, and frequency of divergence.
 //!
-//! The first 120 s of a work cycle on a known machine, with one thing wrong at a time; the error at the end. JSON:
+//! The first 120 s of a work cycle on a known machine, with one fault at a time; the error at the end. JSON:
 //! `{"faults": [{"fault", "ratio_rms", "height_rms", "resets", "finite", "met"}], "runs", "diverged"}`, errors in percent.
 
 use serde_json::{Value, json};
@@ -15,17 +15,17 @@ use statistics::mean;
 
 /// Length of a run with a fault [s].
 const DURATION: f64 = 120.0;
-/// More runs than this per fault do not sharpen the table.
+/// Most runs per fault: further ones do not sharpen the table.
 const ENOUGH: usize = 6;
-/// Short runs on real machines, for every seed asked for.
+/// Short runs on machines of tier B per requested seed.
 const SHORT_RUNS: usize = 5;
 
-/// One thing that goes wrong: name, faults, largest allowed rms error of ratio and height [percent].
+/// A fault: name, faults, largest allowed rms error of ratio and height [percent].
 type Case = (&'static str, &'static [&'static str], [f64; 2]);
 
-/// What is absorbed altogether must stay near the clean run, 0.3 and 3.3 % in the reference.
+/// Faults that are fully absorbed must stay near the clean run, 0.3 and 3.3 % in the reference.
 const AS_CLEAN: [f64; 2] = [1.0, 7.0];
-/// Torque gains of +5 and -3 % cannot be seen: (1 - lam) 8 % = 4.4 % of the ratio.
+/// Torque gains of +5 and -3 % are not observable: (1 - lam) 8 % = 4.4 % of the ratio.
 const BIASED: [f64; 2] = [6.0, 10.0];
 
 macro_rules! cases {
@@ -59,7 +59,7 @@ const CASES: [Case; 18] = cases! {
     "wheel speeds in steps of 0.05 rad/s", [4.0, 15.0] => "front_wheel_speed:quantum=0.05", "rear_wheel_speed:quantum=0.05";
 };
 
-/// What is left of a run at its end.
+/// State of a run at its end.
 #[derive(Clone, Copy, Debug)]
 struct End {
     ratio: f64,
@@ -153,7 +153,7 @@ fn run(options: &Options, name: &str, faults: &[&str]) -> Result<Vec<End>, Error
     })
 }
 
-/// How many bumpy drives on real machines there were, and how many diverged.
+/// Number of bumpy drives on machines of tier B, and number of divergences.
 fn divergence(options: &Options) -> Result<(usize, usize), Error> {
     let many = Options {
         seeds: SHORT_RUNS * options.seeds,

@@ -62,7 +62,7 @@ impl Score {
         self.height.take(row.truth.cg_height, estimate.cg_height);
     }
 
-    /// Not finite, or wrong by more than 50 % in the ratio or 100 % in the height.
+    /// Whether it is not finite, or wrong by more than 50 % in the ratio or 100 % in the height.
     pub fn diverged(&self) -> bool {
         !(self.ratio.finite
             && self.height.finite

@@ -1,10 +1,10 @@
-//! Does the centre of gravity move when the machine accelerates? It seems to, with the printed sign.
+//! Apparent motion of the centre of gravity during acceleration, with the printed sign of the load transfer.
 //!
-//! Accelerating moves load to the rear axle: the front axle carries m g lam - m h dv/dt / l. The printed (6), (7)
-//! and (10), (11) have the opposite sign, and a filter that believes them explains the difference by a centre of
-//! gravity that moves by -2 h / (l g) = -0.080 of the wheelbase per m/s^2. The plant's is rigid.
+//! Accelerating moves load to the rear axle: the front axle carries m g lam - m h dv/dt / l. The printed (6), (7) and (10), (11)
+//! have the opposite sign. A filter with this sign explains the difference by a centre of gravity that moves by -2 h / (l g) =
+//! -0.080 of the wheelbase per m/s^2. The plant's is rigid.
 //!
-//! The height is held at the truth, so that only the ratio can answer. JSON:
+//! The height is held at the truth, so that only the ratio can change. JSON:
 //! `{"printed": {"accel", "brake"}, "physical": {"accel", "brake"}, "truth"}`: mean estimated ratio while dv/dt is above
 //! 0.3 and below -0.3 m/s^2 in the acceleration and deceleration manoeuvre.
 
@@ -25,11 +25,11 @@ const FILTERS: [Candidate; 2] = [
     Candidate::sign(LoadTransfer::Printed),
     Candidate::sign(LoadTransfer::Physical),
 ];
-/// Rows faster than this count [m/s], and those with at least this acceleration [m/s^2].
+/// Least speed [m/s] and least acceleration [m/s^2] of the rows that count.
 const FROM_SPEED: f64 = 1.0;
 const FROM_ACCELERATION: f64 = 0.3;
 
-/// The manoeuvres, when they count from [s], and the expected means (printed accelerating, braking; physical).
+/// The manoeuvres, begin of their counted time [s], and the expected means (printed accelerating, braking; physical).
 const CASES: [(Scenario, f64, Option<[f64; 4]>); 4] = [
     (
         Scenario::AccelDecel,
@@ -44,9 +44,9 @@ const CASES: [(Scenario, f64, Option<[f64; 4]>); 4] = [
     (Scenario::ConstantTorque, 6.0, None),
     (Scenario::Bumpy, 4.0, None),
 ];
-/// How far a mean may lie from its expected value.
+/// Tolerance of a mean.
 const TOLERANCE: f64 = 0.006;
-/// More runs than this do not sharpen the means.
+/// Most runs: further ones do not sharpen the means.
 const ENOUGH: usize = 8;
 
 /// Sums over the rows of one filter.
@@ -102,7 +102,7 @@ impl Means {
     }
 }
 
-/// The mean of a class; none if it is empty.
+/// The mean of a class; `None` if it is empty.
 fn mean((sum, count): (f64, f64)) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }

@@ -11,7 +11,7 @@ use super::trial;
 use crate::text::{Table, verdict};
 use crate::{Error, Options, Report, seeds};
 
-/// Upper limits [percent]; what is infinite is no target.
+/// Upper limits [percent]; an infinite one is no target.
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     median: f64,
@@ -154,7 +154,7 @@ static CASES: [Case; 29] = {
     ]
 };
 
-/// A work cycle takes ten times as long as the other scenarios.
+/// Divisor of the number of work cycles: they take ten times as long as the other scenarios.
 const FEWER_WORK_CYCLES: usize = 2;
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
@@ -289,8 +289,8 @@ mod tests {
         };
         let group = [Case::new(Tier::B, Scenario::LoadCycle, Candidate::WEIGHED)];
         let full = run(&options, &group).unwrap()[0];
-        // Radii held fixed while the load shifts: 29 % covered, 40 % rms. Otherwise 97 % and 8 % over 100 runs; one
-        // machine in six may leave its interval.
+        // Radii held fixed while the load shifts: 29 % covered, 40 % rms. Otherwise 97 % and 8 % over 100 runs; one machine in
+        // six may leave its interval.
         assert!(
             full.height.coverage > 0.8 && full.height.rms < 16.0,
             "{full:?}"

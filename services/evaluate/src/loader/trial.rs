@@ -7,20 +7,20 @@ use super::candidate::Candidate;
 use super::score::Score;
 use crate::Error;
 
-/// Drives every candidate through the same rows; `look` sees each answer: candidate, row, estimate.
+/// Runs every candidate on the same rows; `look` receives each answer: candidate, row, estimate.
 pub(super) fn each_row(
     run: &Run,
     candidates: &[Candidate],
     look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
-    each_row_told(run, candidates, |_| {}, look)
+    each_row_adjusted(run, candidates, |_| {}, look)
 }
 
-/// The same; `tell` changes what the candidates begin with.
-fn each_row_told(
+/// As [`each_row`]; `adjust` changes the candidates' settings.
+fn each_row_adjusted(
     run: &Run,
     candidates: &[Candidate],
-    tell: impl Fn(&mut Settings),
+    adjust: impl Fn(&mut Settings),
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
@@ -33,7 +33,7 @@ fn each_row_told(
         .map(|candidate| {
             let known = candidate.nominal(&nominal, &machine);
             let mut settings = candidate.settings(&known, &first);
-            tell(&mut settings);
+            adjust(&mut settings);
             candidate.estimator(&settings)
         })
         .collect::<Result<Vec<_>, _>>()
@@ -51,18 +51,18 @@ fn each_row_told(
 
 /// The scores of every candidate over the scenario's window of evaluation.
 pub(super) fn scores(run: &Run, candidates: &[Candidate]) -> Result<Vec<Score>, Error> {
-    scores_told(run, candidates, |_| {})
+    scores_adjusted(run, candidates, |_| {})
 }
 
-/// The same; `tell` changes what the candidates begin with.
-pub(super) fn scores_told(
+/// As [`scores`]; `adjust` changes the candidates' settings.
+pub(super) fn scores_adjusted(
     run: &Run,
     candidates: &[Candidate],
-    tell: impl Fn(&mut Settings),
+    adjust: impl Fn(&mut Settings),
 ) -> Result<Vec<Score>, Error> {
     let from = run.scenario.evaluated_from();
     let mut scores = vec![Score::default(); candidates.len()];
-    each_row_told(run, candidates, tell, |k, row, estimate| {
+    each_row_adjusted(run, candidates, adjust, |k, row, estimate| {
         if row.time >= from {
             scores[k].take(row, estimate);
         }

@@ -1,6 +1,7 @@
-//! What the lift arm's pressures and angles add: centre of gravity while standing and driving, loads in kilograms.
+//! Gain from the lift arm's pressures and angles: centre of gravity while standing and driving, loads in kilograms.
 //!
-//! JSON: a list of lines, as that of the excavator. Ratio and height are judged over all time; their errors while the machine carries a load.
+//! JSON: a list of lines, as that of the excavator. Ratio and height are judged over all time; their errors while the machine
+//! carries a load.
 
 mod machine;
 
@@ -73,7 +74,7 @@ impl Sums {
     }
 }
 
-/// One seed.
+/// Scores one seed.
 fn run(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Sums, Error> {
     let Machine {
         run,
@@ -141,7 +142,7 @@ fn line(machine: &'static str, knowledge: Knowledge, sums: &Sums) -> Line<12> {
     }
 }
 
-/// What the weighing specification asks: trusted .8 and .6 of all time, rms 1.5 and 5 %, wrong at most .03.
+/// Whether the weighing specification is met: trusted .8 and .6 of all time, rms 1.5 and 5 %, wrong at most .03.
 fn met(knowledge: Knowledge, sums: &Sums) -> bool {
     let [ratio, ratio_wrong, _, ratio_rms] = sums.ratio.numbers();
     let [height, height_wrong, _, height_rms] = sums.height.numbers();
@@ -153,7 +154,7 @@ fn met(knowledge: Knowledge, sums: &Sums) -> bool {
     honest && precise && at_least(ratio, 0.8) && at_least(height, 0.6)
 }
 
-/// Every machine with everything that may be stated of it.
+/// Every machine with each combination of statements.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let good = CASES.iter().find(|case| case.0 == "good machine");
     let sound = ("sound machine", Effects::default());

@@ -1,4 +1,4 @@
-//! The machines that are calibrated, their recordings, and what is stated of them.
+//! The machines that are calibrated, their recordings, and the statements about them.
 
 use calibrate::loader::{Input, StatedLoad};
 use estimation::loader::weigh::{Reading, Weighing};
@@ -8,9 +8,9 @@ use sim::noise::Noise;
 use crate::Error;
 use crate::loader::candidate::sample;
 
-/// Zero of an accelerometer [m/s^2]: of the sensor, and of a mounting that is askew by a quarter of a degree.
+/// Zero of an accelerometer [m/s^2]: that of the sensor, and that of a mounting error of a quarter of a degree.
 const ZERO_STD: f64 = 0.04;
-/// Accuracy of axle scales, relative, and how the machine stands on them [rad].
+/// Accuracy of axle scales, relative, and slope of the machine on them [rad].
 const SCALE_STD: f64 = 0.005;
 const TILTS: [f64; 4] = [0.0, 0.0, 0.12, -0.12];
 
@@ -18,7 +18,7 @@ const TILTS: [f64; 4] = [0.0, 0.0, 0.12, -0.12];
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     seed: u64,
-    /// What it does that the reference plant leaves out.
+    /// Effects that the reference plant does not contain.
     pub effects: Effects,
     torque_delay: f64,
 }
@@ -46,12 +46,12 @@ impl Truth {
         truth
     }
 
-    /// Whether its slope sensor has errors beside its zero.
+    /// Whether its slope sensor has errors beyond its zero.
     pub fn slope_lags(&self) -> bool {
         self.seed.is_multiple_of(2)
     }
 
-    /// A run of this machine with a course of its own.
+    /// A run of this machine, with the number of its course.
     pub fn run(&self, scenario: Scenario, course: u64, payload: Option<f64>, duration: f64) -> Run {
         Run {
             seed: 100 * self.seed + course,
@@ -64,7 +64,7 @@ impl Truth {
         }
     }
 
-    /// What its sensors show in a run.
+    /// The measurements of its sensors in a run.
     pub fn rows(&self, run: &Run) -> Result<Vec<Row>, Error> {
         let rows: Vec<Row> = Simulation::new(run).map_err(Error::refused)?.collect();
         let late = self.torque_delay * run.rate;
@@ -82,7 +82,7 @@ impl Truth {
     }
 }
 
-/// How far the machine is at each row [m].
+/// Distance travelled at each row [m].
 pub fn way(rows: &[Row]) -> impl Iterator<Item = f64> {
     let pairs = rows.windows(2);
     pairs.scan(0.0, |way, pair| {

@@ -1,4 +1,4 @@
-//! Simulated loaders with a lift arm: what is stated of them, and their estimators.
+//! Simulated loaders with a lift arm: their descriptions and their estimators.
 
 use calibrate::loader::{Input, StatedLoad};
 use estimation::Quantity;
@@ -11,20 +11,20 @@ use crate::Error;
 use crate::loader::candidate::Candidate;
 use crate::loader::honesty::scaled;
 
-/// Five cycles of loading [s].
+/// Duration of five loading cycles [s].
 pub(super) const DURATION: f64 = 130.0;
-/// A full bucket, in masses of the machine.
+/// Content of a full bucket, in masses of the machine.
 pub(super) const RATED: f64 = 0.32;
-/// Standard deviations of the empty machine's ratio on axle scales, and of a height stated to 5 %.
+/// Standard deviations of the empty machine's ratio on axle scales, and of its stated height (5 %).
 const SCALES: f64 = 0.01;
 const STATED_HEIGHT: f64 = 0.05;
-/// Load that a calibration lifts, as a share of a full bucket, and how well it was weighed.
+/// Load in a calibration, as a share of a full bucket, and accuracy of its weighing.
 const CALIBRATED: f64 = 0.7;
 const LOAD_STD: f64 = 0.005;
-/// Between the seeds of a machine's recordings.
+/// Distance of the seeds of a machine's recordings.
 const LIFTS: u64 = 100_000;
 
-/// What is stated and measured.
+/// Statements and measurements.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Knowledge {
     /// No lift arm.
@@ -33,7 +33,7 @@ pub(super) enum Knowledge {
     Drawing,
     /// The empty machine stood on axle scales once.
     Weighed,
-    /// And slow lifts, empty and with a weighed load.
+    /// Weighed, and slow lifts, empty and with a weighed load.
     Calibrated,
     /// The empty machine on axle scales, without wheels: a scale.
     Scale,
@@ -71,7 +71,7 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
         mass_distance: real.mass_distance,
         bucket_mass: real.bucket_mass,
         payload_distance: real.payload_distance,
-        // The tilt cylinder sits on the arm, and the driver levels the bucket.
+        // The tilt cylinder is mounted on the arm, and the driver levels the bucket.
         bucket_turn: Some(1.0),
         reference_angle: real.reference.lift,
         reference_tilt: real.reference.bucket - real.reference.lift,
@@ -90,7 +90,7 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
     (arm, cylinder)
 }
 
-/// What the estimator of a machine is given.
+/// The settings of a machine's estimator.
 fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
     let candidate = Candidate::DATA_SHEET;
     let mut settings = scaled(candidate.settings(simulation.nominal(), first), run.size);
@@ -113,7 +113,7 @@ fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Ro
     settings
 }
 
-/// The settings after slow lifts with nothing in the bucket and with a load that was weighed.
+/// The settings after slow lifts with an empty bucket and with a weighed load.
 fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
     let load = CALIBRATED * RATED * run.size.machine().mass;
     let mut noise = sim::noise::Noise::channel(run.seed, 901);
@@ -161,7 +161,7 @@ fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
     })
 }
 
-/// What the estimator is given of a row.
+/// The estimator's part of a row.
 pub(super) fn sample(knowledge: Knowledge, simulation: &Simulation, row: &Row) -> Sample {
     let mut sample = Candidate::DATA_SHEET.sample(simulation.nominal(), row);
     if knowledge == Knowledge::Scale {
