@@ -1,8 +1,8 @@
-//! Advice on a signal map that says so already.
+//! Advice on a signal map that already contains the advised line.
 
 use recording::Map;
 
-/// What to do about data, where the map already says what is advised.
+/// The remedy of a fault, where the map already contains the advised line.
 pub fn advised(fault: String, map: Option<&Map>) -> String {
     let Some((map, (said, names))) = map.zip(advice(&fault)) else {
         return fault;
@@ -24,7 +24,7 @@ pub fn advised(fault: String, map: Option<&Map>) -> String {
     fault
 }
 
-/// What a fault advises to write, and for which signals.
+/// The line that a fault advises, and the signals for which.
 fn advice(fault: &str) -> Option<(&str, Vec<&str>)> {
     let (_, advice) = fault.split_once("write `")?;
     let (said, after) = advice.split_once("` for ")?;

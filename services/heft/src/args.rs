@@ -1,4 +1,4 @@
-//! The arguments that commands share, and what they are read into.
+//! The arguments that commands share, and their parsers.
 
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -41,7 +41,7 @@ pub struct DescriptionArgs {
 }
 
 impl DescriptionArgs {
-    /// Written again, for another process of heft.
+    /// The arguments again, for another process of heft.
     pub fn again(&self) -> Vec<OsString> {
         let config = self.config.iter().map(|file| {
             let mut option = OsString::from("--config=");
@@ -54,7 +54,7 @@ impl DescriptionArgs {
     }
 }
 
-/// A key and its value. A value behind a blank would be an input.
+/// A key and its value. The text after a blank would be parsed as an input.
 pub fn assignment(text: &str) -> Result<String, String> {
     match text.contains('=') {
         true => Ok(text.to_owned()),
@@ -83,7 +83,7 @@ pub fn kilograms(text: &str) -> Result<f64, String> {
     Ok(number * factor)
 }
 
-/// Where the live page is: an address with its port, or one of both. A port alone is one of this computer, and so is `localhost`.
+/// Address of the live page: an address with its port, or one of both. A port alone and `localhost` mean this computer.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     let default: SocketAddr = view::live::DEFAULT_ADDRESS
         .parse()
@@ -106,13 +106,13 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     })
 }
 
-/// What stands before `t` or `kg`, and how many kilograms that unit is.
+/// The number before `t` or `kg`, and the unit in kilograms.
 pub fn in_mass_unit(text: &str) -> Option<(&str, f64)> {
     let kilograms = text.strip_suffix("kg").map(|number| (number, 1.0));
     kilograms.or_else(|| Some((text.strip_suffix('t')?, 1000.0)))
 }
 
-/// What `--method` says of itself: the methods of each machine, the usual one first.
+/// Help of `--method`: the methods of each machine, the default first.
 fn methods() -> String {
     let of = |machine: Machine| {
         let pipeline = Pipeline::of(machine);
@@ -148,11 +148,10 @@ pub struct ManyArgs {
     pub jobs: Option<NonZeroUsize>,
 }
 
-/// Reads the description that `--config`, `--class` and `--set` make; where nobody else tells the machine, the file of `--config`
-/// does.
+/// Reads the description from `--config`, `--class` and `--set`. Without `machine`, the file of `--config` must name it.
 ///
 /// # Errors
-/// The file cannot be read or does not hold, it is of another machine, or nothing tells the machine.
+/// The file cannot be read or is not valid, it is of another machine, or nothing names the machine.
 pub fn description(
     machine: Option<Machine>,
     args: &DescriptionArgs,
@@ -229,11 +228,11 @@ pub fn is_for(
     ))
 }
 
-/// The description of an input's machine: of a recording of heft, unless `--config` or `--class` say another, its own with
-/// `--set`.
+/// The description of an input's machine. A recording of heft brings its own, to which `--set` applies, unless `--config` or `--class`
+/// replaces it.
 ///
 /// # Errors
-/// The description cannot be read or does not hold, or nothing tells the machine.
+/// The description cannot be read or is not valid, or nothing names the machine.
 pub fn described(
     machine: Option<Machine>,
     args: &DescriptionArgs,
@@ -271,7 +270,7 @@ pub fn is_of_heft(input: &Path) -> bool {
     is_recording && Reader::open(input).is_ok_and(|reader| reader.machine().is_some())
 }
 
-/// Notes the keys that have another name today.
+/// Notes keys that have been renamed.
 pub fn tell_old_names(keys: &[&str]) {
     for (key, today) in keys
         .iter()
@@ -281,7 +280,7 @@ pub fn tell_old_names(keys: &[&str]) {
     }
 }
 
-/// Warns of keys that were set and do nothing, and of those that exclude each other.
+/// Warns of keys that are set without effect, and of keys that exclude each other.
 pub fn tell_odd_keys(description: &Description, methods: &[&str]) {
     for words in drawing::contradictions(description) {
         eprintln!("warning: {words}");
@@ -291,7 +290,7 @@ pub fn tell_odd_keys(description: &Description, methods: &[&str]) {
     }
 }
 
-/// Words on idle keys, a line for each table of them.
+/// Text on idle keys, a line for each table of them.
 fn idle_words(keys: &[Idle]) -> Vec<String> {
     let table = |idle: &Idle| {
         idle.key
@@ -345,7 +344,7 @@ mod tests {
         }
         assert!(kilograms("a lot").is_err_and(|e| e.contains("300kg")));
         assert_eq!(tonnes("21.5t"), Ok(21_500.0));
-        // What is no number is not told a range.
+        // The message for a text that is no number does not state the range.
         assert!(tonnes("21,5t").is_err_and(|e| e.contains("like 21.5t")));
         assert!(tonnes("5000t").is_err_and(|e| e.contains("to 1000t")));
     }

@@ -1,4 +1,4 @@
-//! A running pipeline that a command looks at: one of this user, through its channels, or one that another
+//! A running pipeline that a command attaches to: one of this user, through its channels, or one that another
 //! user shows to a group of this one, through its window.
 
 use messages::Machine;
@@ -16,7 +16,7 @@ pub enum Run {
     GroupView(Box<GroupView>),
 }
 
-/// The pipeline in the domain of this name, or the only one there is. Own ones come first.
+/// The pipeline in the domain of this name, or the only running one. Those of this user come first.
 pub fn find(name: Option<&str>) -> Result<Run, Failure> {
     let own = Domain::all()
         .into_iter()
@@ -33,7 +33,7 @@ pub fn find(name: Option<&str>) -> Result<Run, Failure> {
     }
     let names: Vec<String> = all.iter().map(Run::words).collect();
     if let Some(name) = name {
-        // Not a name at all is another mistake.
+        // A text that cannot be a name is another error.
         Domain::new(name)?;
     }
     let mut wanted = all.into_iter().filter(is_wanted);
@@ -90,7 +90,7 @@ impl Run {
         }
     }
 
-    /// Looks at `channels`, as a reader that others know as `reader`.
+    /// Attaches to `channels`, under the name `reader`.
     pub fn attach<S: Sink + 'static>(
         self,
         reader: &str,
@@ -107,7 +107,7 @@ impl Run {
     }
 }
 
-/// What a command looks through.
+/// What a command reads a pipeline through.
 pub enum Attached<S: Sink> {
     /// Channels.
     Own(Domain, Taps<S>),

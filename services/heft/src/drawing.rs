@@ -1,10 +1,10 @@
-//! Words on a machine file whose drawing cannot be: each number is in its range, and two of them exclude each other.
+//! Checks a machine file for geometric contradictions: each number is in its range, and two of them exclude each other.
 
 use core::f64::consts::PI;
 
 use config::Description;
 
-/// What is smaller on every machine, what is larger, and why. A number that nobody stated is 0 or that of the size.
+/// Key of the smaller number, key of the larger number, and why. An unstated number is 0 or that of the machine's size.
 const ORDERS: &[(&str, &str, &str)] = &[
     (
         "machine.boom_cylinder.rod_area",
@@ -46,7 +46,7 @@ const ORDERS: &[(&str, &str, &str)] = &[
 const ROD: &str = "the rod takes a part of the bore";
 const CENTRE: &str = "the centre of mass lies between the pins";
 
-/// Areas, and the distance of the cylinder's base from the pivot.
+/// Keys of an area, and of the distance of its cylinder's base from the pivot.
 const BORES: &[(&str, &str)] = &[
     (
         "machine.boom_cylinder.head_area",
@@ -62,11 +62,11 @@ const BORES: &[(&str, &str)] = &[
     ),
 ];
 
-/// No bore is a larger part of the distance from the pivot to the cylinder's base: .03 to .10 on the recordings of others, .19 in the
+/// Largest ratio of a bore to the distance from the pivot to the cylinder's base: .03 to .10 on independent recordings, .19 in the
 /// example of the documents.
 const WIDEST: f64 = 0.5;
 
-/// What of a machine file cannot be, or hardly.
+/// Contradictions and implausible numbers of a machine file.
 pub fn contradictions(description: &Description) -> Vec<String> {
     let stated = |key: &str| description.number(key).filter(|number| *number > 0.0);
     let orders = ORDERS.iter().filter_map(|(small, large, why)| {

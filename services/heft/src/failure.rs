@@ -1,4 +1,4 @@
-//! How a command fails: a message of three lines, and an exit status.
+//! Failure of a command: a message of three lines, and an exit status.
 
 use std::fmt;
 use std::path::Path;
@@ -7,11 +7,11 @@ use recording::OneLine;
 
 use crate::out::{Plain, READER_LEFT};
 
-/// A command ended without doing what it should.
+/// A command ended without a result.
 #[derive(Debug)]
 pub struct Failure {
     message: String,
-    /// 1: it ran, but the answer is no. 2: wrong use or bad input. [`READER_LEFT`]: nobody reads on, and no word is needed.
+    /// 1: it ran, but the answer is no. 2: wrong use or bad input. [`READER_LEFT`]: the reader of its output has left, and no message is needed.
     pub status: u8,
 }
 
@@ -79,7 +79,7 @@ impl Failure {
         runtime::Error::thread(error).into()
     }
 
-    /// Signals could not be waited for, which takes files of the process.
+    /// Signal handlers could not be installed: they need file descriptors of the process.
     pub fn signals(error: std::io::Error) -> Self {
         Self::input(
             format!("cannot wait for signals: {error}"),
@@ -100,12 +100,12 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Names of columns and files are others' words.
+        // Names of columns and files may hold control characters.
         Plain(&self.message).fmt(f)
     }
 }
 
-/// Errors of the libraries already say what, where and what to do.
+/// Errors of the libraries already state what, where and what to do.
 macro_rules! from_errors {
     ($($error:ty),* $(,)?) => {$(
         impl From<$error> for Failure {

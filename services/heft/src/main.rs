@@ -74,8 +74,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// A file that may grow no further (`LimitFSIZE` of a unit) is a disk that is full, and no reason to be killed. Whoever
-/// ignores the ends of children hands that on, and the kernel then tells nobody how a process of a run ended.
+/// Takes SIGXFSZ and SIGCHLD. A file that may grow no further (`LimitFSIZE` of a unit) is then an error like a full disk, and does not
+/// kill the process. An ignored SIGCHLD is inherited, and the kernel would then discard the exit statuses of a run's processes.
 fn take_signals() {
     for signal in [signal_hook::consts::SIGXFSZ, signal_hook::consts::SIGCHLD] {
         if let Err(error) = signal_hook::flag::register(signal, std::sync::Arc::default()) {
@@ -84,7 +84,7 @@ fn take_signals() {
     }
 }
 
-/// What this process is, beside everything that it logs: of a level that no filter leaves out.
+/// Span that identifies this process in its log lines; of a level that no filter drops.
 fn span() -> tracing::span::EnteredSpan {
     tracing::error_span!(
         "process",
@@ -102,7 +102,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         cli.command,
         None | Some(Command::Run(_) | Command::Service(_))
     ) {
-        // What a run makes is for its user alone.
+        // Files that a run creates are readable by its user only.
         rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     }
     match cli.command {

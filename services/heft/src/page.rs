@@ -1,4 +1,4 @@
-//! Pages and pictures of recordings: written whole or not at all, and over nothing but earlier ones.
+//! Pages and pictures of recordings: written completely or not at all, and over earlier ones only.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use view::Run;
 use crate::failure::Failure;
 use crate::results;
 
-/// Writes the page of a recording; the picture alone where the name ends in `.svg`.
+/// Writes the page of a recording; only the picture where the name ends in `.svg`.
 pub fn write(reader: &Reader, page: &Path) -> Result<(), Failure> {
     let files: Vec<&Path> = reader.files().collect();
     output::check(page, &files, is_ours)?;
@@ -30,7 +30,7 @@ pub fn put(text: &str, page: &Path, inputs: &[&Path]) -> Result<(), Failure> {
     results::text("write the page", page, inputs, is_ours, text)
 }
 
-/// Whether a page says that its recording is not whole.
+/// Whether a page states that its recording is not whole.
 pub fn tells_damage(page: &Path) -> bool {
     std::fs::read_to_string(page).is_ok_and(|text| text.contains(view::NOT_WHOLE))
 }

@@ -1,5 +1,5 @@
-//! Recordings as commands open them, and the parts that a run leaves: a logger that was killed and
-//! started again begins a new file, so that what is on disk already cannot be harmed. At the end of
+//! Recordings as commands open them, and the parts that a run leaves. A logger that was killed and
+//! restarted begins a new file, so that the data on disk cannot be harmed. At the end of
 //! the run the parts become one recording.
 
 use std::cell::Cell;
@@ -17,8 +17,7 @@ use crate::failure::Failure;
 use crate::group;
 use crate::out;
 
-/// Opens a recording or the folder of one, and says what there is to know of its state. It is never
-/// written to.
+/// Opens a recording or its folder, and reports its state. It is never written to.
 pub fn open(path: &Path) -> Result<Reader, Failure> {
     let mut reader = Reader::open(path)?;
     let files = reader.files().count();
@@ -74,7 +73,7 @@ pub fn progress() -> impl Fn(f64) {
     }
 }
 
-/// The messages of a channel one after the other, whatever their type.
+/// The messages of a channel in order, whatever their type.
 pub fn envelopes<'a>(
     reader: &'a Reader,
     channel: &'a Channel,
@@ -93,20 +92,20 @@ pub fn envelopes<'a>(
     channel.payload.visit(Read(reader, channel.name))
 }
 
-/// Says that a recording ends early, or holds lines that are none of a log: a run that was killed leaves one, and it is no
-/// fault to read it.
+/// Notes that a recording ends early, or that a log holds foreign lines. A killed run leaves such a recording, and reading it is no
+/// error.
 fn tell_cut(lacks: &Lacks) {
     for remark in lacks.remarks() {
         eprintln!("{remark}");
     }
 }
 
-/// After a recording was read: an error that names what was damaged in it, if anything.
+/// After a recording was read: an error that names the damage in it, if any.
 pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
     damaged(&reader.damage())
 }
 
-/// After the samples of a file were read: says that it ends early, and an error that names what is damaged.
+/// After the samples of a file were read: notes that it ends early; an error that names the damage, if any.
 pub fn tell_lacks(lacks: &Lacks) -> Result<(), Failure> {
     tell_cut(lacks);
     damaged(&lacks.damage)
@@ -122,7 +121,7 @@ fn damaged(damage: &[String]) -> Result<(), Failure> {
     )))
 }
 
-/// A recording without samples and estimates has nothing to show: an error that says so.
+/// An error for a recording without samples and estimates, which has nothing to show.
 pub fn has_content(reader: &Reader) -> Result<(), Failure> {
     let shows = |c: &Channel| matches!(c.payload.carries(), Carries::Sensors | Carries::Estimate);
     for channel in messages::channels::all().filter(|c| shows(c)) {
@@ -140,8 +139,7 @@ pub fn has_content(reader: &Reader) -> Result<(), Failure> {
     )))
 }
 
-/// The name of a run's recording, see [`recording::reserve`]. If nothing is written there, nothing is
-/// left behind.
+/// The name of a run's recording, see [`recording::reserve`]. An empty file is removed.
 pub struct Reserved(pub PathBuf);
 
 impl Drop for Reserved {
@@ -152,7 +150,7 @@ impl Drop for Reserved {
     }
 }
 
-/// At the end of a run: joins a recording in parts. What cannot be joined is still read as one.
+/// At the end of a run: joins a recording in parts. Parts that cannot be joined are still read as one.
 pub fn finish(recording: &Path, group: Option<u32>) -> Result<(), Failure> {
     if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
         return Ok(());
@@ -167,7 +165,7 @@ pub fn finish(recording: &Path, group: Option<u32>) -> Result<(), Failure> {
 fn join(recording: &Path) -> Result<(), Failure> {
     let reader = Reader::open(recording)?;
     let parts: Vec<PathBuf> = reader.files().map(Path::to_owned).collect();
-    // One of them may be from before a crash of this run, but none is anybody else's: see `reserve`.
+    // One of the parts may be from before a crash of this run, but none is of another run: see `reserve`.
     let is_split = reader.metadata().contains_key("split");
     if parts.len() < 2 || is_split {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The quantities that heft is about: where they stand in the messages and how people write them.
+//! The estimated quantities: their fields in the messages, and their texts.
 
 use messages::{Envelope, Machine, Message, Receiver, Value};
 use view::number;
@@ -14,7 +14,7 @@ pub struct Quantity {
     pub std: &'static str,
 }
 
-/// Those of a channel of estimates, what the machine is about first.
+/// The quantities of a channel of estimates, the headline first.
 pub fn of_channel(channel: &'static str) -> impl Iterator<Item = Quantity> {
     let machine = channel.split_once('/');
     let machine = machine.and_then(|(machine, _)| Machine::from_name(machine));

@@ -1,4 +1,4 @@
-//! The wish of the user, the terminal or the system that a command ends: SIGINT, SIGTERM, SIGHUP.
+//! Signals by which the user, the terminal or the system ends a command: SIGINT, SIGTERM, SIGHUP.
 
 use std::collections::BTreeSet;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -11,7 +11,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::failure::Failure;
 
-/// What a signal ends from now on leaves no file in the making behind. A signal that is ignored stays ignored.
+/// Removes unfinished files if a signal ends the process. A signal that is ignored stays ignored.
 pub fn leave_nothing() -> Result<(), Failure> {
     before_the_end(&[SIGINT, SIGTERM, SIGHUP], |signal| {
         recording::output::abandon(|| {
@@ -20,14 +20,14 @@ pub fn leave_nothing() -> Result<(), Failure> {
     })
 }
 
-/// Processes that end with this one.
+/// Process ids of children that end with this process.
 pub type Children = Arc<Mutex<BTreeSet<u32>>>;
 
-/// Whoever ends this process alone ends these too. A terminal interrupts all of them itself.
+/// Ends the children when SIGTERM ends this process. A terminal interrupts all of them itself.
 pub fn end_together(children: &Children) -> Result<(), Failure> {
     let children = Arc::clone(children);
     before_the_end(&[SIGTERM], move |signal| {
-        // None is begun behind their back: whoever begins one waits for this.
+        // The lock is also taken to start a child: none starts while the list is read.
         let children = children.lock().unwrap_or_else(PoisonError::into_inner);
         let pids = children.iter().filter_map(|pid| i32::try_from(*pid).ok());
         for pid in pids.filter_map(Pid::from_raw) {
@@ -37,7 +37,7 @@ pub fn end_together(children: &Children) -> Result<(), Failure> {
     })
 }
 
-/// Has something done when one of these signals comes, unless it is ignored.
+/// Runs `act` when one of these signals comes, unless it is ignored.
 fn before_the_end(signals: &[i32], act: impl Fn(i32) + Send + 'static) -> Result<(), Failure> {
     let wanted = signals.iter().filter(|s| !is_ignored(**s));
     let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::signals)?;
@@ -50,7 +50,7 @@ fn before_the_end(signals: &[i32], act: impl Fn(i32) + Send + 'static) -> Result
     thread.spawn(body).map(drop).map_err(Failure::thread)
 }
 
-/// Whether whoever started this wants it to outlive a signal (`nohup`, `&` in a script).
+/// Whether the parent has set this signal to be ignored (`nohup`, `&` in a script).
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -58,14 +58,14 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// Notes these signals instead of dying of them.
+/// Records these signals, which no longer end the process.
 pub struct Signals {
     came: Arc<AtomicBool>,
     wakes: UnixStream,
 }
 
 impl Signals {
-    /// From now on.
+    /// Installs the handlers.
     pub fn catch() -> Result<Self, Failure> {
         let came = Arc::new(AtomicBool::new(false));
         let (wakes, rings) = UnixStream::pair().map_err(Failure::signals)?;

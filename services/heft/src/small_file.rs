@@ -1,11 +1,11 @@
-//! Files that people write by hand: read up to a size, so that a device or a wrong file is an error and not a wait.
+//! Files written by hand: read up to a size limit, so that a device or a wrong file is an error and does not block.
 
 use std::io::Read;
 use std::path::Path;
 
 use crate::failure::Failure;
 
-/// Six times a description with every key and its meaning \[bytes\].
+/// Size limit \[bytes\]: six times a description with every key and its meaning.
 const LARGEST: u64 = 100_000;
 
 /// The text of a description.
@@ -21,7 +21,7 @@ pub fn text(file: &Path) -> Result<String, Failure> {
             "name a machine file, a text in TOML of some kilobytes",
         ));
     }
-    // A disk that was full leaves a file with nothing in it; /dev/null is meant.
+    // A full disk leaves empty files; /dev/null is empty on purpose.
     if text.trim().is_empty() && file.is_file() {
         return Err(Failure::input(
             "the machine file is empty",

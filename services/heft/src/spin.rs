@@ -1,5 +1,5 @@
-//! `--spin`: processes that look for messages all the time, each on a core of its own, so that no system call stands
-//! between a message and its answer.
+//! `--spin`: processes that poll for messages continuously, each on a core of its own, so that no system call delays
+//! an answer.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,16 @@ use steps::stages::{Pipeline, Role, Stage};
 
 use crate::failure::Failure;
 
-/// In the place of names: every step, and the probe where there is one.
+/// Stands for every step, and for the probe where there is one.
 pub const ALL: &str = "all";
 
 /// Processes that spin, with the core of each.
 pub type Spinners = BTreeMap<String, usize>;
 
-/// The processes that are meant, each on a core of its own.
+/// The named processes, each with a core of its own.
 ///
 /// # Errors
-/// A name is none of a process that can spin, or the run would be left without a core.
+/// A name is not that of a process that can spin, or no core would be left for the run.
 pub fn spinners(pipeline: &Pipeline, wanted: &str, has_probe: bool) -> Result<Spinners, Failure> {
     let names = names(pipeline, wanted, has_probe)?;
     let places = places(names.len(), &realtime::cores(), &realtime::isolated_cores());
@@ -36,7 +36,7 @@ pub fn spinners(pipeline: &Pipeline, wanted: &str, has_probe: bool) -> Result<Sp
     Ok(names.into_iter().map(str::to_owned).zip(places).collect())
 }
 
-/// Keeps this thread, and the processes that it starts, off those cores.
+/// Excludes this thread, and the processes that it starts, from those cores.
 pub fn keep_off(spinners: &Spinners) {
     let mut rest = realtime::cores();
     rest.retain(|core| !spinners.values().any(|taken| taken == core));
@@ -72,8 +72,8 @@ fn names(pipeline: &Pipeline, wanted: &str, has_probe: bool) -> Result<Vec<&'sta
     Ok(names)
 }
 
-/// A core for each of so many: isolated ones first, then the last of the others, never all. If there are too few, how many
-/// there are.
+/// Cores for `count` processes: isolated ones first, then the last of the others, never all. `Err` with the number available if there
+/// are too few.
 fn places(count: usize, cores: &[usize], isolated: &[usize]) -> Result<Vec<usize>, usize> {
     let others = cores.iter().rev().filter(|c| !isolated.contains(c));
     let all: Vec<usize> = isolated.iter().chain(others).copied().collect();
@@ -95,7 +95,7 @@ mod tests {
         assert_eq!(places(2, &[0, 1], &[]), Err(2));
         assert_eq!(places(3, &[0, 1, 2, 3], &[]), Ok(vec![3, 2, 1]));
         assert_eq!(places(0, &[0], &[]), Ok(vec![]));
-        // A program is kept off isolated cores until it is put there.
+        // The kernel keeps programs off isolated cores until they are placed there.
         assert_eq!(places(2, &[0, 1], &[2, 3]), Ok(vec![2, 3]));
         assert_eq!(places(3, &[0, 1], &[2, 3]), Ok(vec![2, 3, 1]));
         assert_eq!(places(4, &[0, 1], &[2, 3]), Err(4));

@@ -1,4 +1,4 @@
-//! One service of a run as its supervisor sees it: its life, the way to talk to it, its deaths.
+//! One service of a run as its supervisor sees it: its life, its control channel, its deaths.
 
 use std::os::fd::{AsFd, BorrowedFd};
 use std::process::ExitStatus;
@@ -12,23 +12,24 @@ use crate::failure::Failure;
 use crate::life::Life;
 use crate::plan::Plan;
 
-/// A worker that lives no longer than this after its start died quickly.
+/// Life after a start below which a death is a quick one.
 const QUICK: Duration = Duration::from_millis(300);
-/// So many quick deaths in a row end the run.
+/// Number of consecutive quick deaths that ends the run.
 const MAX_QUICK_DEATHS: u32 = 5;
 const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
-/// So many starts in a row that the system refused end the run: five seconds.
+/// Number of consecutive starts refused by the system that ends the run: five seconds.
 const MAX_REFUSALS: u32 = 50;
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
-/// A service that starts needs so much shared memory, and so many names there; what others took of it may come back in so long.
+/// Shared memory [bytes] and file names there that a service needs to start, and time for which their lack is waited out: other
+/// programs may free them.
 const SERVICE_BYTES: u64 = 16 << 20;
 const SERVICE_NAMES: u64 = 64;
 const STARVED_LIMIT: Duration = Duration::from_secs(5);
-/// A process tells its health three times a second; one that is later is looked at.
+/// Age of a health report above which a process is checked: reports come three times a second.
 const LATE: Duration = Duration::from_millis(350);
-/// One that is found stopped is left alone for so long.
+/// Time after which a stopped process is ended.
 const STOPPED_LIMIT: Duration = Duration::from_millis(350);
-/// One that has reported its health and falls silent, though not stopped: longer than any load explains.
+/// Silence after which a process that has reported its health is ended, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
 
 /// What shared memory lacks for a service to start.
@@ -37,7 +38,7 @@ fn lack_of_shared_memory() -> Option<String> {
     if about.f_bavail.saturating_mul(about.f_frsize) < SERVICE_BYTES {
         return Some("shared memory (/dev/shm) is full".into());
     }
-    // Where names are not counted there are none.
+    // A file system that counts no names has no limit of them.
     let is_short = about.f_files > 0 && about.f_favail < SERVICE_NAMES;
     is_short.then(|| "shared memory (/dev/shm) takes no more names".into())
 }
@@ -48,15 +49,15 @@ pub struct Supervised {
     pub process: &'static Stage,
     /// Wakes it.
     pub bell: Bell,
-    /// Talks to it.
+    /// Control channel.
     pub control: Control,
     /// It has its ports open.
     pub ready: bool,
-    /// It has answered what was waiting.
+    /// It has answered all waiting samples.
     pub drained: bool,
-    /// How often it was started again.
+    /// Number of restarts.
     pub restarts: u32,
-    /// How long it had given no sign of life when it was ended for that.
+    /// Its silence when it was ended for hanging.
     pub hung: Option<Duration>,
     life: Life,
     started: Instant,
@@ -77,7 +78,7 @@ enum Next {
     Lives,
     /// It died, and is started again then.
     Starts(Instant),
-    /// It died, and that is all.
+    /// It died, and is not restarted.
     Nothing,
 }
 
@@ -138,7 +139,7 @@ impl Supervised {
         Ok(())
     }
 
-    /// Whether its last life was a short one.
+    /// Whether its last death was a quick one.
     pub fn died_quickly(&self) -> bool {
         self.quick_deaths > 0
     }
@@ -148,7 +149,7 @@ impl Supervised {
         self.next == Next::Lives && self.life.ended().is_none()
     }
 
-    /// How it ended, if it did and that was not dealt with yet.
+    /// How it ended, unless it lives or its end was handled already.
     pub fn died(&mut self) -> Option<ExitStatus> {
         match self.next {
             Next::Lives => self.life.ended(),
@@ -156,12 +157,12 @@ impl Supervised {
         }
     }
 
-    /// Leaves it dead.
+    /// Marks it as dead for good.
     pub fn give_up(&mut self) {
         self.next = Next::Nothing;
     }
 
-    /// Plans the restart after a death; `Err` with the reason when there is no point in it.
+    /// Plans the restart after a death; `Err` with the reason when a restart is pointless.
     pub fn plan_restart(&mut self, status: ExitStatus) -> Result<(), String> {
         let is_quick = self.started.elapsed() < QUICK;
         if let Some(lack) = is_quick.then(lack_of_shared_memory).flatten() {
@@ -169,7 +170,7 @@ impl Supervised {
         }
         self.starved = None;
         self.quick_deaths = if is_quick { self.quick_deaths + 1 } else { 0 };
-        // Refused what it was to do; later the reason may be that its predecessor is not gone yet.
+        // Status 2 at the first start: it refused its task. After a restart, status 2 may mean that its predecessor is not gone yet.
         let refused = status.code() == Some(2) && !self.ready && self.restarts == 0;
         if self.quick_deaths >= MAX_QUICK_DEATHS || refused {
             let name = self.process.name;
@@ -180,7 +181,7 @@ impl Supervised {
         Ok(())
     }
 
-    /// Plans another start of a service that found no shared memory; `Err` when that lasts.
+    /// Plans another start of a service that found no shared memory; `Err` when the lack lasts.
     fn wait_for_memory(&mut self, lack: &str) -> Result<(), String> {
         let name = self.process.name;
         let since = *self.starved.get_or_insert_with(|| {
@@ -203,7 +204,7 @@ impl Supervised {
         }
     }
 
-    /// What becomes readable when it says something or ends.
+    /// Descriptors that become readable when it sends a message or ends.
     pub fn signs(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         let lives = self.next == Next::Lives;
         let control = lives.then(|| self.control.as_fd());
@@ -211,8 +212,8 @@ impl Supervised {
         control.into_iter().chain(end)
     }
 
-    /// How long it has given no sign of life, if too long: it is stopped, silent, or at the same
-    /// sample though it had the processor. `health` is the latest that was reported under its name.
+    /// Its silence, if too long: it is stopped, silent, or still at the same
+    /// sample though it had the processor. `health` is the latest report under its name.
     pub fn hangs(&mut self, health: Option<&Health>) -> Option<Duration> {
         if self.next != Next::Lives || self.hung.is_some() {
             return None;
@@ -226,7 +227,7 @@ impl Supervised {
         self.stopped =
             (silence > LATE && is_stopped(pid)).then(|| self.stopped.unwrap_or_else(Instant::now));
         let stopped = self.stopped.is_some_and(|s| s.elapsed() >= STOPPED_LIMIT);
-        // Threads are stopped with their supervisor: one that stands alone is stuck.
+        // Threads are stopped together with their supervisor: a single silent thread is stuck.
         let held = (silent || stopped) && self.can_be_killed();
         (stuck || held).then_some(silence)
     }
@@ -241,12 +242,12 @@ impl Supervised {
         self.life.can_be_killed()
     }
 
-    /// Ends it by force, and does not wait for that.
+    /// Ends it by force, without waiting.
     pub fn kill(&mut self) {
         self.life.kill();
     }
 
-    /// Ends it by force and waits until it is gone, but not for ever.
+    /// Ends it by force and waits for its end, up to a limit.
     pub fn kill_and_wait(&mut self) {
         self.life.kill_and_wait();
         self.give_up();

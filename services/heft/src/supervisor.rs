@@ -1,8 +1,8 @@
 //! The supervisor: creates and holds every channel, starts each service as a process of its own (with `--threads` as a thread),
 //! restarts what dies or hangs, and ends the run with everything drained.
 //!
-//! It sleeps until something happens: a word of a worker, the end of a process, a signal, a restart
-//! that is due. Only the channels that it shows are looked at on a clock, five times a second.
+//! It sleeps until an event: a message of a worker, the end of a process, a signal, a restart
+//! that is due. Only the channels that it shows are polled, five times a second.
 
 mod end;
 mod restarts;
@@ -25,15 +25,15 @@ use crate::spare::{self, Spare};
 use crate::supervised::Supervised;
 use crate::watch::Watch;
 
-/// A worker must have its ports open by then.
+/// Time in which a worker must open its ports.
 const READY_LIMIT: Duration = Duration::from_secs(20);
-/// Longest time between two looks at the channels: health tells of a hanging service.
+/// Longest time between two reads of the channels: health reports show a hanging service.
 const LOOK: Duration = Duration::from_millis(200);
 /// The same while a service stands still.
 const SUSPECT_LOOK: Duration = Duration::from_millis(50);
-/// The same at most so many samples long, a quarter of the depth of a channel.
+/// Longest time between two reads in samples: a quarter of the depth of a channel.
 const LOOK_SAMPLES: f64 = 128.0;
-/// The same where the source is as fast as its readers.
+/// Longest time between two reads where the source is as fast as its readers.
 const QUICK_LOOK: Duration = Duration::from_millis(2);
 
 /// How a run ended.
@@ -63,7 +63,7 @@ pub struct Supervisor {
     notify: Notify,
     look: Duration,
     start_ns: u64,
-    /// What a source that loses nothing knows of how far this process is.
+    /// Latest sequence number that a lossless source was told this process has read.
     said_seen: Option<u64>,
     ended: bool,
     refused: Option<String>,
@@ -103,7 +103,7 @@ impl Supervisor {
             .filter(|c| watch.reads(c))
             .collect();
         let mut taps = Taps::open(&ports, &read)?;
-        // A source that is fast may have overwritten its first samples before the first look.
+        // A fast source may have overwritten its first samples before the first read.
         taps.count_from(0);
         let look = if plan.lossless {
             QUICK_LOOK
@@ -162,7 +162,7 @@ impl Supervisor {
             None => {
                 self.notify.say("READY=1");
                 self.start_ns = now_ns() + 20_000_000;
-                // Downstream first: everyone listens before the source begins.
+                // Downstream first: every reader listens before the source begins.
                 for i in (0..self.workers.len()).rev() {
                     self.say_go(i);
                 }
@@ -184,13 +184,13 @@ impl Supervisor {
             std::mem::take(&mut self.watch),
             std::mem::take(&mut self.notify),
         );
-        // A run that failed is started again at once: that matters more.
+        // A failed run is restarted at once, and does not wait for its gateway.
         let waits = notify.has_manager() && !matches!(end, End::Failed(_));
         if let (Some(gateway), End::Failed(_)) = (&self.gateway, &end) {
             gateway.gave_up();
         }
         let gateway = self.gateway.take().filter(|_| waits);
-        // The gateway knows of the end by the domain.
+        // The gateway detects the end by the domain.
         drop(self);
         if let Some(gateway) = gateway {
             gateway.wait(stopping, notify);
@@ -230,7 +230,7 @@ impl Supervisor {
         }
     }
 
-    /// Waits for something to happen and deals with it: words, deaths, signals, channels.
+    /// Waits for an event and handles it: messages of workers, deaths, signals, channels.
     fn look(&mut self) -> Option<End> {
         self.wait(self.look);
         if self.signals.came() {
@@ -242,7 +242,7 @@ impl Supervisor {
             }
         }
         self.end_hanging();
-        // Nothing ends a thread but the end of the run.
+        // A thread ends only with the run.
         let stuck = |w: &&Supervised| w.hung.is_some() && !w.can_be_killed();
         if let Some(worker) = self.workers.iter().find(stuck) {
             return Some(End::Failed(format!(
@@ -257,8 +257,8 @@ impl Supervisor {
         None
     }
 
-    /// Sleeps until a worker speaks or ends, a signal comes, a restart is due, or `limit` is over; then
-    /// hears every word and takes every message.
+    /// Sleeps until a worker sends a message or ends, a signal comes, a restart is due, or `limit` is over; then
+    /// reads all messages of workers and channels.
     fn wait(&mut self, limit: Duration) {
         let due = self.workers.iter().filter_map(Supervised::due).min();
         let until_due = due.map(|due| due.saturating_duration_since(Instant::now()));
@@ -273,7 +273,7 @@ impl Supervisor {
             tv_sec: limit.as_secs() as i64,
             tv_nsec: limit.subsec_nanos().into(),
         };
-        // A signal that came already is dealt with, and would end every wait.
+        // A signal that came already is handled, and would end every wait.
         let signal = (!self.signals.came()).then(|| self.signals.as_fd());
         let signs = self
             .workers
@@ -294,7 +294,7 @@ impl Supervisor {
 }
 
 impl Drop for Supervisor {
-    /// An error on the way must not leave processes behind.
+    /// An early error must not leave processes behind.
     fn drop(&mut self) {
         for worker in &mut self.workers {
             if worker.is_alive() {

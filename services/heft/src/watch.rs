@@ -1,5 +1,5 @@
-//! What the supervisor sees of a run: tallies every estimate against the truth where there is one,
-//! keeps the latest of everything, shows it on the terminal and hands it to the live page.
+//! The supervisor's view of a run: compares every estimate with the truth where there is one,
+//! stores the latest messages, shows them on the terminal and hands them to the live page.
 
 mod counts;
 mod faults;
@@ -35,25 +35,25 @@ pub struct Watch {
     processes: Processes,
     headline: Option<&'static Channel>,
     show: Show,
-    /// The loads with their truth, for a program that tells the story.
+    /// The loads with their truth, for a program that prints them.
     story: Story,
     feed: Option<Feed>,
-    /// For a group of other users.
+    /// For the group of users that may look.
     window: Option<Window>,
     carried: BTreeMap<&'static str, SampleCounts>,
     scores: Scores,
     latest: BTreeMap<&'static str, Envelope>,
-    /// What outlives the run.
+    /// Parameters that outlive the run.
     memory: Option<Memory>,
     /// Counts loads.
     loads: Option<SharedLoads>,
-    /// Sends them to other programs.
+    /// Sends the loads to other programs.
     teller: Option<LoadsTeller>,
-    /// The sensors are read for them: they tell the truck, and a loader's mass.
+    /// The sensors are read for the loads: they identify the truck, and a loader's mass.
     counts_sensors: bool,
-    /// Looks at the samples of a run whose input is measured.
+    /// Checks the samples of a run whose input is measured.
     doubts: Option<Box<dyn AnyDoubts>>,
-    /// That of the latest headline estimate.
+    /// Reason of the latest headline estimate.
     reason: Option<Value>,
     faults: Vec<Fault>,
     loggers: Loggers,
@@ -82,43 +82,43 @@ impl Watch {
         }
     }
 
-    /// Has messages shown to a group of other users.
+    /// Shows messages to a group of other users.
     pub fn show_to_group(&mut self, window: Window) {
         self.window = Some(window);
     }
 
-    /// Is notified that the source is as fast as its readers.
+    /// Notes that the source is as fast as its readers.
     pub fn unpaced(&mut self) {
         self.processes.is_unpaced = true;
     }
 
-    /// Has the loads counted, reported as they come; with what the sensors tell of truck and mass if `sensors`.
+    /// Counts the loads and reports them as they come; with truck and mass by the sensors if `sensors`.
     pub fn count_loads(&mut self, loads: SharedLoads, sensors: bool) {
         (self.loads, self.counts_sensors) = (Some(loads), sensors);
     }
 
-    /// Has them sent on their channel.
+    /// Sends the loads on their channel.
     pub fn tell_loads(&mut self, teller: Teller) {
         self.teller = Some(LoadsTeller::new(teller));
     }
 
-    /// Has the samples looked at.
+    /// Checks the samples with these.
     pub fn doubt(&mut self, doubts: Box<dyn AnyDoubts>) {
         self.doubts = Some(doubts);
     }
 
-    /// What looked at the samples.
+    /// The checks of the samples.
     pub fn doubts(&self) -> Option<&dyn AnyDoubts> {
         self.doubts.as_deref()
     }
 
-    /// Has what is trusted remembered.
+    /// Remembers trusted parameters in this memory.
     pub fn remember(&mut self, memory: Option<Memory>) {
         self.memory = memory;
     }
 
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
-    /// what is only passed on, to the live page or a group, is not read without one.
+    /// channels that are only passed on are not read without a live page or a group.
     pub fn reads(&self, channel: &Channel) -> bool {
         let passed_on = match channel.payload.carries() {
             Carries::Sensors | Carries::Between => true,
@@ -134,12 +134,12 @@ impl Watch {
         self.sent().next
     }
 
-    /// Time of the latest sample seen, as the data tell it \[s\].
+    /// Time of the latest sample seen, by the data \[s\].
     pub fn latest_time(&self) -> f64 {
         self.sent().time
     }
 
-    /// What the source sent. Every sample has a truth beside it, if an empty one.
+    /// Counts of the source. Every sample has a truth message beside it, possibly an empty one.
     fn sent(&self) -> SampleCounts {
         let truths = self
             .carried
@@ -162,7 +162,7 @@ impl Watch {
         tallies.filter(move |s| Some(s.quantity.channel) == headline)
     }
 
-    /// What the processes tell of themselves.
+    /// Reports of the processes on themselves.
     pub fn processes(&self) -> &Processes {
         &self.processes
     }
@@ -192,7 +192,7 @@ impl Watch {
         self.is_simulated
     }
 
-    /// Shows the state, and writes what outlives the run, not too often.
+    /// Shows the state and writes the memory, at limited rates.
     pub fn tick(&mut self) {
         if let Some(memory) = &mut self.memory {
             memory.tick();
@@ -200,7 +200,7 @@ impl Watch {
         self.draw();
     }
 
-    /// Ends the live line, and writes what outlives the run.
+    /// Ends the live line and writes the memory.
     pub fn finish(&mut self) {
         if let Some(memory) = &mut self.memory {
             memory.save();
@@ -211,7 +211,7 @@ impl Watch {
         self.end();
     }
 
-    /// Says when the reason of the headline estimates becomes another.
+    /// Reports a change of the headline estimates' reason.
     fn note_reason<M: Message>(&mut self, message: &M) {
         let reason = message.field("reason");
         if reason != self.reason {
@@ -224,7 +224,7 @@ impl Watch {
         }
     }
 
-    /// Counts loads of the headline estimates, and says what happens to them.
+    /// Counts the loads of the headline estimates, and reports their events.
     fn count(&mut self, channel: &Channel, envelope: &Envelope) {
         let Some(loads) = &self.loads else { return };
         let counts = match channel.payload.carries() {

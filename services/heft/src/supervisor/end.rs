@@ -1,4 +1,4 @@
-//! The end of a run: everything is drained, every worker ends, one recording is left.
+//! The end of a run: drains the channels, ends every worker, and leaves one recording.
 
 use std::time::{Duration, Instant};
 
@@ -9,13 +9,13 @@ use crate::fault::Fault;
 use crate::parts;
 use crate::supervised::Supervised;
 
-/// All workers must have answered what was waiting by then, and the disk taken it.
+/// Time in which all workers must have answered the waiting samples, and the disk taken them.
 const DRAIN_LIMIT: Duration = Duration::from_millis(3500);
-/// All workers must have ended so long after that.
+/// Time after that in which all workers must have ended.
 const EXIT_LIMIT: Duration = Duration::from_secs(1);
 
 impl Supervisor {
-    /// A source that is away when the run ends leaves no gap in the numbers, but samples were due.
+    /// Counts the samples that were due while the source was away at the end of the run: they leave no gap in the numbers.
     pub(super) fn note_what_was_due(&mut self) {
         let away = self
             .workers
@@ -30,7 +30,7 @@ impl Supervisor {
         }
     }
 
-    /// Upstream first, so that nobody is asked before its writer has said its last word.
+    /// Upstream first, so that each writer has sent its last message before its readers are drained.
     pub(super) fn drain(&mut self) {
         let begun = Instant::now();
         for i in 0..self.workers.len() {
@@ -47,11 +47,11 @@ impl Supervisor {
         }
     }
 
-    /// Notes the deaths of those that shall not live on.
+    /// Notes the deaths of workers that are not restarted.
     fn bury(&mut self) {
         for worker in &mut self.workers {
             let service = worker.process.name;
-            // Dead, and never to be started again.
+            // Dead, and not restarted.
             if worker.due().is_some() {
                 worker.give_up();
             }

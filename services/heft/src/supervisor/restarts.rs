@@ -1,4 +1,4 @@
-//! What is done about a worker that dies or hangs.
+//! Restart of a worker that dies or hangs.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use crate::fault::Fault;
 const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
 
 impl Supervisor {
-    /// Notices a death and restarts; `Err` with the reason when there is no point in it.
+    /// Notices a death and restarts; `Err` with the reason when a restart is pointless.
     pub(super) fn keep_alive(&mut self, i: usize) -> Result<(), String> {
         let worker = &mut self.workers[i];
         if let Some(due) = worker.due() {
@@ -40,7 +40,7 @@ impl Supervisor {
         Ok(())
     }
 
-    /// Ends what hangs; the death is noticed as any other.
+    /// Ends hanging workers; their deaths are then noticed as any other.
     pub(super) fn end_hanging(&mut self) {
         for worker in &mut self.workers {
             let service = worker.process.name;

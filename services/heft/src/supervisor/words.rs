@@ -1,4 +1,4 @@
-//! What the supervisor and its workers say to each other.
+//! Control messages between the supervisor and its workers.
 
 use runtime::ControlWord;
 
@@ -6,7 +6,7 @@ use super::Supervisor;
 use crate::sources::{self, LiveInput};
 
 impl Supervisor {
-    /// Gives a worker its own bell and those of the processes that it wakes, who do not spin. One that cannot take
+    /// Gives a worker its own bell and those of the processes that it wakes, unless they spin. A worker that cannot take
     /// them is dead, or is ended: its death is noticed as any other.
     pub(super) fn hand_over(&mut self, index: usize) {
         let worker = &self.workers[index];
@@ -19,7 +19,7 @@ impl Supervisor {
                     .map(|w| &w.bell),
             );
         }
-        // One that dies at once may die of its state.
+        // A worker that dies soon after its start may die of its state: it gets none.
         let before = (worker.restarts > 0 && !worker.died_quickly())
             .then(|| self.watch.processes().state(worker.process.name));
         // The run's own standard input belongs to the source that was asked to read it.
@@ -31,8 +31,8 @@ impl Supervisor {
         }
     }
 
-    /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted. Said where it is
-    /// news, so that the words to a source that is stopped are few.
+    /// A lossless source waits for this process too: a sample that it missed would be neither shown nor counted. Sent only when the
+    /// number has changed, so that few messages wait for a stopped source.
     pub(super) fn say_seen(&mut self) {
         let seen = self.taps.through();
         if self.said_seen != Some(seen)

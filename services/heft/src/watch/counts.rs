@@ -1,17 +1,17 @@
-//! What channels carried and processes counted.
+//! Counts of channels and processes.
 
 use messages::{Health, Stamp};
 
-/// What a channel carried.
+/// Messages of a channel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SampleCounts {
-    /// Number after that of the latest sample.
+    /// Sequence number after that of the latest sample.
     pub next: u64,
-    /// Time of the latest sample, as the data tell it \[s\].
+    /// Time of the latest sample, by the data \[s\].
     pub time: f64,
     /// Samples.
     pub samples: u64,
-    /// Samples that the supervisor, held up itself, did not see.
+    /// Samples that the supervisor itself missed while it was held up.
     pub unseen: u64,
 }
 
@@ -24,7 +24,7 @@ impl SampleCounts {
     }
 }
 
-/// What a process counted, before its restarts and since.
+/// Counts of a process, summed over its restarts.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     /// Samples handled.

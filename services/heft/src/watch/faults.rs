@@ -1,4 +1,4 @@
-//! What went wrong in a run: what was noted, and what channels and processes tell.
+//! Faults of a run: those that were noted, and those by the counts of channels and processes.
 
 use messages::channels::Channel;
 use messages::fault;
@@ -7,10 +7,10 @@ use super::Watch;
 use super::counts::SampleCounts;
 use crate::fault::Fault;
 
-/// The loggers of a run: whether the recording may lack samples that nobody has counted.
+/// State of the loggers of a run: whether the recording may lack uncounted samples.
 #[derive(Default)]
 pub(super) struct Loggers {
-    /// The latest died, and is not back. One that comes back counts what it could not be handed.
+    /// The latest logger died, and is not back. A restarted one counts the samples that it missed.
     is_away: bool,
     /// It has reported its counts since it came.
     has_reported: bool,
@@ -51,14 +51,14 @@ impl Watch {
         self.faults.push(fault);
     }
 
-    /// Is notified that a service is there, perhaps again.
+    /// Notes that a service has started, perhaps again.
     pub fn is_there(&mut self, service: &str) {
         if service == "logger" {
             self.loggers.came();
         }
     }
 
-    /// Everything that went wrong.
+    /// All faults.
     pub fn faults(&self) -> Vec<Fault> {
         let mut faults = self.faults.clone();
         let sent = self.sent();
@@ -97,7 +97,7 @@ impl Watch {
         let fault = |channel: &'static Channel| {
             let answers = self.carried.get(channel.name).copied().unwrap_or_default();
             let service = pipeline.writer(channel)?.name;
-            // What the supervisor did not see may never have been: what a service did not receive, it counts itself.
+            // An answer that the supervisor missed may never have existed: the result is at least what the service counts as not received.
             let samples = known.saturating_sub(answers.samples + answers.unseen);
             let samples = samples.max(self.processes.counts_of(service).lost.min(known));
             (samples > 0).then_some(Fault::Unanswered {

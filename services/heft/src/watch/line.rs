@@ -12,13 +12,13 @@ const PLAIN_PERIOD: Duration = Duration::from_secs(5);
 
 /// Columns where there is no terminal to ask.
 const WIDTH: usize = 80;
-/// Columns that the program which draws the lines puts before them.
+/// Columns that the program which draws the lines needs before them.
 const PREFIX: usize = 10;
 
 /// First word of a live line on standard output.
 pub const LIVE: &str = "live ";
 
-/// First word of a line that is printed for good.
+/// First word of a line that stays on the terminal.
 pub const STORY: &str = "story ";
 
 /// Where the live line goes.
@@ -34,7 +34,7 @@ pub enum Show {
 }
 
 impl Watch {
-    /// Draws it, not too often.
+    /// Draws the live line, at a limited rate.
     pub(super) fn draw(&mut self) {
         if self.show == Show::Nothing || self.tallies().is_empty() {
             return;
@@ -69,7 +69,7 @@ impl Watch {
         };
         let line: String = line.chars().take(width).collect();
         let mut err = std::io::stderr().lock();
-        // A terminal that went away is no reason to end a run.
+        // A closed terminal does not end a run.
         let _ = match self.show {
             Show::Lines => writeln!(std::io::stdout(), "{LIVE}{line}"),
             _ if in_place => write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush()),
@@ -77,14 +77,14 @@ impl Watch {
         };
     }
 
-    /// Shows what became of a load, where a program tells the story.
+    /// Shows an event of a load, for a program that prints them.
     pub(super) fn show_story(&self, line: Option<String>) {
         if let (Show::Lines, Some(line)) = (self.show, line) {
             let _ = writeln!(std::io::stdout(), "{STORY}{line}");
         }
     }
 
-    /// Says something once, above the live line.
+    /// Prints a line once, above the live line.
     pub(super) fn say(&self, text: &str) {
         if self.show != Show::Terminal {
             return;
@@ -97,7 +97,7 @@ impl Watch {
         let _ = writeln!(std::io::stderr(), "{clear}{}", Plain(text));
     }
 
-    /// Ends it.
+    /// Ends the live line.
     pub(super) fn end(&self) {
         if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
             eprintln!();

@@ -4,22 +4,22 @@ use messages::Stamp;
 use runtime::Teller;
 use steps::loads::LoadCounter;
 
-/// Loads are reported so often in the time of the data \[s\]; a clock that goes back counts as due.
+/// Period of the reports of loads in the time of the data \[s\]; a report is due if the clock goes back.
 const PERIOD: f64 = 0.1;
 
-/// Tells what is known of the loads beside an estimate, when that is due or something has changed.
+/// Reports the loads beside an estimate, when that is due or a load has changed.
 pub struct LoadsTeller {
     send: Teller,
     /// Time of the latest message \[s\].
     last: f64,
-    /// Number of the next one: a reader counts what it missed.
+    /// Number of the next message: a reader counts the missed ones by it.
     next: u64,
     /// A load or a truck has changed since the latest message.
     has_changed: bool,
 }
 
 impl LoadsTeller {
-    /// Tells nothing yet.
+    /// Has sent nothing yet.
     pub fn new(send: Teller) -> Self {
         Self {
             send,
@@ -29,12 +29,12 @@ impl LoadsTeller {
         }
     }
 
-    /// A load or a truck has changed: the next estimate is reported.
+    /// Notes that a load or a truck has changed: it is reported with the next estimate.
     pub fn note_change(&mut self) {
         self.has_changed = true;
     }
 
-    /// Tells what is known beside the estimate of this stamp.
+    /// Reports the loads beside the estimate of this stamp, if due.
     pub fn tell(&mut self, counter: &LoadCounter, stamp: &Stamp, simulated: bool) {
         // A little early counts as due: times are sums of rounded steps.
         let is_early = (0.0..PERIOD * 0.999).contains(&(stamp.time - self.last));

@@ -1,4 +1,4 @@
-//! What the processes of a run tell of themselves: their health, their counts, their states.
+//! Reports of the processes of a run on themselves: health, counts, states.
 
 use std::collections::BTreeMap;
 
@@ -13,12 +13,12 @@ use super::counts::Counts;
 pub struct Processes {
     pipeline: Option<&'static Pipeline>,
     health: BTreeMap<u32, Health>,
-    /// Counts of those that died.
+    /// Counts of processes that died.
     before: BTreeMap<u32, Counts>,
-    /// Pieces of their states, and their latest whole ones.
+    /// Parts of their states, and their latest complete ones.
     collectors: BTreeMap<u32, Collector>,
     states: BTreeMap<u32, Snapshot>,
-    /// The source is as fast as its readers: no sample is due at any time, and none is late.
+    /// The source is as fast as its readers: samples have no due times, and none is late.
     pub(super) is_unpaced: bool,
 }
 
@@ -35,7 +35,7 @@ impl Processes {
         self.pipeline
     }
 
-    /// Takes a report; returns who sent it.
+    /// Takes a report; returns the name of the process.
     pub(super) fn note_health(&mut self, health: &Health) -> Option<&'static str> {
         let before = self.health.insert(health.process, *health);
         if let Some(before) = before.filter(|b| b.pid != health.pid) {
@@ -44,7 +44,7 @@ impl Processes {
         self.pipeline.map(|p| p.process_name(health.process))
     }
 
-    /// Takes a piece of a state.
+    /// Takes a part of a state.
     pub(super) fn note_state(&mut self, piece: &Keyframe) {
         let collector = self.collectors.entry(piece.process).or_default();
         if let Some(state) = collector.take(piece) {
@@ -72,7 +72,7 @@ impl Processes {
         all.find_map(|(process, health)| (process == name).then_some(health))
     }
 
-    /// Latest whole state of the process called `name`.
+    /// Latest complete state of the process called `name`.
     pub fn state(&self, name: &str) -> Option<&Snapshot> {
         let mut all = self.named(&self.states);
         all.find_map(|(process, state)| (process == name).then_some(state))
@@ -95,7 +95,7 @@ impl Processes {
         found.map_or(Counts::default(), |(_, counts)| counts)
     }
 
-    /// Samples lost before any of them.
+    /// Samples lost by all processes together.
     pub(super) fn lost(&self) -> u64 {
         self.counts().map(|(_, counts)| counts.lost).sum()
     }

@@ -8,7 +8,7 @@ use messages::{Envelope, Message};
 use crate::quantity;
 use crate::tally::Tally;
 
-/// Truths that may wait for their estimates.
+/// Number of truths stored until their estimates come.
 const TRUTHS: usize = 2048;
 
 /// The tallies of a run.
@@ -24,7 +24,7 @@ impl Scores {
         &self.tallies
     }
 
-    /// Keeps a truth for its estimates.
+    /// Stores a truth for its estimates.
     pub(super) fn know(&mut self, sequence: u64, truth: Envelope) {
         if self.truths.len() == TRUTHS {
             self.truths.pop_front();
