@@ -13,8 +13,7 @@ pub fn quintic_rate(u: f64) -> f64 {
     30.0 * (u * (1.0 - u)).powi(2)
 }
 
-/// How far a transition from `from` to `to` \[s\] has come at `time`, 0 to 1. A transition without
-/// duration is a step.
+/// Progress at `time` of a transition from `from` to `to` \[s\], 0 to 1. A transition without duration is a step.
 pub fn transition(time: f64, from: f64, to: f64) -> f64 {
     if to > from {
         quintic((time - from) / (to - from))

@@ -17,17 +17,17 @@ use crate::noise::Noise;
 
 /// Pressure at which the friction is stated [Pa].
 const FULL_PRESSURE: f64 = 20e6;
-/// Travel within which the seals' friction follows the motion [m]; Dahl's model of rubber seals: some tenths of a millimetre.
+/// Travel within which the seals' friction follows the motion [m]; some tenths of a millimetre in Dahl's model of rubber seals.
 const TRAVEL: f64 = 0.4e-3;
-/// Pressure of the side that carries nothing [Pa].
+/// Pressure of the unloaded side [Pa].
 const RETURN_PRESSURE: f64 = 0.8e6;
-/// What the return line adds with the speed of the rod [Pa s/m].
+/// Increase of the return pressure with the speed of the rod [Pa s/m].
 const RETURN_FLOW: f64 = 1.5e6;
 
 /// Cylinders side by side about one pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    /// How many (n).
+    /// Number of cylinders (n).
     pub count: f64,
     /// Area of the head side of one (A_h) [m^2].
     pub head_area: f64,
@@ -44,7 +44,7 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// The same cylinder on a machine that is `long` times as long and `heavy` times as heavy: its pressures are alike.
+    /// The cylinder of a machine with `long` times the length and `heavy` times the mass, at equal pressures.
     #[must_use]
     pub fn scaled(self, long: f64, heavy: f64) -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Cylinder {
         (a * a + c * c - 2.0 * a * c * (joint + self.angle).cos()).sqrt()
     }
 
-    /// Lever at a joint angle, positive where the cylinder turns the joint up as it extends \[m\].
+    /// Lever at a joint angle, positive if an extension raises the joint \[m\].
     #[must_use]
     pub fn lever(&self, joint: f64) -> f64 {
         let sin = (joint + self.angle).sin();
@@ -77,7 +77,7 @@ impl Cylinder {
     }
 }
 
-/// What the pressure sensors do wrong.
+/// Errors of the pressure sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gauges {
     /// Standard deviation of the noise of a sample \[Pa\].
@@ -86,12 +86,12 @@ pub struct Gauges {
     pub zero: f64,
     /// Standard deviation of its span, as a share.
     pub span: f64,
-    /// Step of what they show \[Pa\]; 0 for none.
+    /// Quantisation step of the reading \[Pa\]; 0 for none.
     pub quantum: f64,
 }
 
 impl Default for Gauges {
-    /// As data sheets of mobile hydraulics have them: 0.25 % of 40 MPa, half of it noise.
+    /// Values of data sheets of mobile hydraulics: 0.25 % of 40 MPa, half of it noise.
     fn default() -> Self {
         Self {
             noise: 50e3,
@@ -102,7 +102,7 @@ impl Default for Gauges {
     }
 }
 
-/// A cylinder at work: what its sensors show of the moment that it carries.
+/// A cylinder under load, with its pressure sensors.
 #[derive(Clone, Debug)]
 pub struct Piston {
     cylinder: Cylinder,
@@ -110,13 +110,13 @@ pub struct Piston {
     /// Zero [Pa] and gain of head and rod side.
     errors: [(f64, f64); 2],
     noise: Noise,
-    /// Friction of the seals in the direction of extension [N], and the length that it was at [m].
+    /// Friction of the seals in the direction of extension [N], and the last length [m].
     seals: f64,
     length: Option<f64>,
 }
 
 impl Piston {
-    /// A cylinder whose sensors have the errors and the noise of a stream.
+    /// A cylinder with sensor errors and noise from a stream.
     #[must_use]
     pub fn new(cylinder: Cylinder, gauges: Gauges, mut noise: Noise) -> Self {
         let errors = std::array::from_fn(|_| {
@@ -133,7 +133,7 @@ impl Piston {
         }
     }
 
-    /// What head and rod side show \[Pa\] while it carries a moment [N m] at a joint angle \[rad\], `elapsed` after the last time \[s\].
+    /// Readings of head and rod side \[Pa\] for a moment [N m] at a joint angle \[rad\], `elapsed` after the last call \[s\].
     pub fn show(&mut self, moment: f64, joint: f64, elapsed: f64) -> [f64; 2] {
         let pressures = self.pressures(moment, joint, elapsed);
         let Gauges { noise, quantum, .. } = self.gauges;
@@ -154,7 +154,7 @@ impl Piston {
         let c = self.cylinder;
         let length = c.length(joint);
         let travel = length - self.length.replace(length).unwrap_or(length);
-        // Exact for a motion that does not turn round in between.
+        // Exact if the motion does not reverse in between.
         let towards = c.seal_force() * travel.signum();
         self.seals = towards + (self.seals - towards) * (-travel.abs() / TRAVEL).exp();
         let force = moment / c.lever(joint) + self.seals;
@@ -198,7 +198,7 @@ mod tests {
         Piston::new(cylinder, gauges, Noise::new(1))
     }
 
-    /// Force that the sensors tell [N].
+    /// Force from the sensor readings [N].
     fn force(c: &Cylinder, [head, rod]: [f64; 2]) -> f64 {
         c.count * (c.head_area * head - c.rod_area * rod)
     }

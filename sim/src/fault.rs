@@ -1,4 +1,4 @@
-//! Faults on request: what sensors and their wiring do wrong.
+//! Faults on request: errors of sensors and their wiring.
 //!
 //! A fault acts on one channel (a column of the input file, or [`ROW`] for whole samples), in a window of
 //! time, on every sample in it or on a random share. As text, `CHANNEL:KIND[=VALUE][,p=SHARE][,from=S][,to=S]`:
@@ -24,22 +24,22 @@ pub const ROW: &str = "row";
 /// Streams of [`Noise::channel`] from here on belong to faults.
 const FIRST_STREAM: u64 = 1000;
 
-/// What happens to a value.
+/// Effect on a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
     /// No value.
     Missing,
     /// A value that is not a number.
     NotANumber,
-    /// This much is added, or subtracted, at random.
+    /// This amount is added, or subtracted, at random.
     Outlier(f64),
     /// The value stays within plus or minus this limit.
     Saturation(f64),
-    /// This much is added.
+    /// This amount is added.
     Bias(f64),
-    /// The value is multiplied by this.
+    /// The value is multiplied by this factor.
     Scale(f64),
-    /// The value is rounded to a multiple of this.
+    /// The value is rounded to a multiple of this step.
     Quantum(f64),
     /// The last value before the fault is repeated.
     Hold,
@@ -50,17 +50,17 @@ pub enum FaultKind {
 pub struct Fault {
     /// Name of the column, or [`ROW`].
     pub channel: String,
-    /// What it does.
+    /// Its effect.
     pub kind: FaultKind,
-    /// The share of samples it hits, 0 to 1.
+    /// Share of the affected samples, 0 to 1.
     pub probability: f64,
     /// Beginning of its window \[s\].
     pub from: f64,
-    /// End of its window, itself not included \[s\].
+    /// End of its window, exclusive \[s\].
     pub to: f64,
 }
 
-/// A fault that cannot be: its text or its channel is unknown.
+/// Reason why a fault is impossible: an unknown text or channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidFault(String);
 
@@ -189,11 +189,10 @@ struct Active {
 }
 
 impl Injector {
-    /// The faults of a run over the columns `channels`, in whose order [`Self::apply`] counts.
+    /// The faults of a run over the columns `channels`; [`Self::apply`] takes an index into them.
     ///
     /// # Errors
-    /// A fault names a channel that is neither a column nor [`ROW`], or does something to a whole sample
-    /// that only a value can suffer.
+    /// A fault names a channel that is neither a column nor [`ROW`], or applies a fault of values to whole samples.
     pub fn new(faults: &[Fault], channels: &[&str], seed: u64) -> Result<Self, InvalidFault> {
         let active = faults.iter().zip(FIRST_STREAM..).map(|(fault, stream)| {
             let channel = channels.iter().position(|name| *name == fault.channel);
@@ -216,7 +215,7 @@ impl Injector {
         })
     }
 
-    /// Whether the sample at `time` is lost altogether. To be asked once per sample.
+    /// Whether the sample at `time` is lost as a whole. Call it once per sample.
     pub fn loses_row(&mut self, time: f64) -> bool {
         let mut lost = false;
         for active in self.active.iter_mut().filter(|a| a.channel.is_none()) {
@@ -225,7 +224,7 @@ impl Injector {
         lost
     }
 
-    /// What arrives of `value` on a channel. To be asked once per sample and channel.
+    /// The faulty value for `value` on a channel. Call it once per sample and channel.
     pub fn apply(&mut self, channel: usize, time: f64, value: Option<f64>) -> Option<f64> {
         let mut value = value;
         for active in self

@@ -1,4 +1,4 @@
-//! Names of scenarios and of machines at work, as the command line takes them.
+//! Names of scenarios and of working machines on the command line.
 
 /// The scenarios of a machine, a row each: variant, name, one line of explanation.
 macro_rules! scenarios {
@@ -8,7 +8,7 @@ macro_rules! scenarios {
         pub enum Scenario { $( #[doc = $text] $variant, )* }
 
         impl Scenario {
-            /// Every scenario's name and what it is, in one line.
+            /// Name and description of every scenario.
             pub const ALL: &[(&str, &str)] = &[$( ($name, $text) ),*];
 
             /// All scenarios, in the order of [`Self::ALL`].
@@ -35,7 +35,7 @@ pub fn scenario(effect: &str, severity: &str) -> String {
     let text = text.to_lowercase().replace('+', "plus ");
     let mut name = String::from("work");
     for (i, word) in text.split([' ', ',']).enumerate() {
-        // A minus before a number is a word, a point before one belongs to it.
+        // A minus before a number becomes a word; a point before a digit belongs to it.
         let word = if i > 0 {
             word.replace('-', "minus-")
         } else {

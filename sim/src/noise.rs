@@ -1,7 +1,7 @@
 //! Seeded noise: xoshiro256++ (Blackman and Vigna 2019) seeded by SplitMix64, normal deviates by Box-Muller.
 //!
-//! The same seed gives the same numbers in every run and every version of this crate; that is why the
-//! generator is written out here and not taken from a library that may change its stream.
+//! The same seed gives the same numbers in every run and every version of this crate. For this reason the generator is
+//! implemented here: a library may change its stream.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub struct Noise {
     state: [u64; 4],
-    /// The second deviate of a Box-Muller pair, kept for the next call.
+    /// The second deviate of a Box-Muller pair, stored for the next call.
     spare: Option<f64>,
 }
 
@@ -23,8 +23,8 @@ impl Noise {
         }
     }
 
-    /// The stream of one channel of a run: channels of the same seed are unrelated, so that a fault or
-    /// another noise level on one sensor leaves the samples of all others as they were.
+    /// The stream of one channel of a run. Channels of the same seed are independent, so a fault or another noise level on one
+    /// sensor leaves the samples of all others unchanged.
     pub fn channel(seed: u64, channel: u64) -> Self {
         let mut mixer = channel.wrapping_add(1);
         Self::new(seed ^ split_mix(&mut mixer))

@@ -1,7 +1,7 @@
 //! The classical Runge-Kutta method of fourth order.
 
-/// Where in the step a derivative is asked for. A plant driven by known functions of time evaluates them
-/// once per stage: at the start, in the middle (used twice) and at the end of the step.
+/// Position in the step at which a derivative is evaluated. A plant driven by known functions of time evaluates them once per
+/// stage: at the start, in the middle (used twice) and at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// At the beginning of the step.

@@ -1,12 +1,12 @@
-//! What a calibration asks for: the swings of the working cycle, then slow full lifts while the upper body stands.
+//! The course for a calibration: the swings of the working cycle, then slow full lifts while the upper body stands.
 
 use super::cycle;
 use super::path::Move;
 use super::payload::Load;
 use super::plant::Plant;
 
-/// Moves of boom, arm and bucket behind the swings: from, to [s], by [deg]. The bucket is filled and leaves the ground, the boom goes
-/// up and down with the arm in and with the arm out, and the bucket is emptied.
+/// Moves of boom, arm and bucket after the swings: from, to [s], by [deg]. The bucket is filled and leaves the ground. The boom
+/// goes up and down with the arm in and with the arm out. The bucket is emptied.
 const BOOM: &[(f64, f64, f64)] = &[
     (3.6, 4.6, 6.0),
     (5.0, 13.0, 28.0),
@@ -17,15 +17,15 @@ const BOOM: &[(f64, f64, f64)] = &[
 ];
 const ARM: &[(f64, f64, f64)] = &[(0.8, 3.2, -30.0), (22.0, 24.5, 45.0), (43.6, 45.0, -15.0)];
 const BUCKET: &[(f64, f64, f64)] = &[(1.4, 3.4, -50.0), (42.0, 43.5, 50.0)];
-/// When the bucket is filled and emptied [s].
+/// Times of filling and emptying the bucket [s].
 const FILL: (f64, f64) = (1.5, 3.4);
 const DUMP: (f64, f64) = (42.2, 43.3);
 /// Length of the lifts [s].
 const LENGTH: f64 = 46.0;
-/// What the bucket carries if the run does not say otherwise [kg].
+/// Default payload [kg].
 const PAYLOAD: f64 = 423.0;
 
-/// The plant; every bucket carries the payload \[kg\].
+/// The plant; with `payload` \[kg\], every bucket carries it.
 pub(super) fn plant(payload: Option<f64>) -> Plant {
     let mass = payload.unwrap_or(PAYLOAD);
     let mut plant = cycle::plant(Some(mass));

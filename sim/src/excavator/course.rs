@@ -4,25 +4,25 @@ use super::front::Pose;
 use super::plant::{Motion, Plant, Point};
 use super::row::Truth;
 
-/// A swing slower than this may have its bucket in the ground [rad/s].
+/// Swing velocity below which the bucket may be in the ground [rad/s].
 const STANDING: f64 = 0.03;
-/// Distance of the rates from which joint accelerations are taken [s].
+/// Time between the rates for the difference quotient of joint accelerations [s].
 const NEAR: f64 = 1e-3;
 /// The longest integration step [s].
 const LONGEST_STEP: f64 = 1e-3;
 
-/// What exact sensors would see, and what is really so.
+/// An exact sample: error-free measurements, and the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
     /// Time of the sample \[s\].
     pub time: f64,
     /// The values of the channels, in the order of [`super::CHANNELS`].
     pub values: [f64; 6],
-    /// What is really so.
+    /// True values.
     pub truth: Truth,
 }
 
-/// Yields the exact samples of a plant. Computed once, they serve any number of seeds and faults.
+/// Exact samples of a plant. Computed once, they serve any number of seeds and faults.
 #[derive(Clone, Debug)]
 pub struct Course {
     plant: Plant,
@@ -32,10 +32,10 @@ pub struct Course {
     steps: u32,
     /// Index of the next sample.
     next: u64,
-    /// Samples in all.
+    /// Total number of samples.
     count: u64,
     motion: Motion,
-    /// What acts at the time of the next sample.
+    /// Inertia and torque at the time of the next sample.
     point: Point,
 }
 
@@ -48,7 +48,7 @@ impl Course {
             rate,
             steps: (1.0 / (rate * LONGEST_STEP) - 1e-9).ceil().max(1.0) as u32,
             next: 0,
-            // A saturating cast makes an infinite run endless.
+            // The cast saturates, so an infinite run is endless.
             count: ((duration * rate + 1e-6).floor() as u64).saturating_add(1),
             motion: Motion::default(),
             point: plant.point(start),
@@ -56,7 +56,7 @@ impl Course {
         }
     }
 
-    /// Time `steps` integration steps after the next sample [s].
+    /// Time after `steps` integration steps from the next sample [s].
     fn time(&self, steps: f64) -> f64 {
         self.start + (self.next as f64 + steps / f64::from(self.steps)) / self.rate
     }
@@ -83,7 +83,7 @@ impl Course {
         }
     }
 
-    /// What the front does at the time of a sample that was just taken.
+    /// Pose of the front at the time of a sample just taken.
     pub(super) fn pose(&self, exact: &Exact) -> Pose {
         let time = exact.time;
         let rates = self.plant.rate(time);

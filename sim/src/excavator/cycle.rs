@@ -1,4 +1,4 @@
-//! Work without end: dig, swing, dump, swing back.
+//! Endless work: dig, swing, dump, swing back.
 
 use super::path::{Joint, Path};
 use super::payload::Load;
@@ -8,12 +8,12 @@ use super::plateaus::{Plateaus, Targets};
 
 /// Length of one working cycle [s].
 const LENGTH: f64 = 16.0;
-/// What the bucket carries in turn [kg].
+/// Payloads of successive cycles [kg].
 const PAYLOADS: [f64; 4] = [288.0, 423.0, 200.0, 350.0];
-/// Corrections of the speed of the swing back; each leaves about a tenth of the angle that was left.
+/// Iterations of the speed of the swing back; each reduces the error of the angle to about a tenth.
 const CORRECTIONS: usize = 4;
 
-/// The plant; with a payload, every bucket carries it.
+/// The plant; with `payload`, every bucket carries it.
 pub(super) fn plant(payload: Option<f64>) -> Plant {
     let starts = (0..PAYLOADS.len()).map(|i| i as f64 * LENGTH);
     let loads = starts.clone().zip(PAYLOADS).map(|(start, mass)| Load {

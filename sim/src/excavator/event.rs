@@ -1,16 +1,16 @@
-//! Payload that changes in mid-swing: the base path with its bucket moves replaced.
+//! Payload changes during the swing: the base path with other bucket moves.
 
 use super::path::{Joint, Path};
 use super::payload::Load;
 use super::plant::Plant;
 use super::plants::{at_rest, swing, working_swing};
 
-/// From the first movement of the bucket until material leaves it [s].
+/// Time from the first motion of the bucket to the first falling material [s].
 const UNTIL_MATERIAL: f64 = 0.15;
-/// How long a full bucket takes to open [s].
+/// Time in which a full bucket opens [s].
 const OPENING: f64 = 0.9;
 
-/// A change of the payload, or what looks like one.
+/// A change of the payload, or a motion that resembles one.
 pub(super) struct Event {
     /// Mass before a dump, or after a pick-up [kg].
     pub payload: f64,
@@ -18,14 +18,14 @@ pub(super) struct Event {
     pub change: (f64, f64),
     /// The bucket's move: from, to [s], by [deg].
     opening: Option<(f64, f64, f64)>,
-    /// The share of the payload that is dumped, or is not there before.
+    /// Share of the payload that is dumped or picked up.
     share: f64,
-    /// Whether the share is taken up.
+    /// Whether the share is picked up.
     gained: bool,
 }
 
 impl Event {
-    /// The bucket opens by 75 degrees in 0.9 s and is empty 0.65 s after the first material left.
+    /// The bucket opens by 75 degrees in 0.9 s and is empty 0.65 s after the first material has left.
     pub fn dump(opens: f64) -> Self {
         let first = opens + UNTIL_MATERIAL;
         Self {
@@ -37,7 +37,7 @@ impl Event {
         }
     }
 
-    /// It opens by 35 degrees and loses half of its load.
+    /// The bucket opens by 35 degrees and loses half of its load.
     pub fn half(opens: f64) -> Self {
         Self {
             opening: Some((opens, opens + OPENING, 35.0)),
@@ -56,7 +56,7 @@ impl Event {
         }
     }
 
-    /// The bucket opens by 60 degrees and keeps its 288 kg.
+    /// The bucket opens by 60 degrees and retains its 288 kg.
     pub fn open(opens: f64) -> Self {
         Self {
             payload: 288.0,
@@ -77,7 +77,7 @@ impl Event {
         }
     }
 
-    /// The load leaves, and the bucket angle tells nothing of it.
+    /// The load leaves without a motion of the bucket.
     pub fn still(first: f64, duration: f64) -> Self {
         Self {
             change: (first, first + duration),

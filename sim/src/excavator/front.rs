@@ -1,11 +1,11 @@
-//! Boom and arm cylinders: the moments that they carry, and what their pressure sensors show of them.
+//! Boom and arm cylinders: the moments that they carry, and the readings of their pressure sensors.
 //!
 //! ```text
 //! M = sum_i m_i [x_i (g cos(pitch) cos(roll) + z_i'') - z_i (x_i'' + g sin(pitch) - w^2 (x_0 + x_i))]
 //!     + sum_i [I_i alpha_i'' + w^2 (I_i - R_i) sin(alpha_i) cos(alpha_i)] - (x_g F_z - z_g F_x)
 //! ```
-//! about the boom foot over boom, arm, bucket and payload; about the arm pin, with x, z from there in the first two brackets, without the
-//! boom. F: what the ground pushes the bucket's edge with at x_g, z_g, while it digs.
+//! about the boom foot over boom, arm, bucket and payload; about the arm pin, with x, z from there in the first two brackets,
+//! without the boom. F: force of the ground on the bucket's edge at x_g, z_g, while it digs.
 
 use super::geometry::{Geometry, Link};
 use super::path::Posture;
@@ -16,13 +16,13 @@ use crate::noise::Noise;
 const GRAVITY: f64 = 9.806_65;
 /// Bucket pin to edge, in distances of the payload's centre.
 const EDGE: f64 = 1.9;
-/// What the ground carries while the bucket digs: mean and spread of the vertical force, as a share of what lifts the bucket off, and of
+/// Ground forces while the bucket digs, mean and spread: the vertical one, as a share of the force that lifts the bucket off, and
 /// the horizontal one, which pushes the bucket away from the machine.
 const CARRIED: [f64; 2] = [0.35, 0.3];
 const PUSHED: [f64; 2] = [0.5, 0.3];
-/// The resistance of the ground is another one after this time [s].
+/// Correlation time of the resistance of the ground [s].
 const LASTS: f64 = 0.4;
-/// Streams of noise: those of the sensors, of the ground.
+/// Noise streams: of the sensors, of the ground.
 const STREAMS: [u64; 3] = [200, 201, 202];
 
 /// Boom and arm cylinders of the 5.5 t machine: bores of 115 and 95 mm, rods of 65 and 55 mm.
@@ -55,7 +55,7 @@ pub fn cylinders(geometry: &Geometry) -> [Cylinder; 2] {
     [BOOM, ARM].map(|cylinder| cylinder.scaled(long, heavy))
 }
 
-/// What boom, arm and bucket do at one time.
+/// Motion and load of boom, arm and bucket at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose {
     /// Joint angles [rad], their rates [rad/s] and accelerations [rad/s^2].
@@ -68,11 +68,11 @@ pub(super) struct Pose {
     pub inclination: [f64; 2],
     /// Mass in the bucket [kg].
     pub payload: f64,
-    /// How much of the bucket is in the ground, 0 to 1.
+    /// Share of the bucket in the ground, 0 to 1.
     pub contact: f64,
 }
 
-/// A point of a link: place from the boom foot [m] and acceleration [m/s^2].
+/// A point of a link: position from the boom foot [m] and acceleration [m/s^2].
 #[derive(Clone, Copy, Debug, Default)]
 struct Point {
     x: f64,
@@ -91,19 +91,19 @@ struct Turn {
 }
 
 impl Turn {
-    /// The point `way` further along the link.
-    fn along(&self, from: Point, way: f64) -> Point {
+    /// The point `distance` further along the link.
+    fn along(&self, from: Point, distance: f64) -> Point {
         let (square, bend) = (self.rate * self.rate, self.acceleration);
         Point {
-            x: from.x + way * self.cos,
-            z: from.z + way * self.sin,
-            ax: from.ax - way * (bend * self.sin + square * self.cos),
-            az: from.az + way * (bend * self.cos - square * self.sin),
+            x: from.x + distance * self.cos,
+            z: from.z + distance * self.sin,
+            ax: from.ax - distance * (bend * self.sin + square * self.cos),
+            az: from.az + distance * (bend * self.cos - square * self.sin),
         }
     }
 }
 
-/// Moments about boom foot and arm pin [N m], without the ground; and the edge of the bucket from either [m].
+/// Moments about boom foot and arm pin [N m], without the ground; and the position of the bucket's edge from each [m].
 fn moments(g: &Geometry, pose: &Pose) -> ([f64; 2], [[f64; 2]; 2]) {
     let sum = |of: Posture, upto: usize| of[..=upto].iter().sum::<f64>();
     let turns: [Turn; 3] = std::array::from_fn(|i| {
@@ -151,7 +151,7 @@ fn moments(g: &Geometry, pose: &Pose) -> ([f64; 2], [[f64; 2]; 2]) {
     (moments, [[edge.x, edge.z], from_arm])
 }
 
-/// Boom and arm cylinders at work.
+/// Boom and arm cylinders under load.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     geometry: Geometry,
@@ -163,7 +163,7 @@ pub(super) struct Front {
 }
 
 impl Front {
-    /// The cylinders of a machine with these sensors; seals and sensors are those of a seed.
+    /// The cylinders of a machine with these sensors; a seed determines the errors of seals and sensors.
     pub(super) fn new(
         geometry: Geometry,
         cylinders: [Cylinder; 2],
@@ -184,7 +184,7 @@ impl Front {
         }
     }
 
-    /// What the four sensors show: head and rod side of the boom, of the arm [Pa].
+    /// Readings of the four sensors: head and rod side of the boom, of the arm [Pa].
     pub(super) fn show(&mut self, time: f64, pose: &Pose) -> [f64; 4] {
         let elapsed = time - self.time.replace(time).unwrap_or(time);
         let (mut carried, edges) = moments(&self.geometry, pose);
@@ -206,10 +206,10 @@ impl Front {
 
     /// Vertical and horizontal force of the ground, in weights of the front.
     fn push(&mut self, elapsed: f64) -> [f64; 2] {
-        let kept = (-elapsed / LASTS).exp();
-        let fresh = (1.0 - kept * kept).sqrt();
+        let correlation = (-elapsed / LASTS).exp();
+        let fresh = (1.0 - correlation * correlation).sqrt();
         for deviation in &mut self.resistance {
-            *deviation = kept * *deviation + fresh * self.ground.normal();
+            *deviation = correlation * *deviation + fresh * self.ground.normal();
         }
         let [a, b] = self.resistance;
         [CARRIED[0] + CARRIED[1] * a, PUSHED[0] + PUSHED[1] * b]
@@ -286,8 +286,11 @@ mod tests {
                 arm_pin[0] + g.arm_length * b.cos(),
                 arm_pin[1] + g.arm_length * b.sin(),
             ];
-            let out = |from: [f64; 2], way: f64, angle: f64| {
-                [from[0] + way * angle.cos(), from[1] + way * angle.sin()]
+            let out = |from: [f64; 2], distance: f64, angle: f64| {
+                [
+                    from[0] + distance * angle.cos(),
+                    from[1] + distance * angle.sin(),
+                ]
             };
             [
                 (g.boom.mass, out([0.0; 2], g.boom.centre, a)),

@@ -1,5 +1,5 @@
-//! A 5.5 t excavator swinging its upper body: the plant of Oh, Yi, Seo, Kim, Lee 2017, with the parameters
-//! that the paper leaves open chosen so that its published extremes of inertia, 4380 and 9761 kg m^2, come out.
+//! A 5.5 t excavator swinging its upper body: the plant of Oh, Yi, Seo, Kim, Lee 2017. The parameters that the paper does not
+//! state are chosen to give its published extremes of inertia, 4380 and 9761 kg m^2.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|

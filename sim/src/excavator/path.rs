@@ -1,4 +1,4 @@
-//! Joint paths: how boom, arm and bucket move through the working cycle.
+//! Joint paths of boom, arm and bucket in the working cycle.
 
 use crate::blend::{transition, transition_rate};
 
@@ -17,7 +17,7 @@ pub struct Move {
     pub degrees: f64,
 }
 
-/// The path of one joint: a start and the moves that add to it.
+/// The path of one joint: a start angle and moves that are added to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Angle before the first move \[deg\].
@@ -75,7 +75,7 @@ impl Path {
         }
     }
 
-    /// The same cycle with the arm extended late, so that the inertia changes little while swinging.
+    /// The same cycle with the arm extended late, so that the inertia changes little during the swing.
     pub fn gentle() -> Self {
         let arm = [(0.8, 3.2, -30.0), (3.2, 5.4, -6.0), (8.4, 10.8, 52.0)];
         let bucket = [(1.4, 3.4, -50.0), (8.4, 9.6, -25.0), (9.8, 11.0, 75.0)];
@@ -84,7 +84,7 @@ impl Path {
         }
     }
 
-    /// All joints at rest at the angles that the base path has at 5.5 s.
+    /// All joints at rest at the angles of the base path at 5.5 s.
     pub fn constant() -> Self {
         Self {
             joints: [55.0, -146.0, -85.0].map(|degrees| Joint::new(degrees, &[])),

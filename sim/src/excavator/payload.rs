@@ -2,13 +2,13 @@
 
 use crate::blend::transition;
 
-/// So long before it fills, the bucket begins to touch the ground, and is in it [s].
+/// Times before the filling at which the bucket begins to touch the ground, and is in it [s].
 const TOUCH: (f64, f64) = (0.7, 0.4);
-/// It begins to leave the ground before it is full, and has left it after that [s].
+/// Times before and after the end of the filling at which the bucket begins to leave the ground, and has left it [s].
 const BREAK_OUT: (f64, f64) = (0.2, 0.15);
 
-/// A portion of material: taken up in one smooth transition, lost in another. What stays has infinite
-/// dump times; what was always there has infinitely early fill times.
+/// A portion of material: picked up in one smooth transition, dumped in another. A portion that stays has infinite dump times;
+/// one that is always present has infinitely early fill times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Mass of the portion \[kg\].
@@ -20,7 +20,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// A portion that was there before and stays.
+    /// A portion that is always present.
     pub fn kept(mass: f64) -> Self {
         Self {
             mass,
@@ -35,7 +35,7 @@ impl Load {
         self.mass * filled * (1.0 - transition(time, self.dump.0, self.dump.1))
     }
 
-    /// How much of the bucket is in the ground while it fills, 0 to 1; it gets there before, and breaks out at the end.
+    /// Share of the bucket in the ground around its filling, 0 to 1: it enters before, and breaks out at the end.
     pub fn contact(&self, time: f64) -> f64 {
         let (from, to) = self.fill;
         if !from.is_finite() {

@@ -8,10 +8,10 @@ use crate::rk4::{self, Stage};
 
 /// Width of the smooth sign function of friction [rad/s].
 const FRICTION_WIDTH: f64 = 0.005;
-/// Below this velocity a torque under the friction level holds the machine still [rad/s].
+/// Velocity below which friction holds the machine, if the torque is less than the friction [rad/s].
 const STICTION_VELOCITY: f64 = 2e-3;
 
-/// Which equation of motion holds.
+/// The equation of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dynamics {
     /// d/dt (J w) due to posture = torques: the physics.
@@ -33,23 +33,23 @@ pub struct Machine {
     pub dynamics: Dynamics,
 }
 
-/// The machine and all that is done to it.
+/// The machine with its inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plant {
     /// The machine.
     pub machine: Machine,
-    /// What the joints do.
+    /// Motion of the joints.
     pub path: Path,
-    /// What is in the bucket.
+    /// Contents of the bucket.
     pub loads: Vec<Load>,
-    /// What the swing drive does; the swings do not overlap.
+    /// Torques of the swing drive; the swings do not overlap.
     pub swings: Vec<Swing>,
-    /// After this time everything begins anew \[s\]; infinite if nothing repeats. The joint paths and the
-    /// loads must end as they begin.
+    /// Period after which everything repeats \[s\]; infinite if nothing repeats. The joint paths and the loads must end as they
+    /// begin.
     pub period: f64,
 }
 
-/// What acts on the swing at one time.
+/// Inertia and torque of the swing at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Inertia J [kg m^2].
@@ -80,7 +80,7 @@ impl Machine {
         (point.torque - friction - (self.damping + gyration) * velocity) / point.inertia
     }
 
-    /// The acceleration a sample reports: zero where friction holds the machine.
+    /// The acceleration of a sample: zero while friction holds the machine.
     pub fn acceleration(&self, point: &Point, velocity: f64) -> f64 {
         if velocity.abs() < 1e-9 && point.torque.abs() < self.friction {
             0.0
@@ -89,7 +89,7 @@ impl Machine {
         }
     }
 
-    /// The motion `h` later, given what acts at the start, in the middle and at the end of the step.
+    /// The motion `h` later, given inertia and torque at the start, in the middle and at the end of the step.
     pub fn advance(&self, motion: Motion, h: f64, [start, middle, end]: &[Point; 3]) -> Motion {
         let [mut velocity] = rk4::step([motion.velocity], h, |stage, [w]| match stage {
             Stage::Start => [self.rate(start, w)],
@@ -131,7 +131,7 @@ impl Plant {
         payload(&self.loads, self.phase(time))
     }
 
-    /// The inertia at a time, apart for machine and payload.
+    /// The inertia at a time, separately for machine and payload.
     pub fn inertia(&self, time: f64) -> Inertia {
         let time = self.phase(time);
         self.machine
@@ -139,7 +139,7 @@ impl Plant {
             .inertia(self.path.posture(time), self.path.rate(time))
     }
 
-    /// How much of the bucket is in the ground while it fills, 0 to 1.
+    /// Share of the bucket in the ground around its filling, 0 to 1.
     pub fn contact(&self, time: f64) -> f64 {
         let time = self.phase(time);
         let contact = self.loads.iter().map(|load| load.contact(time));
@@ -152,7 +152,7 @@ impl Plant {
         self.swings.iter().map(|swing| swing.torque(time)).sum()
     }
 
-    /// What acts at a time.
+    /// Inertia and torque at a time.
     pub fn point(&self, time: f64) -> Point {
         let (inertia, mass) = (self.inertia(time), self.payload(time));
         Point {

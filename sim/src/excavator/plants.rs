@@ -21,7 +21,7 @@ fn machine() -> Machine {
     }
 }
 
-/// A plant whose swings are still to be solved.
+/// A plant without swings.
 pub(super) fn at_rest(path: Path, loads: Vec<Load>) -> Plant {
     Plant {
         machine: machine(),

@@ -1,21 +1,21 @@
-//! The torque plateaus that make a swing reach its speed and come to rest in time.
+//! Torque plateaus with which a swing reaches its speed and comes to rest in time.
 
 use super::plant::{Motion, Plant, Point};
 use super::torque::Swing;
 
 /// Integration step [s].
 const STEP: f64 = 1e-3;
-/// The end velocity is asked for this long before the torque is gone [s].
+/// Time before the end of the torque to which the end velocity refers [s].
 const BEFORE_END: f64 = 0.06;
-/// Newton's method gives up after this many iterations; from the start values below it needs five or six.
+/// Most iterations of Newton's method; from the start values below it needs five or six.
 const ITERATIONS: usize = 30;
-/// Velocities that are met this closely are met [rad/s].
+/// Tolerance of the velocities [rad/s].
 const TOLERANCE: f64 = 1e-13;
 
-/// When a swing takes place and how fast it is to be.
+/// Times and speeds of a swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Targets {
-    /// Begins to accelerate, to brake, torque gone \[s\].
+    /// Begin of acceleration, begin of braking, end of the torque \[s\].
     pub times: (f64, f64, f64),
     /// Velocity when braking begins, negative for a swing clockwise [rad/s].
     pub peak: f64,
@@ -54,7 +54,7 @@ impl Targets {
     }
 }
 
-/// A plant seen by the solver: the inertia does not depend on the torque, so it is computed once.
+/// A plant for the solver: the inertia does not depend on the torque, so it is computed once.
 pub struct Plateaus<'a> {
     plant: &'a Plant,
     targets: Targets,
@@ -63,7 +63,7 @@ pub struct Plateaus<'a> {
 }
 
 impl<'a> Plateaus<'a> {
-    /// Prepares to solve for a swing of `plant`, which is at rest when it begins.
+    /// Prepares the solver for a swing of `plant`, which is at rest at its begin.
     pub fn new(plant: &'a Plant, targets: Targets) -> Self {
         let (start, _, end) = targets.times;
         let halves = 2 * ((end - BEFORE_END - start) / STEP).round().max(1.0) as usize;
@@ -77,8 +77,8 @@ impl<'a> Plateaus<'a> {
         }
     }
 
-    /// The swing whose plateaus Ta, Tb meet the targets, by Newton's method in two dimensions. If it does
-    /// not converge (a machine that cannot move at all) the last iterate.
+    /// The swing whose plateaus Ta, Tb meet the targets, by Newton's method in two dimensions. Without convergence (a machine
+    /// that cannot move at all) it is the last iterate.
     pub fn solve(&self) -> Swing {
         let sign = self.targets.peak.signum();
         let mut plateau = [4000.0 * sign, 2000.0 * sign];
@@ -93,12 +93,12 @@ impl<'a> Plateaus<'a> {
         self.targets.swing(plateau)
     }
 
-    /// The angle that a swing covers until 0.06 s before its torque is gone \[rad\].
+    /// Angle of a swing up to 0.06 s before the end of its torque \[rad\].
     pub fn angle(&self, swing: Swing) -> f64 {
         self.run(swing).1.angle
     }
 
-    /// How far a pair of plateaus misses peak and last velocity.
+    /// Errors of peak and last velocity for a pair of plateaus.
     fn miss(&self, plateau: [f64; 2]) -> [f64; 2] {
         let (peak, last) = self.run(self.targets.swing(plateau));
         [peak - self.targets.peak, last.velocity - self.targets.last]

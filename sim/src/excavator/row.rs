@@ -1,6 +1,6 @@
-//! A sample of all sensors, and the truth behind it.
+//! A sample of all sensors, with the truth.
 
-/// What is really so at the time of a sample.
+/// True values at the time of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
     /// Total inertia about the swing axis [kg m^2].
@@ -17,11 +17,11 @@ pub struct Truth {
     pub acceleration: f64,
     /// Mass in the bucket \[kg\].
     pub payload: f64,
-    /// The bucket is in the ground.
+    /// Whether the bucket is in the ground.
     pub digs: bool,
 }
 
-/// One sample of all sensors. None is a missing value.
+/// One sample of all sensors. `None` is a missing value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Time of the sample \[s\].
@@ -38,6 +38,6 @@ pub struct Row {
     pub inclination: [Option<f64>; 2],
     /// Pressures of the boom cylinder's head and rod side, and of the arm's \[Pa\].
     pub pressures: [Option<f64>; 4],
-    /// What is really so.
+    /// True values.
     pub truth: Truth,
 }

@@ -1,4 +1,4 @@
-//! What can be simulated, by name.
+//! The scenarios of the simulated excavator, by name.
 
 use super::calibration;
 use super::cycle;
@@ -46,7 +46,7 @@ impl Scenario {
         Self::all().find(|scenario| scenario.name() == name)
     }
 
-    /// The mass in the bucket when it is full, where the run does not say otherwise \[kg\]. `cycle` and `calibration` have their own.
+    /// Mass in a full bucket if the run does not state one \[kg\]. `cycle` and `calibration` have their own.
     pub fn default_payload(self) -> f64 {
         match self {
             Constant => 150.0,
@@ -60,12 +60,12 @@ impl Scenario {
         if self.is_endless() { 0.0 } else { 5.0 }
     }
 
-    /// Whether it goes on for as long as the run lasts, from its first second on.
+    /// Whether it continues from its first second for as long as the run lasts.
     pub fn is_endless(self) -> bool {
         matches!(self, Cycle | Calibration)
     }
 
-    /// Length of the record \[s\]; infinite where it has no end.
+    /// Length of the record \[s\]; infinite for an endless scenario.
     pub fn duration(self) -> f64 {
         match self {
             Constant => 11.5,
@@ -75,8 +75,8 @@ impl Scenario {
         }
     }
 
-    /// First and last time at which material leaves or enters the bucket in mid-swing, or the bucket
-    /// moves as if it did \[s\].
+    /// First and last time at which material leaves or enters the bucket during the swing, or at which the bucket moves as if it
+    /// did \[s\].
     pub fn change(self) -> Option<(f64, f64)> {
         match self {
             Drop => Some((7.75, 8.45)),
@@ -167,7 +167,7 @@ fn two_swings(mass: f64) -> Plant {
     swing(plant, Targets::back(11.2, 13.0, 14.8))
 }
 
-/// The drive goes on with 60 % of its torque and is faded out, without braking.
+/// The drive continues with 60 % of its torque and fades out, without braking.
 fn soft_brake(mass: f64) -> Plant {
     let mut plant = working(Path::base(), mass, (9.6, 10.5));
     for Swing {

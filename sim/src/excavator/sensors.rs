@@ -1,11 +1,11 @@
-//! The sensors: noise, and what else they do wrong.
+//! The sensors: noise and faults.
 
 use super::course::Exact;
 use super::row::Row;
 use crate::fault::{Fault, Injector, InvalidFault};
 use crate::noise::Noise;
 
-/// The sensors, by the names that faults use; the order is that of the noise streams.
+/// The sensors, by the names in faults; the order is that of the noise streams.
 pub const CHANNELS: [&str; 10] = [
     "swing_velocity",
     "swing_angle",
@@ -18,7 +18,7 @@ pub const CHANNELS: [&str; 10] = [
     "arm_head_pressure",
     "arm_rod_pressure",
 ];
-/// Those of them that the plant itself tells; the pressures have their own noise.
+/// Number of sensors of the plant itself; the pressures have their own noise.
 const OWN: usize = 6;
 
 /// Standard deviations of the white noise per sample.
@@ -89,7 +89,7 @@ impl Instruments {
         })
     }
 
-    /// The sample they make of the exact one and of what the pressure sensors show, or none if it is lost as a whole.
+    /// The sample from the exact one and the pressure readings; `None` if it is lost as a whole.
     pub fn measure(&mut self, exact: &Exact, pressures: Option<[f64; 4]>) -> Option<Row> {
         let lost = self.injector.loses_row(exact.time);
         let mut seen = [None; 6];

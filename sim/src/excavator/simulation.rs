@@ -11,19 +11,19 @@ use crate::fault::Fault;
 use crate::noise::Noise;
 use std::fmt;
 
-/// The sampling rates that can be simulated [Hz].
+/// Supported sampling rates [Hz].
 const RATES: std::ops::RangeInclusive<f64> = 10.0..=10_000.0;
 
-/// Stream of noise that the seals are drawn from, and their spread about the described ones.
+/// Noise stream of the seals' friction, and its spread about the described one.
 const SEALS: u64 = 203;
 const SEALS_STD: f64 = 0.35;
 
-/// What to simulate.
+/// Options of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// The course of events.
+    /// The scenario.
     pub scenario: Scenario,
-    /// Mass of a full bucket \[kg\]; the scenario's own if none.
+    /// Mass of a full bucket \[kg\]; `None` for the scenario's own.
     pub payload: Option<f64>,
     /// Sampling rate, 10 to 10000 \[Hz\].
     pub rate: f64,
@@ -31,9 +31,9 @@ pub struct Run {
     pub seed: u64,
     /// Noise of the sensors.
     pub noise: Sensors,
-    /// Pressure sensors of boom and arm cylinders; none if the machine has none.
+    /// Pressure sensors of boom and arm cylinders, if the machine has any.
     pub gauges: Option<Gauges>,
-    /// What else they do wrong.
+    /// Faults of the sensors.
     pub faults: Vec<Fault>,
     /// Length of the record \[s\]; both ends are sampled. May be infinite.
     pub duration: f64,
@@ -55,7 +55,7 @@ impl Run {
     }
 }
 
-/// A run that cannot be.
+/// Reason why a run is impossible.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidRun(String);
 
@@ -67,8 +67,7 @@ impl fmt::Display for InvalidRun {
 
 impl std::error::Error for InvalidRun {}
 
-/// Yields the samples of a run, one after the other. A sample costs a few microseconds per millisecond of
-/// its period and allocates nothing.
+/// The samples of a run in order. A sample costs a few microseconds per millisecond of its period and allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     course: Course,
@@ -122,7 +121,7 @@ impl Iterator for Simulation {
     }
 }
 
-/// Cylinders whose seals rub otherwise than described: by a third of it, as a standard deviation.
+/// Cylinders whose seal friction deviates from the described one: by a third of it, as a standard deviation.
 fn worn(cylinders: [Cylinder; 2], seed: u64) -> [Cylinder; 2] {
     let mut noise = Noise::channel(seed, SEALS);
     cylinders.map(|c| Cylinder {

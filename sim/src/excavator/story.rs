@@ -1,4 +1,4 @@
-//! An excavator that is given a script, one thing after the other, so that a test reads as what happens:
+//! An excavator with a script of successive actions, for tests:
 //!
 //! ```
 //! use sim::excavator::Story;
@@ -22,27 +22,27 @@ const PEAK: f64 = 0.9;
 const SHORTEST: f64 = 2.0;
 /// Share of a swing's time that accelerates.
 const ACCELERATING: f64 = 0.53;
-/// How long the machine stands after a swing, while it dumps, and at the beginning [s].
+/// Time at rest after a swing, after a dump, and at the beginning [s].
 const PAUSE: f64 = 1.0;
-/// How long material takes to leave the bucket or to get into it [s], and by how much the bucket opens [deg].
+/// Time in which material leaves the bucket or enters it [s], and angle by which the bucket opens [deg].
 const MOVING: f64 = 0.65;
 const OPENING: f64 = 75.0;
 
-/// What happens, so far.
+/// The script so far.
 #[derive(Clone, Debug)]
 pub struct Story {
     path: Path,
     loads: Vec<Load>,
-    /// Each swing: begin, end [s], by how much it turns [rad].
+    /// Each swing: begin, end [s], angle [rad].
     swings: Vec<(f64, f64, f64)>,
     run: Run,
-    /// Time [s] and swing angle [rad] after all of it.
+    /// Time [s] and swing angle [rad] at the end of the script.
     now: f64,
     angle: f64,
 }
 
 impl Story {
-    /// Stands for a second, boom and arm in a usual posture, the usual noise on its sensors.
+    /// At rest for a second, boom and arm in a usual posture, standard noise of the sensors.
     #[must_use]
     pub fn at_rest() -> Self {
         Self {
@@ -55,21 +55,21 @@ impl Story {
         }
     }
 
-    /// The noise is that of another seed.
+    /// Sets the seed of the noise.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.run.seed = seed;
         self
     }
 
-    /// Stands for so long \[s\].
+    /// Rests for `seconds` \[s\].
     #[must_use]
     pub fn rest(mut self, seconds: f64) -> Self {
         self.now += seconds;
         self
     }
 
-    /// Swings to an angle, anticlockwise positive \[rad\], and stands for a second.
+    /// Swings to an angle, anticlockwise positive \[rad\], and rests for a second.
     #[must_use]
     pub fn swing_to(mut self, angle: f64) -> Self {
         let turn = angle - self.angle;
@@ -79,7 +79,7 @@ impl Story {
         self
     }
 
-    /// Opens the bucket, out of which falls what it carried from the beginning \[kg\].
+    /// Opens the bucket and dumps a load that it has carried from the beginning \[kg\].
     #[must_use]
     pub fn dump(mut self, mass: f64) -> Self {
         let end = self.now + MOVING;
@@ -98,7 +98,7 @@ impl Story {
         self
     }
 
-    /// Takes material into the bucket and keeps it \[kg\].
+    /// Picks up material and retains it \[kg\].
     #[must_use]
     pub fn take_up(mut self, mass: f64) -> Self {
         let end = self.now + MOVING;
@@ -110,13 +110,13 @@ impl Story {
         self
     }
 
-    /// From now on a sensor is silent for so long \[s\], whatever happens then.
+    /// A sensor has no values for `seconds` \[s\] from now, in parallel with the following actions.
     #[must_use]
     pub fn lose(self, channel: &str, seconds: f64) -> Self {
         self.suffer(channel, FaultKind::Missing, seconds)
     }
 
-    /// From now on a sensor does this for so long \[s\], whatever happens then.
+    /// A sensor has a fault for `seconds` \[s\] from now, in parallel with the following actions.
     #[must_use]
     pub fn suffer(mut self, channel: &str, kind: FaultKind, seconds: f64) -> Self {
         let end = self.now + seconds;
@@ -126,10 +126,10 @@ impl Story {
         self
     }
 
-    /// What the sensors tell of it, with the truth.
+    /// The samples with the truth.
     ///
     /// # Panics
-    /// A sensor that is lost does not exist.
+    /// A lost sensor does not exist.
     pub fn rows(self) -> impl Iterator<Item = super::Row> {
         let run = Run {
             duration: self.now,
@@ -143,14 +143,14 @@ impl Story {
     }
 }
 
-/// Adds the swing that turns by so much in this time.
+/// Adds the swing by `turn` between `start` and `end`.
 fn swing(mut plant: Plant, start: f64, end: f64, turn: f64) -> Plant {
     let mut targets = Targets {
         times: (start, start + ACCELERATING * (end - start), end),
         peak: 2.0 * turn / (end - start),
         last: 0.005 * turn.signum(),
     };
-    // The angle is nearly in proportion to the peak.
+    // The angle is nearly proportional to the peak velocity.
     for _ in 0..4 {
         let solver = Plateaus::new(&plant, targets);
         targets.peak *= turn / solver.angle(solver.solve());

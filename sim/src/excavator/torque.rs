@@ -1,10 +1,10 @@
-//! The swing torque: accelerate, reverse, brake, let go.
+//! The swing torque: accelerate, reverse, brake, release.
 
 use crate::blend::transition;
 
-/// How long the torque takes to build up, and to fade out at the end [s].
+/// Time in which the torque builds up, and in which it fades out at the end [s].
 const RAMP: f64 = 0.25;
-/// How long the reversal takes [s].
+/// Time of the reversal [s].
 const REVERSAL: f64 = 0.20;
 
 /// One swing from rest to rest.
@@ -15,16 +15,16 @@ const REVERSAL: f64 = 0.20;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
-    /// Begins to accelerate \[s\].
+    /// Begin of the acceleration \[s\].
     pub start: f64,
-    /// Begins to brake \[s\].
+    /// Begin of the braking \[s\].
     pub turn: f64,
-    /// Torque is gone \[s\].
+    /// End of the torque \[s\].
     pub end: f64,
     /// Plateau Ta while accelerating, negative for a swing clockwise [N m].
     pub accelerate: f64,
-    /// Plateau Tb while braking, of the sign of `accelerate`; of the opposite sign the drive goes on with
-    /// less torque instead of braking [N m].
+    /// Plateau Tb while braking, of the sign of `accelerate` [N m]. With the opposite sign the drive continues with less torque
+    /// instead of braking.
     pub brake: f64,
 }
 

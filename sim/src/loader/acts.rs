@@ -1,10 +1,10 @@
-//! What acts on the plant: the driver's wishes, through what the machine makes of them.
+//! Inputs of the plant: the driver's commands, modified by the machine's effects.
 
 use super::driver::Driver;
 use super::effects::{self, Effects, Gears};
 use super::plant::{Inputs, Machine, State};
 
-/// What acts on the plant: the driver's wishes, and what the machine makes of them.
+/// Inputs of the plant: the driver's commands, modified by the machine's effects.
 #[derive(Clone, Debug)]
 pub(super) struct Acts {
     pub effects: Effects,

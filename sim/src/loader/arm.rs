@@ -1,4 +1,4 @@
-//! The lift arm: where it carries bucket and load, and what its cylinders' pressure sensors show of them.
+//! The lift arm: position of bucket and load, and readings of its cylinders' pressure sensors.
 //!
 //! ```text
 //! M = m_a (x_a g' - z_a a') + (m_b + m_p) (x_b g' - z_b a') + M_ground            about the arm's pivot
@@ -17,17 +17,17 @@ use crate::noise::Noise;
 /// Noise of lift and tilt angle, and the standard deviation of their zeros [rad].
 const ANGLE_NOISE: f64 = 0.001;
 const ANGLE_ZERO: f64 = 0.009;
-/// What the ground carries while the bucket digs, as a share of the moment: mean and spread; it is another one after some time [s].
+/// Share of the moment that the ground carries while the bucket digs: mean and spread; correlation time below [s].
 const CARRIED: [f64; 2] = [0.4, 0.35];
 const LASTS: f64 = 0.4;
 /// Spread of the seals' friction about the described one.
 const SEALS: f64 = 0.35;
-/// Distance in time of the stances from which accelerations are taken [s].
+/// Time between the stances for the difference quotient of accelerations [s].
 const NEAR: f64 = 2e-3;
 /// Streams of [`Noise::channel`]: pressures, angles, ground, seals.
 const STREAMS: [u64; 4] = [20, 21, 22, 23];
 
-/// Arm and bucket at one instant.
+/// Angles of arm and bucket at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stance {
     /// Arm to the horizontal, up positive (th) \[rad\].
@@ -53,9 +53,9 @@ pub struct LiftArm {
     pub bucket_mass: f64,
     /// Bucket's pin to the centre of bucket and load \[m\].
     pub payload_distance: f64,
-    /// What lifts it.
+    /// The lift cylinders.
     pub cylinder: Cylinder,
-    /// The machine's centre of gravity is stated with the arm like this.
+    /// The stance for which the machine's centre of gravity is stated.
     pub reference: Stance,
 }
 
@@ -84,7 +84,7 @@ impl LiftArm {
         },
     };
 
-    /// The arm of a machine: machines are alike in their wheelbase and their mass.
+    /// The arm of a machine, scaled with its wheelbase and mass.
     #[must_use]
     pub fn of(machine: &Machine) -> Self {
         let small = Self::SMALL;
@@ -105,14 +105,14 @@ impl LiftArm {
         arm
     }
 
-    /// Where the load is with the arm like this: ahead of the front axle, above the ground \[m\].
+    /// Position of the load for a stance: ahead of the front axle, above the ground \[m\].
     #[must_use]
     pub fn place(&self, at: &Stance) -> [f64; 2] {
         let [x, z] = self.load(at);
         [self.pivot_x + x, self.pivot_z + z]
     }
 
-    /// Load from the pivot [m].
+    /// Position of the load from the pivot [m].
     fn load(&self, at: &Stance) -> [f64; 2] {
         let (lift, bucket) = (at.lift.sin_cos(), at.bucket.sin_cos());
         [
@@ -121,13 +121,13 @@ impl LiftArm {
         ]
     }
 
-    /// Arm's centre of mass from the pivot [m].
+    /// Position of the arm's centre of mass from the pivot [m].
     fn own(&self, at: &Stance) -> [f64; 2] {
         let (sin, cos) = at.lift.sin_cos();
         [self.mass_distance * cos, self.mass_distance * sin]
     }
 
-    /// How arm and bucket stand that have the load there: the bucket's pin below the line from pivot to load.
+    /// The stance that puts the load at the payload's position, with the bucket's pin below the line from pivot to load.
     #[must_use]
     pub fn stance(&self, payload: &Payload) -> Stance {
         let (x, z) = (payload.reach - self.pivot_x, payload.height - self.pivot_z);
@@ -144,7 +144,7 @@ impl LiftArm {
         }
     }
 
-    /// How they stand that hold the load so high \[m\], with the bucket turned in as it is carried low.
+    /// The stance that puts the load at a height \[m\], with the bucket angle of the low carrying position.
     #[must_use]
     pub fn raised(&self, height: f64) -> Stance {
         let bucket = self.reference.bucket;
@@ -155,7 +155,7 @@ impl LiftArm {
         }
     }
 
-    /// What arm and bucket away from their reference add to the machine's first moments, forward and up [kg m].
+    /// Change of the machine's first moments by arm and bucket relative to their reference, forward and up [kg m].
     #[must_use]
     pub fn shift(&self, at: &Stance) -> [f64; 2] {
         let arm = [self.own(at), self.own(&self.reference)];
@@ -166,7 +166,7 @@ impl LiftArm {
     }
 }
 
-/// What the machine does to the arm at one instant.
+/// Motion and load of the arm at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shaken {
     /// Time [s].
@@ -178,26 +178,26 @@ pub(super) struct Shaken {
     pub heave: f64,
     /// Mass in the bucket [kg].
     pub payload: f64,
-    /// How much of the bucket is in the ground, 0 to 1.
+    /// Share of the bucket in the ground, 0 to 1.
     pub contact: f64,
     /// Horizontal force of the ground on the bucket's edge, backward positive [N].
     pub push: f64,
 }
 
-/// What the arm's sensors show.
+/// Readings of the arm's sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Angle of the arm, of the bucket to the arm \[rad\].
+    /// Angle of the arm to the body's horizontal \[rad\].
     pub lift_angle: f64,
     /// Angle of the bucket relative to the arm \[rad\].
     pub tilt_angle: f64,
-    /// Pressures of head and rod side \[Pa\].
+    /// Pressure of the head side \[Pa\].
     pub head_pressure: f64,
     /// Pressure of the rod side \[Pa\].
     pub rod_pressure: f64,
 }
 
-/// The sensors of an arm at work.
+/// The sensors of an arm in operation.
 #[derive(Clone, Debug)]
 pub(super) struct ArmSensors {
     arm: LiftArm,
@@ -226,7 +226,7 @@ impl ArmSensors {
         }
     }
 
-    /// What they show; `stance` tells how the arm stands at a time.
+    /// Readings of the sensors; `stance` returns the stance at a time.
     pub(super) fn show(&mut self, by: &Shaken, stance: impl Fn(f64) -> Stance) -> Seen {
         let elapsed = by.time - self.time.replace(by.time).unwrap_or(by.time);
         let [before, now, after] = [-NEAR, 0.0, NEAR].map(|step| stance(by.time + step));
@@ -244,7 +244,7 @@ impl ArmSensors {
         }
     }
 
-    /// What the cylinders carry about the pivot [N m].
+    /// Moment of the cylinders about the pivot [N m].
     fn moment(&mut self, by: &Shaken, stances: [&Stance; 3], elapsed: f64) -> f64 {
         let arm = self.arm;
         let [down, back] = [
@@ -262,11 +262,11 @@ impl ArmSensors {
         if by.contact <= 0.0 {
             return free;
         }
-        let kept = (-elapsed / LASTS).exp();
-        self.resistance =
-            kept * self.resistance + (1.0 - kept * kept).sqrt() * self.ground.normal();
+        let correlation = (-elapsed / LASTS).exp();
+        self.resistance = correlation * self.resistance
+            + (1.0 - correlation * correlation).sqrt() * self.ground.normal();
         let share = by.contact * (CARRIED[0] + CARRIED[1] * self.resistance);
-        // The edge is pushed back at the ground, below the pivot.
+        // The ground pushes the edge back, below the pivot.
         free * (1.0 - share) + by.contact * by.push * arm.pivot_z
     }
 }
@@ -290,7 +290,7 @@ mod tests {
                 "{x} {z}"
             );
         }
-        // Low, the bucket rolled back: as it is carried.
+        // Low, with the bucket rolled back, as in carrying.
         assert!(
             (arm.reference.lift + 0.84).abs() < 0.02 && (arm.reference.bucket - 0.75).abs() < 0.02
         );

@@ -1,4 +1,4 @@
-//! The effects one at a time, at the severities that machines have, and together.
+//! The effects one at a time, at realistic severities, and together.
 
 use super::effects::{Effects, PayloadReport};
 
@@ -42,8 +42,7 @@ macro_rules! cases {
     };
 }
 
-/// What machines at work do that their description does not say: name, severity in words, effects. The first does
-/// nothing of the kind.
+/// Deviations of working machines from their description: name, severity in words, effects. The first has none.
 pub const CASES: [(&str, &str, Effects); 39] = cases! {
     "none" "":;
     "late speed" "30 ms": speed_delay: 0.03;

@@ -1,4 +1,4 @@
-//! A machine that nobody listed: each effect by chance, of a severity by chance up to the largest that the cases have.
+//! A machine with random effects, of random severity up to the largest of the cases.
 
 use super::cases::CASES;
 use super::effects::{Effects, PayloadReport};
@@ -6,9 +6,9 @@ use crate::noise::Noise;
 
 /// Probability of each effect.
 const EACH: f64 = 0.3;
-/// Probability of a locked centre drive, of a speed that is wrong by a factor, and that a load is reported by its mass alone, or not at all.
+/// Probability of a locked centre drive, of a scale error of the speed, and of a load reported by its mass only, or not at all.
 const SELDOM: f64 = 0.1;
-/// Of the channels of a seed this one draws the effects.
+/// Noise channel from which the effects are drawn.
 const CHANNEL: u64 = 0x6566;
 
 impl Effects {
@@ -85,21 +85,21 @@ impl Effects {
 struct Draw(Noise);
 
 impl Draw {
-    /// Of an effect that is there or not.
+    /// Severity of an effect that is present or absent.
     fn some(&mut self, of: fn(&Effects) -> f64) -> f64 {
         let largest = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
         let severity = self.0.uniform(0.0, largest);
         if self.0.chance(EACH) { severity } else { 0.0 }
     }
 
-    /// Of a fault, which few machines have, one way or the other.
+    /// Severity of a rare fault, of either sign.
     fn broken(&mut self, of: fn(&Effects) -> f64) -> f64 {
         let largest = CASES.iter().map(|c| of(&c.2).abs()).fold(0.0, f64::max);
         let gain = self.0.uniform(-largest, largest);
         if self.0.chance(SELDOM) { gain } else { 0.0 }
     }
 
-    /// Of one that goes either way.
+    /// Severity of an effect of either sign.
     fn either(&mut self, of: fn(&Effects) -> f64) -> f64 {
         self.some(of) - self.some(of)
     }

@@ -1,29 +1,29 @@
-//! The random work cycle: legs of acceleration and braking, some of them followed by a stretch of rolling.
+//! The random work cycle: legs of acceleration and braking, some of them followed by rolling.
 //!
-//! For its first 300 s the driver plans in advance, as the reference does: each leg starts from the speed
-//! that the one before should have reached. Later, and after the end of any other scenario, each leg starts
-//! from the speed the machine really has, so that the cycle can go on for days.
+//! For its first 300 s the driver plans in advance, as the reference does: each leg starts from the speed planned for the end of
+//! the leg before. Later, and after the end of any other scenario, each leg starts from the true speed, so that the cycle can
+//! continue for days.
 
 use super::scenario::Scenario;
 use crate::noise::Noise;
 
-/// End of the part that is planned in advance [s].
+/// End of the pre-planned part [s].
 const PLANNED_UNTIL: f64 = 300.0;
 
 /// The driver's next decisions.
 #[derive(Clone, Debug)]
 pub(super) struct WorkCycle {
     noise: Noise,
-    /// When the next leg begins [s].
+    /// Begin of the next leg [s].
     next: f64,
     /// Speed at the end of the present leg, as planned [m/s].
     speed: f64,
     planned: bool,
     faster: Option<bool>,
-    /// Every other run is driven backwards; this one is.
+    /// Whether every other run is driven backwards, and whether this one is.
     reverses: bool,
     backwards: bool,
-    /// Rolling begins at this time, before the next leg.
+    /// Time at which rolling begins, before the next leg.
     roll_from: Option<f64>,
 }
 
@@ -31,7 +31,7 @@ impl WorkCycle {
     /// Duration of every change of torque [s].
     pub const RAMP: f64 = 0.25;
 
-    /// The cycle of a work-cycle scenario, or what comes after another. A cruise never ends.
+    /// The cycle of a work-cycle scenario, or the continuation of another. A cruise never ends.
     pub fn new(scenario: Scenario, noise: Noise) -> Self {
         let planned = matches!(scenario, Scenario::WorkCycle | Scenario::Dither);
         let next = match scenario {
@@ -51,7 +51,7 @@ impl WorkCycle {
         }
     }
 
-    /// Drives every other run backwards.
+    /// Sets whether every other run is driven backwards.
     pub fn reversing(self, reverses: bool) -> Self {
         Self { reverses, ..self }
     }
@@ -61,8 +61,7 @@ impl WorkCycle {
         self.backwards
     }
 
-    /// The time of a change that is due at `t` and the acceleration from then on [m/s^2]; `speed` is the
-    /// machine's.
+    /// The time of a change that is due at `t`, and the acceleration after it [m/s^2]; `speed` is the true one.
     pub fn next_leg(&mut self, t: f64, speed: f64) -> Option<(f64, f64)> {
         if let Some(from) = self.roll_from.take_if(|from| *from <= t) {
             return Some((from, 0.0));
@@ -105,7 +104,7 @@ impl WorkCycle {
 mod tests {
     use super::*;
 
-    /// Times and accelerations of the changes in the first `until` seconds, on a machine that does as planned.
+    /// Times and accelerations of the changes in the first `until` seconds, on a machine that follows the plan.
     fn changes(until: f64) -> Vec<(f64, f64)> {
         let mut cycle = WorkCycle::new(Scenario::WorkCycle, Noise::new(5));
         let mut all = Vec::new();
@@ -127,7 +126,7 @@ mod tests {
                 up = !up;
             }
             speed += pair[0].1 * (pair[1].0 - pair[0].0);
-            // A leg lasts at least 0.8 s, so it may pass its target a little.
+            // A leg lasts at least 0.8 s, so it may exceed its target slightly.
             assert!((0.0..6.5).contains(&speed), "{speed}");
         }
         assert!(all.len() > 200);

@@ -1,4 +1,4 @@
-//! The driver: what acts on the machine in a scenario.
+//! The driver: inputs of the machine in a scenario.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use crate::noise::Noise;
 
 const CRUISE_SPEED: f64 = 2.5;
 
-/// The driver: what acts on the machine over time.
+/// The driver: inputs of the machine over time.
 #[derive(Clone, Debug)]
 pub(super) struct Driver {
     scenario: Scenario,
@@ -27,7 +27,7 @@ pub(super) struct Driver {
     arm: LiftArm,
     /// The plan of `loading`.
     loading: Option<Loading>,
-    /// Arm and bucket move the centre of gravity.
+    /// Whether arm and bucket move the centre of gravity.
     arm_counts: bool,
 }
 
@@ -78,13 +78,13 @@ impl Driver {
         }
     }
 
-    /// Drives every other run backwards.
+    /// Sets whether every other run is driven backwards.
     pub fn reversing(self, reverses: bool) -> Self {
         let cycle = self.cycle.reversing(reverses);
         Self { cycle, ..self }
     }
 
-    /// Arm and bucket move the centre of gravity as they are lifted.
+    /// Sets whether arm and bucket move the centre of gravity when they are lifted.
     pub fn with_arm(self, counts: bool) -> Self {
         Self {
             arm_counts: self.arm_counts || counts,
@@ -97,7 +97,7 @@ impl Driver {
         &self.arm
     }
 
-    /// How arm and bucket stand at time `t`.
+    /// Stance of arm and bucket at time `t`.
     pub fn stance(&self, t: f64) -> Stance {
         match &self.loading {
             Some(plan) => plan.stance(t),
@@ -106,7 +106,7 @@ impl Driver {
         }
     }
 
-    /// How much of the bucket is in the ground, 0 to 1.
+    /// Share of the bucket in the ground, 0 to 1.
     pub fn contact(&self, t: f64) -> f64 {
         match &self.loading {
             Some(plan) => plan.contact(t),
@@ -114,7 +114,7 @@ impl Driver {
         }
     }
 
-    /// The payload at time `t`; without an arm that counts it rises straight up.
+    /// The payload at time `t`; unless the arm counts, it rises vertically.
     pub fn payload(&self, t: f64) -> Payload {
         let [reach, height] = if self.arm_counts {
             self.arm.place(&self.stance(t))
@@ -144,7 +144,7 @@ impl Driver {
         self.loading.is_some()
     }
 
-    /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
+    /// Inputs at time `t`, to be called in the order of time; `speed` is the machine's just before.
     pub fn inputs(&mut self, t: f64, speed: f64) -> Inputs {
         let (mass, mut cg_height, mut cg_ratio) = loaded(&self.machine, &self.payload(t));
         if self.arm_counts {
@@ -152,10 +152,10 @@ impl Driver {
             cg_ratio += forward / (mass * self.machine.wheelbase);
             cg_height += up / mass;
         }
-        let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
-        if let Some((time, a)) = self.cycle.next_leg(t, way * speed) {
-            let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
-            let torque = way * motor_torque(&self.machine, mass, a);
+        let direction = if self.cycle.backwards() { -1.0 } else { 1.0 };
+        if let Some((time, a)) = self.cycle.next_leg(t, direction * speed) {
+            let direction = if self.cycle.backwards() { -1.0 } else { 1.0 };
+            let torque = direction * motor_torque(&self.machine, mass, a);
             self.motor.push(time, torque);
         }
         let mut torque = self.machine.gear_ratio * self.motor.at(t);
@@ -200,7 +200,7 @@ impl Driver {
 }
 
 impl Scenario {
-    /// Motor torque per axle [N m]; empty where a work cycle decides as it goes.
+    /// Motor torque per axle [N m]; empty for a work cycle, which decides during the run.
     fn motor_torque(self, machine: &Machine, mass: f64) -> Profile {
         const FIELD: &[(f64, f64)] = &[(0.0, 0.0), (0.3, 50.0)];
         const DIG: &[(f64, f64)] = &[
@@ -311,7 +311,7 @@ mod tests {
         let [low, high] = [10.0, 40.0].map(|t| (driver.payload(t), driver.stance(t)));
         assert!((low.0.height - 0.6).abs() < 1e-9 && (high.0.height - 1.5).abs() < 1e-9);
         assert!(high.0.reach > low.0.reach + 0.4, "{high:?}");
-        // 43 degrees; with 57 a full bucket spills over its back.
+        // 43 degrees; at 57 a full bucket spills over its back.
         assert!(
             low.1.bucket == high.1.bucket && high.1.bucket < 0.8,
             "{high:?}"

@@ -1,20 +1,20 @@
-//! What machines do that the reference plant leaves out, each alone or together.
+//! Effects that the reference plant omits, one at a time or together.
 //!
 //! | effect | what |
 //! |---|---|
-//! | late speed | a satellite receiver or radar filters: the speed comes later than the rest |
-//! | brakes | friction brakes take a share of the braking, 55 % of it in front; nobody measures their torque |
-//! | steering | the machine bends in its hinge and drives curves: front and rear axle run at different speeds |
-//! | locked drive | the centre drive is locked: both axles turn alike, and the torques are not those of the split |
+//! | late speed | a satellite receiver or radar filters: the speed is later than the other signals |
+//! | brakes | friction brakes take a share of the braking, 55 % of it in front; their torque is not measured |
+//! | steering | the machine articulates and drives curves: front and rear axle run at different speeds |
+//! | locked drive | the centre drive is locked: both axles turn at the same speed, and the torques are not those of the split |
 //! | slope sensor | an inclinometer follows the acceleration by a share of a/g, and lags |
-//! | gear changes | the torque breaks in for 0.3 s at every change of gear, and is reported later than it acts |
-//! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius gives more than is stated |
+//! | gear changes | the torque drops for 0.3 s at every change of gear, and is reported later than it acts |
+//! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius deflects more than stated |
 //! | ground | the road is rougher; every other 15 m roll harder |
 //! | reversing | every other run is driven backwards, as a loader does |
-//! | sensors | torques with a gain, or late; a bias of the slope, a zero of the accelerometer; a speed that comes seldom; time stamps that jitter |
-//! | spin | nothing keeps a wheel from spinning or locking where its torque is more than the tyre holds |
-//! | data sheet | the mass, the radii |
-//! | payload | the mass is reported and the boom is not, or neither |
+//! | sensors | torques with a gain, or late; a bias of the slope, a zero of the accelerometer; a speed with a long period; jitter of the time stamps |
+//! | spin | no control prevents a wheel from spinning or locking if its torque exceeds the tyre's limit |
+//! | data sheet | errors of the mass and the radii |
+//! | payload | the mass is reported without the boom, or neither |
 
 use std::collections::VecDeque;
 
@@ -22,24 +22,24 @@ use super::plant::{GRAVITY, Machine};
 
 /// Share of the front axle in the braking of the friction brakes.
 const FRONT_BRAKES: f64 = 0.55;
-/// Friction brakes come in over this wheel speed [rad/s].
+/// Wheel speed below which the friction brakes fade out [rad/s].
 const BRAKE_FADE: f64 = 0.2;
-/// A curve takes this long, left and right [s].
+/// Duration of a curve, left and right [s].
 const CURVE: f64 = 9.0;
-/// Share of the time that is spent in curves.
+/// Share of the time in curves.
 const CURVES: f64 = 0.5;
 /// Speed at which the gear changes [m/s].
 const GEAR_SPEED: f64 = 2.5;
-/// How long a change of gear takes [s], and the torque that remains.
+/// Duration of a gear change [s], and share of the torque at its minimum.
 const GEAR_CHANGE: (f64, f64) = (0.3, 0.3);
 
-/// What a payload report contains.
+/// Contents of a payload report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PayloadReport {
-    /// The mass, and when the boom moves.
+    /// The mass, and the times of boom motion.
     #[default]
     All,
-    /// The mass alone.
+    /// The mass only.
     Mass,
     /// Nothing.
     Nothing,
@@ -50,55 +50,55 @@ pub enum PayloadReport {
 pub struct Effects {
     /// Delay of the speed \[s\].
     pub speed_delay: f64,
-    /// No control of the drive takes torque from a wheel that spins or locks (scenario `loading`).
+    /// Whether there is no traction control that reduces the torque of a spinning or locking wheel (scenario `loading`).
     pub spins: bool,
-    /// Share of the braking that friction brakes take.
+    /// Share of the braking by friction brakes.
     pub brakes: f64,
-    /// There is a signal that says when they act.
+    /// Whether their activity is reported.
     pub brakes_reported: bool,
     /// Largest articulation \[rad\].
     pub steering: f64,
-    /// Articulation and yaw rate are measured.
+    /// Whether articulation and yaw rate are measured.
     pub steering_reported: bool,
-    /// Way from the middle of the wheelbase to the hinge, in wheelbases, forward positive.
+    /// Distance of the hinge from the middle of the wheelbase, in wheelbases, forward positive.
     pub hinge: f64,
-    /// The centre drive is locked.
+    /// Whether the centre drive is locked.
     pub locked_drive: bool,
-    /// Share of a/g that the slope sensor follows.
+    /// Share of a/g in the reading of the slope sensor.
     pub slope_follows: f64,
     /// Time constant of the slope sensor \[s\].
     pub slope_lag: f64,
-    /// The torque of a gear change is reported this much later \[s\]; 0 is a machine without gears.
+    /// Delay of the reported torque in a gear change \[s\]; 0 for a machine without gears.
     pub gear_delay: f64,
     /// Slip stiffness of the front axle over that of the rear, less one.
     pub stiffness_difference: f64,
-    /// Exponent p of the stiffness that falls with the load.
+    /// Exponent p of a stiffness that falls with the load.
     pub stiffness_exponent: f64,
-    /// Load sensitivity of the radius beyond the stated one.
+    /// Load sensitivity of the radius in addition to the stated one.
     pub radius_sensitivity: f64,
     /// Slip stiffness in braking over that in driving, less one.
     pub braking_stiffness: f64,
     /// Unevenness of the road at 0.1 periods per metre, G_d(n_0) of ISO 8608 [m^3]; 0 is the scenario's own.
     pub roughness: f64,
-    /// Rolling resistance of every other 15 m beyond that of the rest.
+    /// Additional rolling resistance on every other 15 m.
     pub rolling_resistance: f64,
-    /// Every other run is driven backwards.
+    /// Whether every other run is driven backwards.
     pub reverses: bool,
     /// Measured over true torque, less one.
     pub torque_gain: f64,
-    /// The same of the rear axle alone, beside it.
+    /// Additional gain error of the rear axle.
     pub rear_torque_gain: f64,
     /// Measured over true speed, less one.
     pub speed_gain: f64,
-    /// The same of the front wheels' speed.
+    /// Gain error of the front wheels' speed.
     pub front_speed_gain: f64,
     /// Delay of the torques \[s\].
     pub torque_delay: f64,
-    /// The slope sensor shows so much too much \[rad\].
+    /// Bias of the slope sensor \[rad\].
     pub slope_bias: f64,
-    /// The accelerometer shows so much too much [m/s^2].
+    /// Zero of the accelerometer [m/s^2].
     pub acceleration_offset: f64,
-    /// The speed comes only so often \[s\]; 0 with every row.
+    /// Period of new speed values \[s\]; 0 for every row.
     pub speed_period: f64,
     /// Standard deviation of the time stamps \[s\].
     pub jitter: f64,
@@ -106,11 +106,11 @@ pub struct Effects {
     pub mass_error: f64,
     /// Stated over true rolling radius of both axles, less one.
     pub radius_error: f64,
-    /// What a payload report contains.
+    /// Contents of a payload report.
     pub payload_reported: PayloadReport,
 }
 
-/// The machine bent in its hinge.
+/// Articulation of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
     /// Articulation, positive turning left \[rad\].
@@ -119,12 +119,12 @@ pub struct Bend {
     pub rate: f64,
 }
 
-/// Slip from which on the drive takes torque from an axle, and that at which none is left.
+/// Slip at which the traction control begins to reduce the torque of an axle, and slip at which none is left.
 const SLIPPING: (f64, f64) = (0.25, 0.5);
-/// Slips are of a speed of at least this [m/s].
+/// Least speed in the denominator of a slip [m/s].
 const LEAST_SPEED: f64 = 0.5;
 
-/// What the control of the drive leaves of the torque of an axle whose wheels run at this speed over ground [m/s, rad/s].
+/// Torque of an axle after the traction control, for a speed over ground and a wheel speed [m/s, rad/s].
 pub(super) fn held(machine: &Machine, torque: f64, speed: f64, wheel_speed: f64) -> f64 {
     let slip = (machine.wheel_radius * wheel_speed - speed) / speed.abs().max(LEAST_SPEED);
     let beyond = (slip * torque.signum() - SLIPPING.0) / (SLIPPING.1 - SLIPPING.0);
@@ -132,7 +132,7 @@ pub(super) fn held(machine: &Machine, torque: f64, speed: f64, wheel_speed: f64)
 }
 
 impl Effects {
-    /// The machine with the tyres of these effects.
+    /// Applies the tyres and axles of these effects to a machine.
     pub(super) fn apply(&self, machine: &mut Machine) {
         machine.stiffness_difference = self.stiffness_difference;
         machine.stiffness_exponent = self.stiffness_exponent;
@@ -143,16 +143,16 @@ impl Effects {
         machine.hinge = self.hinge;
     }
 
-    /// Torque of the friction brakes on both axles [N m], against the rolling direction, and the drive torque that remains.
+    /// Torque of the friction brakes on both axles [N m], against the rolling direction, and the remaining drive torque.
     ///
-    /// They take their share of an axle torque that brakes.
+    /// The brakes take their share of a braking axle torque.
     pub(super) fn brake(&self, torques: [f64; 2], wheel_speed: f64) -> ([f64; 2], [f64; 2]) {
         let braking = (torques[0] + torques[1]) * wheel_speed < 0.0 && self.brakes > 0.0;
         if !braking {
             return ([0.0; 2], torques);
         }
         let taken = self.brakes * (torques[0] + torques[1]);
-        // The drive turns at rest: a brake does not push.
+        // The brakes fade out at rest, because a brake does not push.
         let grip = (wheel_speed.abs() / BRAKE_FADE).min(1.0);
         (
             [
@@ -163,7 +163,7 @@ impl Effects {
         )
     }
 
-    /// The bend at time `t`.
+    /// The articulation at time `t`.
     pub(super) fn bend(&self, t: f64) -> Bend {
         if self.steering == 0.0 {
             return Bend::default();
@@ -177,17 +177,17 @@ impl Effects {
         } else {
             -1.0
         };
-        let way = std::f64::consts::PI * phase;
+        let progress = std::f64::consts::PI * phase;
         let rate = std::f64::consts::PI / (CURVE * CURVES);
-        // In and out over the curve, smooth at both ends.
+        // In and out during the curve, smooth at both ends.
         Bend {
-            angle: side * self.steering * way.sin() * way.sin(),
-            rate: side * self.steering * (2.0 * way).sin() * rate,
+            angle: side * self.steering * progress.sin() * progress.sin(),
+            rate: side * self.steering * (2.0 * progress).sin() * rate,
         }
     }
 }
 
-/// Speeds of front over rear axle: slope and offset, v_front = slope v + offset, for a machine bent in its hinge.
+/// Speed of the front axle over that of the rear: slope and offset, v_front = slope v + offset, for an articulated machine.
 ///
 /// With l_f, l_r from the hinge to the axles: the rear body moves at v along its axis, the hinge follows, and the front axle
 /// rolls without side slip.
@@ -211,7 +211,7 @@ pub(super) fn yaw_rate(machine: &Machine, bend: &Bend, speed: f64) -> f64 {
     (speed * sin - front * bend.rate) / (front + rear * cos)
 }
 
-/// The gears: when they change, and the torque that remains.
+/// The gears: times of their changes, and the remaining torque.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gears {
     high: bool,
@@ -236,7 +236,7 @@ impl Gears {
         }
     }
 
-    /// Share of the torque that passes at time `t`.
+    /// Share of the transmitted torque at time `t`.
     pub fn share(&self, t: f64) -> f64 {
         let (time, least) = GEAR_CHANGE;
         let during = |from: &f64| (0.0..time).contains(&(t - from));
@@ -250,14 +250,14 @@ impl Gears {
     }
 }
 
-/// A signal that comes late: its values of the last second.
+/// A delayed signal: its values of the last second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Late {
     values: VecDeque<(f64, f64)>,
 }
 
 impl Late {
-    /// Takes the value at `t` and gives that of `delay` earlier, between rows linear.
+    /// Takes the value at `t` and returns that of `delay` earlier, interpolated linearly between rows.
     pub fn pass(&mut self, t: f64, value: f64, delay: f64) -> f64 {
         if delay <= 0.0 {
             return value;
@@ -282,11 +282,11 @@ pub(super) struct Inclinometer {
 }
 
 impl Inclinometer {
-    /// What it shows on a slope [rad] under an acceleration [m/s^2], `dt` after the last time.
+    /// Reading on a slope [rad] under an acceleration [m/s^2], `dt` after the last call.
     pub fn show(&mut self, effects: &Effects, slope: f64, acceleration: f64, dt: f64) -> f64 {
         let seen = slope + effects.slope_follows * acceleration / GRAVITY;
         let shown = self.shown.get_or_insert(seen);
-        // A ramp comes late by exactly the time constant, however long the steps are.
+        // A ramp is late by exactly the time constant, at any step length.
         *shown += dt / (dt + effects.slope_lag) * (seen - *shown);
         *shown
     }
@@ -310,7 +310,7 @@ mod tests {
             front_speed(&machine, &bend).0
         };
         assert!((speed(0.0) - 1.0).abs() < 1e-12);
-        // A hinge nearer to the front: the front axle's circle is the larger one, by some gamma^2 per wheelbase.
+        // With the hinge closer to the front, the front axle's circle is the larger one, by some gamma^2 per wheelbase.
         assert!(speed(0.1) > 1.005 && speed(-0.1) < 0.995, "{}", speed(0.1));
     }
 

@@ -1,4 +1,4 @@
-//! The channels that faults change, and a row with the faults in it.
+//! The channels of faults, and their application to a row.
 
 use super::row::Row;
 use crate::fault::Injector;
@@ -22,7 +22,7 @@ pub const CHANNELS: &[&str] = &[
     "lift_rod_pressure",
 ];
 
-/// What the faults make of a row.
+/// Applies the faults to a row.
 pub(super) fn damage(row: &mut Row, faults: &mut Injector) {
     let time = row.time;
     let required = [

@@ -41,7 +41,7 @@ fn roads_are_rebuilt_from_their_phases_to_1e_12() {
             let x = -10.0 + SPACING * sample[0];
             let [mut height, mut derivative] = road.profile(x);
             if sample[0] == 13_499.0 {
-                // The stored road ends here, with a one-sided difference; ours goes on.
+                // The stored road ends here, with a one-sided difference; ours continues.
                 height = road.profile(x)[0];
                 derivative = (height - road.profile(x - SPACING)[0]) / SPACING;
             }

@@ -1,11 +1,11 @@
-//! Slow lifts to calibrate with: the machine stands, and its arm goes fully up and down, twice.
+//! Slow lifts for a calibration: the machine stands, and its arm moves fully up and down, twice.
 
 use super::arm::Stance;
 use crate::blend::transition;
 
-/// How long it takes [s].
+/// Duration [s].
 pub(super) const DURATION: f64 = 64.0;
-/// Arm at the beginning and bucket [rad]; the moves of the arm: from, to [s], by how much [rad].
+/// Arm and bucket at the beginning [rad]; moves of the arm: from, to [s], by [rad].
 const START: Stance = Stance {
     lift: -0.62,
     bucket: 0.85,
@@ -17,7 +17,7 @@ const MOVES: &[(f64, f64, f64)] = &[
     (49.0, 62.0, -1.1),
 ];
 
-/// How arm and bucket stand at a time; the linkage keeps the bucket level.
+/// Stance at a time; the linkage keeps the bucket level.
 pub(super) fn stance(t: f64) -> Stance {
     let moved: f64 = MOVES.iter().map(|m| m.2 * transition(t, m.0, m.1)).sum();
     Stance {

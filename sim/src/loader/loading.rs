@@ -1,4 +1,5 @@
-//! Loading a truck, load after load: drive into the heap, fill the bucket, back up, drive to the truck lifting, dump, return.
+//! Loading of a truck, cycle by cycle: drive into the heap, fill the bucket, reverse, drive to the truck while lifting, dump,
+//! return.
 
 use super::arm::Stance;
 use super::plant::Machine;
@@ -7,21 +8,21 @@ use crate::noise::Noise;
 
 /// Length of one cycle [s].
 pub(super) const PERIOD: f64 = 26.0;
-/// So many loads are drawn; then the same ones come again.
+/// Number of drawn loads, after which they repeat.
 const LOADS: usize = 64;
-/// A full bucket, in masses of the machine; loads and what sticks, in full buckets.
+/// Full bucket, in masses of the machine; range of the loads and of the remainder that sticks, in full buckets.
 const RATED: f64 = 0.32;
 const FILLED: (f64, f64) = (0.55, 1.0);
 const STICKS: (f64, f64) = (0.005, 0.03);
-/// When the bucket fills and empties [s].
+/// Times of filling and emptying the bucket [s].
 const FILL: (f64, f64) = (5.4, 6.8);
 const DUMP: (f64, f64) = (17.3, 18.3);
-/// When it enters the heap, and leaves it [s].
+/// Times at which it enters the heap, and at which it leaves [s].
 const ENTER: (f64, f64) = (4.9, 5.3);
 const LEAVE: (f64, f64) = (6.7, 7.0);
 /// Force of the heap, backward and down, in weights of the machine.
 const HEAP: [f64; 2] = [0.2, 0.03];
-/// Changes of the speed: from, to [s], by how much [m/s].
+/// Changes of the speed: from, to [s], by [m/s].
 const SPEED: &[(f64, f64, f64)] = &[
     (0.4, 2.0, 2.4),
     (3.4, 4.8, -1.9),
@@ -34,9 +35,9 @@ const SPEED: &[(f64, f64, f64)] = &[
     (19.6, 21.0, -2.2),
     (22.2, 23.6, 2.2),
 ];
-/// How far a driver corrects the speed [1/s].
+/// Gain of the driver's speed correction [1/s].
 const CORRECTION: f64 = 1.5;
-/// Arm and bucket at the beginning [rad], and their moves: from, to [s], by how much [rad].
+/// Arm and bucket at the beginning [rad], and their moves: from, to [s], by [rad].
 const START: Stance = Stance {
     lift: -0.80,
     bucket: 0.05,
@@ -83,7 +84,7 @@ impl Loading {
         filled + (sticks - load) * transition(since, DUMP.0, DUMP.1)
     }
 
-    /// How arm and bucket stand.
+    /// Stance of arm and bucket.
     pub fn stance(&self, t: f64) -> Stance {
         let since = t.rem_euclid(PERIOD);
         let moved = |moves: &[(f64, f64, f64)]| -> f64 {
@@ -98,14 +99,14 @@ impl Loading {
         }
     }
 
-    /// Whether arm or bucket moves, or its content.
+    /// Whether the arm or the bucket moves.
     pub fn moves(&self, t: f64) -> bool {
         let since = t.rem_euclid(PERIOD);
         let within = |m: &(f64, f64, f64)| (m.0..m.1).contains(&since);
         LIFT.iter().chain(BUCKET).any(within)
     }
 
-    /// How much of the bucket is in the heap, 0 to 1.
+    /// Share of the bucket in the heap, 0 to 1.
     pub fn contact(&self, t: f64) -> f64 {
         let since = t.rem_euclid(PERIOD);
         transition(since, ENTER.0, ENTER.1) * (1.0 - transition(since, LEAVE.0, LEAVE.1))
@@ -116,7 +117,7 @@ impl Loading {
         HEAP.map(|share| share * 9.81 * self.mass * self.contact(t))
     }
 
-    /// Force of both axles that keeps to the plan at a speed [N].
+    /// Force of both axles that follows the plan at a speed [N].
     pub fn traction(&self, machine: &Machine, mass: f64, t: f64, speed: f64) -> f64 {
         let since = t.rem_euclid(PERIOD);
         let (mut wanted, mut acceleration) = (0.0, 0.0);

@@ -1,10 +1,9 @@
 //! The wheel loader: plant, roads, scenarios, sensors and faults.
 //!
-//! After Yang, Wang, Han 2021, "A Novel Real-Time Center of Gravity Estimation Method for Wheel Loaders
-//! with Front/Rear-Axle-Independent Electric Driving". Two entries of their Table 1 cannot be meant as
-//! printed: the mass of 4.7 kg is read as 4.7 t, and the 50 N m as motor torque in front of a gear of 20
-//! (as wheel torque it would not overcome the rolling resistance). Geometry, roads and sensors are not in the
-//! paper and are chosen here.
+//! After Yang, Wang, Han 2021, "A Novel Real-Time Center of Gravity Estimation Method for Wheel Loaders with
+//! Front/Rear-Axle-Independent Electric Driving". Two entries of their Table 1 are read differently from print. The mass of
+//! 4.7 kg is read as 4.7 t. The 50 N m are read as motor torque before a gear of 20 (as wheel torque it would not overcome the
+//! rolling resistance). Geometry, roads and sensors are not in the paper and are chosen here.
 //!
 //! Signs: forward speed and slope uphill are positive; the horizontal spading force is positive pushing the
 //! machine backward, the vertical one pushing it down; pitch is positive nose up.

@@ -2,9 +2,9 @@
 
 use super::plant::Machine;
 
-/// The payload lies this far ahead of the front axle [m].
+/// Distance of the payload ahead of the front axle [m].
 pub(super) const PAYLOAD_REACH: f64 = 1.35;
-/// Height of the payload while it is carried low [m].
+/// Height of the payload in the low carrying position [m].
 pub(super) const PAYLOAD_HEIGHT: f64 = 0.6;
 
 /// The payload in the bucket at one instant.
@@ -14,12 +14,12 @@ pub struct Payload {
     pub mass: f64,
     /// Height of its centre of gravity above ground \[m\].
     pub height: f64,
-    /// How far its centre of gravity lies ahead of the front axle \[m\].
+    /// Distance of its centre of gravity ahead of the front axle \[m\].
     pub reach: f64,
 }
 
 impl Payload {
-    /// An empty place where a load is carried low.
+    /// No load, in the low carrying position.
     pub(super) const CARRIED: Self = Self {
         mass: 0.0,
         height: PAYLOAD_HEIGHT,

@@ -7,9 +7,8 @@
 //! | z, z', p, p' | `state[5..9]` | heave (up), pitch (nose up) and their rates | m, m/s, rad, rad/s |
 //! | x | `state[9]` | distance of the centre of gravity along the road | m |
 //!
-//! The axle loads come out of the tyre deflections, not out of the load-transfer equations (6), (7) of Yang,
-//! Wang, Han 2021, which are what the estimators believe. The tyre force saturates,
-//! F_x = mu tanh(K q / mu) F_z, where their (8), (9) are linear.
+//! The axle loads result from the tyre deflections, not from the load-transfer equations (6), (7) of Yang, Wang, Han 2021, which
+//! the estimators use. The tyre force saturates, F_x = mu tanh(K q / mu) F_z, where their (8), (9) are linear.
 
 use super::road::Road;
 use crate::rk4::{self, Stage};
@@ -21,14 +20,14 @@ pub const GRAVITY: f64 = 9.81;
 const STEP: f64 = 5e-4;
 /// Inputs are tabulated at this interval and linear in between [s].
 const INPUT_INTERVAL: f64 = 1e-3;
-/// The ground changes every so often [m].
+/// Length after which the ground changes [m].
 const STRETCH: f64 = 15.0;
 /// Speed below which the rolling resistance fades out [m/s].
 const ROLLING_FADE: f64 = 0.05;
-/// Smallest speed that turns slip into distance, so that slip relaxes at standstill too [m/s].
+/// Least speed in the relaxation, so that slip relaxes at standstill too [m/s].
 const SMALLEST_SLIP_SPEED: f64 = 0.02;
 
-/// A loader as it really is.
+/// The true loader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     /// Mass without payload \[kg\].
@@ -77,14 +76,14 @@ pub struct Machine {
     pub braking_stiffness: f64,
     /// Rolling resistance of every other stretch of `STRETCH` beyond that of the rest.
     pub rough_rolling: f64,
-    /// The centre drive is locked: both axles turn alike.
+    /// Whether the centre drive is locked, so that both axles turn at the same speed.
     pub locked_drive: bool,
-    /// Way from the middle of the wheelbase to the hinge of the steering, in wheelbases, forward positive.
+    /// Distance of the steering hinge from the middle of the wheelbase, in wheelbases, forward positive.
     pub hinge: f64,
 }
 
 impl Machine {
-    /// The machine of tier A: Table 1 of the paper (with its mass read as tonnes) and what it leaves open.
+    /// The machine of tier A: Table 1 of the paper (with its mass read as tonnes), and chosen values where it has none.
     pub const NOMINAL: Self = Self {
         mass: 4700.0,
         cg_height: 0.90,
@@ -114,7 +113,7 @@ impl Machine {
     };
 }
 
-/// What acts on the machine, and the mass it has just now.
+/// Inputs of the machine, and its mass at present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     /// Front axle torque at the wheel [N m].
@@ -125,9 +124,9 @@ pub struct Inputs {
     pub front_brake: f64,
     /// Torque of the friction brakes on the rear axle, forward positive [N m].
     pub rear_brake: f64,
-    /// Speed of the front axle: this times the speed of the rear body,
+    /// Speed of the front axle: this gain times the speed of the rear body,
     pub bend_gain: f64,
-    /// and this [m/s]; 1 and 0 for a machine that drives straight on.
+    /// plus this offset [m/s]; 1 and 0 for a machine that drives straight.
     pub bend_offset: f64,
     /// Horizontal spading force at the bucket tip, at ground height, positive pushing backward \[N\].
     pub spade_force_x: f64,
@@ -163,7 +162,7 @@ impl Inputs {
 /// v, omega_f, omega_r, s_f, s_r, z, z', p, p', x.
 pub type State = [f64; 10];
 
-/// What the plant does at one instant.
+/// Motion and forces at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Derivative of the state.
@@ -220,7 +219,7 @@ impl Plant {
         }
     }
 
-    /// The same in shorter or longer steps \[s\].
+    /// The same with another integration step \[s\].
     pub fn with_longest_step(self, longest_step: f64) -> Self {
         Self {
             longest_step,
@@ -228,22 +227,22 @@ impl Plant {
         }
     }
 
-    /// The state now.
+    /// The present state.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The inputs now.
+    /// The present inputs.
     pub fn inputs(&self) -> Inputs {
         self.inputs_at(self.time)
     }
 
-    /// What the machine does now.
+    /// The present motion.
     pub fn motion(&self) -> Motion {
         motion(&self.vehicle, &self.road, &self.state, &self.inputs())
     }
 
-    /// Moves on to `time` \[s\]. `inputs` gives the inputs at a time, and is asked in the order of time.
+    /// Integrates to `time` \[s\]. `inputs` returns the inputs at a time, and is called in the order of time.
     pub fn advance(&mut self, time: f64, inputs: &mut impl FnMut(f64, &State) -> Inputs) {
         let start = self.time;
         let steps = ((time - start) / self.longest_step - 1e-6).ceil().max(1.0) as usize;
@@ -269,9 +268,9 @@ impl Plant {
         });
     }
 
-    /// Fetches the interval of the input table that time `t` lies in.
+    /// Updates the table to the interval that contains time `t`.
     fn look_up(&mut self, t: f64, inputs: &mut impl FnMut(f64, &State) -> Inputs) {
-        // A time just below a grid point, by rounding, belongs to the interval above.
+        // By rounding, a time may lie just below a grid point; it belongs to the interval above.
         while t >= (self.interval + 1) as f64 * INPUT_INTERVAL - 1e-9 {
             self.interval += 1;
             let end = (self.interval + 1) as f64 * INPUT_INTERVAL;
@@ -394,7 +393,7 @@ struct Axle {
     force: f64,
 }
 
-/// One axle under a load [N], also given relative to half the weight of the empty machine, for which its tyres are described.
+/// One axle under a load [N], also relative to half the weight of the empty machine, to which its tyre data refer.
 #[inline]
 fn axle(
     vehicle: &Vehicle,
@@ -426,8 +425,8 @@ fn axle(
     }
 }
 
-/// The hyperbolic tangent. Half of the plant's work would be in the library's; below 0.5 the [7/6] Pade
-/// approximant is exact to rounding, and beyond 20 the result is 1.
+/// The hyperbolic tangent. The library's would take half of the plant's time. Below 0.5 the [7/6] Pade approximant is exact to
+/// rounding, and beyond 20 the result is 1.
 #[inline]
 fn tanh(x: f64) -> f64 {
     let s = x * x;

@@ -6,8 +6,8 @@ pub(super) fn smoothstep(u: f64) -> f64 {
     u * u * (3.0 - 2.0 * u)
 }
 
-/// So many points are kept at least while others are pushed: more than ever have ramps under way.
-const KEPT: usize = 64;
+/// Least number of points retained: more than ever have ramps under way.
+const RETAINED: usize = 64;
 
 /// A value over time: each point begins a ramp from the level before to its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,11 +26,10 @@ impl Profile {
         }
     }
 
-    /// Begins another ramp at `time`, which is not before the last point. What is long over is forgotten: a machine may
-    /// work for ever.
+    /// Begins another ramp at `time`, which is not before the last point. Old points are dropped, because a run may be endless.
     pub fn push(&mut self, time: f64, level: f64) {
-        if self.points.len() >= 2 * KEPT {
-            self.points.drain(..KEPT);
+        if self.points.len() >= 2 * RETAINED {
+            self.points.drain(..RETAINED);
         }
         self.points.push((time, level));
     }
@@ -80,7 +79,7 @@ mod tests {
             p.push(*time, *level);
             assert_eq!(p.at(*time), whole.at(*time));
         }
-        assert!(p.points.len() <= 2 * KEPT);
+        assert!(p.points.len() <= 2 * RETAINED);
     }
 
     #[test]

@@ -19,7 +19,7 @@ const ROUGHNESS_PERIOD: usize = 5_000;
 /// The roughness fades in between -2 m and +2 m; from this point (+4 m) on it is periodic.
 const PERIODIC_FROM: usize = 700;
 
-/// How hilly and how rough a road is.
+/// Amplitude and roughness of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Amplitude A of the slope \[deg\]; its rms value is A/1.8.
@@ -55,7 +55,7 @@ pub struct Road {
     slope: Vec<f64>,
     /// Height [m] and its derivative along the road.
     profile: Vec<[f64; 2]>,
-    /// Where a machine that drives the other way round sets out [m].
+    /// Position at which a machine in the opposite direction starts [m].
     turned_at: Option<f64>,
 }
 
@@ -75,7 +75,7 @@ impl Road {
         }
     }
 
-    /// The same road for a machine that sets out so far along it and drives back \[m\].
+    /// The same road for a machine that starts at this position and drives back \[m\].
     #[must_use]
     pub fn turned(self, turned_at: Option<f64>) -> Self {
         Self { turned_at, ..self }
@@ -120,7 +120,7 @@ impl Road {
     }
 }
 
-/// The grid cell of a distance and how far into it the distance lies, 0 to 1.
+/// The grid cell of a distance, and the position in it, 0 to 1.
 fn cell(x: f64) -> (i64, f64) {
     let place = (x - START) * (1.0 / SPACING);
     let k = place as i64 - i64::from(place < 0.0);
@@ -131,7 +131,7 @@ fn grid(k: usize) -> f64 {
     START + SPACING * k as f64
 }
 
-/// One period of the slope and its first point again.
+/// One period of the slope, with its first point repeated.
 fn slopes(surface: &Surface, phases: &[f64; 4]) -> Vec<f64> {
     let raw = |k: usize| -> f64 {
         let waves = SLOPE_WAVELENGTHS.iter().zip(phases);
@@ -154,7 +154,7 @@ fn deviation(slope: &[f64], points: usize) -> f64 {
     (values().map(|v| (v - mean).powi(2)).sum::<f64>() / points as f64).sqrt()
 }
 
-/// Heights over the fade-in, one period, and two points more for the differences.
+/// Heights over the fade-in, one period, and two further points for the differences.
 fn heights(roughness: f64, phases: &[f64; ROUGHNESS_WAVES]) -> Vec<f64> {
     let waves: Vec<(f64, f64, f64)> = phases
         .iter()
@@ -195,7 +195,7 @@ mod tests {
         let road = Road::new(&SURFACE, &Phases::draw(&mut Noise::new(1)));
         let count = 13_500;
         let square: f64 = (0..count).map(|k| road.slope(grid(k)).powi(2)).sum();
-        // The mean over 270 m is not exactly zero, so the rms value exceeds the deviation a little.
+        // The mean over 270 m is not exactly zero, so the rms value slightly exceeds the deviation.
         let rms = (square / count as f64).sqrt();
         assert!(
             (rms / (4f64.to_radians() / 1.8) - 1.0).abs() < 0.01,

@@ -1,9 +1,9 @@
-//! What the sensors tell, with the truth.
+//! A sample of the sensors, with the truth.
 
 use super::arm::Seen;
 use super::payload::Payload;
 
-/// What is true at the time of a row.
+/// True values at the time of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
     /// Forward speed [m/s].
@@ -28,7 +28,7 @@ pub struct Truth {
     pub acceleration: f64,
 }
 
-/// One sample. A measurement that is missing is not a number.
+/// One sample. A missing measurement is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Time \[s\].
@@ -47,23 +47,23 @@ pub struct Row {
     pub slope: f64,
     /// Specific force along the body axis, dv/dt + g sin(slope) [m/s^2].
     pub acceleration: f64,
-    /// Mass with payload \[kg\], where it is not simply the machine's.
+    /// Mass with payload \[kg\]; `None` if it is the machine's.
     pub mass: Option<f64>,
-    /// Horizontal spading force \[N\]; none if it is not measured.
+    /// Horizontal spading force \[N\]; `None` if it is not measured.
     pub spade_force_x: Option<f64>,
     /// Vertical spading force \[N\].
     pub spade_force_z: Option<f64>,
     /// Whether the boom moves the payload.
     pub boom_moving: Option<bool>,
-    /// Angle between front and rear body, positive turning left \[rad\]; none if it is not measured.
+    /// Angle between front and rear body, positive turning left \[rad\]; `None` if it is not measured.
     pub articulation: Option<f64>,
-    /// Yaw rate of the rear body, positive turning left [rad/s]; none if it is not measured.
+    /// Yaw rate of the rear body, positive turning left [rad/s]; `None` if it is not measured.
     pub yaw_rate: Option<f64>,
-    /// Whether friction brakes act; none if nobody says.
+    /// Whether friction brakes act; `None` if it is not reported.
     pub brake: Option<bool>,
-    /// What the sensors of the lift arm show; none if it has none.
+    /// Readings of the lift arm's sensors; `None` without a lift arm.
     pub arm: Option<Seen>,
-    /// What the weighing system and the boom angles say of the payload.
+    /// The payload by the weighing system and the boom angles.
     pub payload: Payload,
     /// The truth.
     pub truth: Truth,

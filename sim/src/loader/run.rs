@@ -1,4 +1,4 @@
-//! What to simulate.
+//! Options of a simulation.
 
 use std::fmt;
 
@@ -9,40 +9,39 @@ use super::tier::{Size, Tier};
 use crate::cylinder::Gauges;
 use crate::fault::{Fault, InvalidFault};
 
-/// What to simulate.
+/// Options of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// The manoeuvre.
     pub scenario: Scenario,
-    /// Payload that a load cycle picks up and every other scenario carries from the start \[kg\]; none is
-    /// the scenario's own (1500 kg in a load cycle, otherwise none).
+    /// Payload that a load cycle picks up and every other scenario carries from the start \[kg\]; `None` is the scenario's own
+    /// (1500 kg in a load cycle, otherwise 0).
     pub payload: Option<f64>,
-    /// Samples per second \[Hz\].
+    /// Sampling rate \[Hz\].
     pub rate: f64,
-    /// Determines the machine, the road, the driver and the noise.
+    /// Seed of the machine, the road, the driver and the noise.
     pub seed: u64,
-    /// Determines the machine instead, so that one machine can do several runs.
+    /// Separate seed of the machine, so that one machine can do several runs.
     pub machine_seed: Option<u64>,
-    /// Determines a machine whose tyres are on this one: slip stiffness, radii, relaxation.
+    /// Seed of another machine whose tyres this one has: slip stiffness, radii, relaxation.
     pub tyres_seed: Option<u64>,
-    /// Determines the road instead, so that several runs go the same way.
+    /// Separate seed of the road, so that several runs use the same one.
     pub road_seed: Option<u64>,
-    /// So far along the road the machine is turned round and drives back \[m\]; none drives there.
+    /// Position on the road from which the machine drives back \[m\]; `None` for the forward direction.
     pub turned_at: Option<f64>,
     /// The sensors.
     pub grade: Grade,
-    /// How well the machine is known.
+    /// Knowledge of the machine.
     pub tier: Tier,
     /// The machine's size.
     pub size: Size,
-    /// Pressure sensors of the lift cylinders, with lift and tilt angle; none if the machine has none.
+    /// Pressure sensors of the lift cylinders, with lift and tilt angle; `None` if the machine has none.
     pub gauges: Option<Gauges>,
-    /// What the machine does that the reference plant leaves out.
+    /// Effects that the reference plant omits.
     pub effects: Effects,
-    /// What goes wrong.
+    /// Faults of the sensors.
     pub faults: Vec<Fault>,
-    /// How long \[s\]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
-    /// as a cruise).
+    /// Duration \[s\]; `None` is the scenario's own. A longer run continues as a work cycle (a cruise continues as a cruise).
     pub duration: Option<f64>,
 }
 
@@ -68,7 +67,7 @@ impl Run {
         }
     }
 
-    /// A machine at work with these effects: with loads, where they are not all reported.
+    /// A working machine with these effects; it has loads unless all payloads are reported.
     pub fn at_work(effects: Effects) -> Self {
         let reported = effects.payload_reported == PayloadReport::All;
         Self {
@@ -104,7 +103,7 @@ impl Run {
     }
 }
 
-/// A run that cannot be simulated.
+/// Reason why a run is impossible.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidRun(String);
 

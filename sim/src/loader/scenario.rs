@@ -1,12 +1,13 @@
 //! The manoeuvres.
 //!
-//! In S5 the load rises straight up, as specified; with the sensors of an arm ([`Run::gauges`](super::Run::gauges)) it rises as the arm lifts it.
+//! In S5 the load rises vertically, as specified; with the sensors of an arm ([`Run::gauges`](super::Run::gauges)) it rises as
+//! the arm lifts it.
 
 use super::road::Surface;
 use super::{lifts, loading};
 use crate::named::scenarios;
 
-/// Payload of a load cycle if the run does not say otherwise [kg].
+/// Default payload of a load cycle [kg].
 const LOAD_CYCLE_PAYLOAD: f64 = 1500.0;
 
 scenarios! {
@@ -24,7 +25,7 @@ scenarios! {
     Lifts "lifts" "stand and lift the arm slowly up and down, twice, to calibrate, 64 s";
 }
 
-/// The codes of the first ones.
+/// Codes of the first scenarios.
 const CODES: [&str; 8] = ["s1", "s2", "s2d", "s3", "s4", "s5", "s6", "s6x"];
 
 impl Scenario {
@@ -35,7 +36,7 @@ impl Scenario {
         named.or_else(|| Self::all().nth(CODES.iter().position(|code| *code == text)?))
     }
 
-    /// How long it takes \[s\].
+    /// Duration \[s\].
     pub fn duration(self) -> f64 {
         match self {
             Self::Bumpy | Self::Spading | Self::Digging => 10.0,
@@ -48,7 +49,7 @@ impl Scenario {
         }
     }
 
-    /// When the estimates should have settled: errors count from here on \[s\].
+    /// Time from which errors count, when the estimates should have settled \[s\].
     pub fn evaluated_from(self) -> f64 {
         match self {
             Self::Bumpy | Self::Spading | Self::Digging => 4.0,
@@ -70,7 +71,7 @@ impl Scenario {
         }
     }
 
-    /// The road it is driven on.
+    /// Its road.
     pub fn surface(self) -> Surface {
         let (slope_amplitude_deg, roughness, length) = match self {
             Self::Bumpy | Self::Spading | Self::Digging => (4.0, 128e-6, 260.0),
@@ -86,7 +87,7 @@ impl Scenario {
         }
     }
 
-    /// The payload it picks up, or carries from the start [kg].
+    /// Payload that it picks up, or carries from the start [kg].
     pub(super) fn payload(self, asked: Option<f64>) -> f64 {
         asked.unwrap_or(if self == Self::LoadCycle {
             LOAD_CYCLE_PAYLOAD

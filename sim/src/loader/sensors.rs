@@ -1,4 +1,4 @@
-//! Sensor grades: what the measurements are good for.
+//! Sensor grades: noise of the measurements.
 
 /// White noise of every sensor, standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,9 +7,9 @@ pub enum Grade {
     Hall,
     /// In between.
     Nominal,
-    /// Wheel speed from the motor's resolver through the gear: what the targets are for.
+    /// Wheel speed from the motor's resolver through the gear: the targets refer to it.
     Resolver,
-    /// Better than anything one can buy.
+    /// Better than any commercial sensor.
     Ideal,
 }
 

@@ -1,4 +1,4 @@
-//! A run: the plant driven through a scenario and what its sensors report.
+//! A run: the plant in a scenario, and its sensor readings.
 
 use super::acts::Acts;
 use super::arm::{ArmSensors, LiftArm, Seen, Shaken};
@@ -20,10 +20,10 @@ const MACHINE_STREAM: u64 = 10;
 const ROAD_STREAM: u64 = 11;
 const DRIVER_STREAM: u64 = 12;
 const JITTER_STREAM: u64 = 13;
-/// Time stamps that jitter are at least this far apart [s].
+/// Least distance of jittered time stamps [s].
 const SHORTEST_ROW: f64 = 1e-4;
 
-/// The rows of a run, one after the other.
+/// The rows of a run, in order.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     plant: Plant,
@@ -34,7 +34,7 @@ pub struct Simulation {
     jitter: Noise,
     /// Time stamp of the last row [s].
     stamp: f64,
-    /// When the speed comes next [s].
+    /// Time of the next speed value [s].
     next_speed: f64,
     inclinometer: Inclinometer,
     machine: Machine,
@@ -50,7 +50,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Draws the machine and the road and puts one on the other.
+    /// Draws the machine and the road, and places the machine on the road.
     ///
     /// # Errors
     /// Rate, duration or payload are out of range, or a fault names no channel.
@@ -128,7 +128,7 @@ impl Simulation {
         })
     }
 
-    /// What the estimator is given.
+    /// The estimator's knowledge of the machine.
     pub fn nominal(&self) -> &Nominal {
         &self.nominal
     }
@@ -139,12 +139,12 @@ impl Simulation {
         [known.front_torque_gain, known.rear_torque_gain]
     }
 
-    /// The slope sensor shows so much too much \[rad\].
+    /// Bias of the slope sensor \[rad\].
     pub fn slope_bias(&self) -> f64 {
         self.calibration.slope_bias
     }
 
-    /// The machine as it is.
+    /// The true machine.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
@@ -228,7 +228,7 @@ impl Simulation {
         }
     }
 
-    /// What the sensors of the lift arm show.
+    /// Readings of the lift arm's sensors.
     fn look_at_arm(&mut self, time: f64) -> Option<Seen> {
         let motion = self.plant.motion();
         let inputs = self.plant.inputs();

@@ -1,16 +1,16 @@
-//! How well the machine is known: tier A exactly, tier B as well as a real machine is.
+//! Knowledge of the machine: exact in tier A, as of a real machine in tier B.
 
 use super::plant::Machine;
 use super::sensors::Grade;
 use crate::noise::Noise;
 
-/// How well the machine is known.
+/// Knowledge of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
-    /// The nominal machine, and the filter knows it exactly.
+    /// The nominal machine, which the filter knows exactly.
     A,
-    /// A machine off the line with its own tyres, radii, torque gains and slope bias; the filter is given
-    /// nominal values, a mass that is 2 % off and no horizontal spading force.
+    /// A production machine with its own tyres, radii, torque gains and slope bias. The filter has nominal values, a mass that is
+    /// 2 % off and no horizontal spading force.
     B,
 }
 
@@ -40,7 +40,7 @@ pub enum Size {
 }
 
 impl Size {
-    /// All sizes beside the reference machine.
+    /// All sizes except the reference machine.
     pub const REAL: [Self; 3] = [Self::Small, Self::Middle, Self::Large];
 
     /// The machine from its data sheet.
@@ -70,7 +70,7 @@ impl Size {
     }
 }
 
-/// What the estimator is given about the machine, and what it starts from.
+/// The estimator's knowledge of the machine, and its initial values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nominal {
     /// Mass without payload \[kg\].
@@ -89,26 +89,26 @@ pub struct Nominal {
     pub friction: f64,
     /// Load sensitivity rho of the rolling radius.
     pub radius_load_sensitivity: f64,
-    /// Slip stiffness to start from.
+    /// Initial slip stiffness.
     pub slip_stiffness: f64,
-    /// Height of the centre of gravity to start from \[m\].
+    /// Initial height of the centre of gravity \[m\].
     pub cg_height: f64,
-    /// Share of the front axle to start from.
+    /// Initial share of the front axle.
     pub cg_ratio: f64,
     /// Calibrated relative error of the front rolling radius, itself uncertain by 5e-4 (for a warm start).
     pub front_radius_error: f64,
     /// The same at the rear.
     pub rear_radius_error: f64,
-    /// What the sensors are good for.
+    /// Grade of the sensors.
     pub grade: Grade,
 }
 
-/// Errors of the sensors that do not change during a run.
+/// Constant errors of the sensors in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Calibration {
     pub front_torque_gain: f64,
     pub rear_torque_gain: f64,
-    /// The sensor shows the slope plus this [rad].
+    /// Bias of the slope sensor [rad].
     pub slope_bias: f64,
     pub spade_force_z_gain: f64,
     /// Whether the horizontal spading force is measured.
@@ -120,7 +120,7 @@ pub(super) struct Calibration {
     pub payload_reach_error: f64,
 }
 
-/// Draws a machine, its sensors and what the filter is given of them.
+/// Draws a machine, its sensors and the filter's knowledge of them.
 pub(super) fn draw(
     size: Size,
     tier: Tier,
@@ -237,7 +237,7 @@ mod tests {
             (draws.iter().map(|d| (value(d) - mean).powi(2)).sum::<f64>() / draws.len() as f64)
                 .sqrt()
         };
-        // A sample deviation of 4000 draws is known to 1.1 %; clipping takes a little off.
+        // The deviation of 4000 draws is known to 1.1 %; clipping reduces it slightly.
         let near = |value: f64, expected: f64| {
             assert!((value / expected - 1.0).abs() < 0.06, "{value} {expected}")
         };

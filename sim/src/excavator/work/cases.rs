@@ -1,14 +1,13 @@
-//! The effects one at a time, at the severities that machines have, and together.
+//! The effects one at a time, at realistic severities, and together.
 
 use super::effects::Effects;
 
-/// These effects and no others.
+/// These effects only.
 macro_rules! only {
     ($( $effect:ident: $value:expr ),*) => { Effects { $( $effect: $value, )* ..Effects::default() } };
 }
 
-/// What machines at work do that their description does not say: name, severity in words, effects. The first does
-/// nothing of the kind.
+/// Deviations of working machines from their description: name, severity in words, effects. The first has none.
 pub fn cases() -> Vec<(&'static str, &'static str, Effects)> {
     let none = Effects::default();
     let slope = |degrees: f64| only!(slope: degrees.to_radians());

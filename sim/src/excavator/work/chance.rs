@@ -1,11 +1,11 @@
-//! A machine that nobody listed: each effect by chance, of a severity by chance.
+//! A machine with random effects of random severity.
 
 use super::effects::Effects;
 use crate::noise::Noise;
 
 /// Probability of each effect.
 const EACH: f64 = 0.2;
-/// Of the channels of a seed this one draws the effects.
+/// Noise channel from which the effects are drawn.
 const CHANNEL: u64 = 0x6566;
 
 impl Effects {

@@ -1,4 +1,4 @@
-//! The duty cycle: what the operator wants, phase by phase.
+//! The duty cycle: the operator's targets, phase by phase.
 
 use super::super::path::Posture;
 use super::effects::Effects;
@@ -11,25 +11,25 @@ use crate::noise::Noise;
 const READY: Posture = [0.66, -1.66, -0.52];
 const FULL: Posture = [0.52, -2.3, -1.45];
 const TRUCK: Posture = [1.02, -1.82, -1.45];
-/// Bucket angle at which it is open, and at which material begins to leave [rad].
+/// Bucket angle at which it is open, and at which material begins to fall [rad].
 const OPEN: f64 = -0.05;
 const LEAVES: f64 = -1.0;
-/// Time constant with which the load leaves, share that sticks.
+/// Time constant with which the load falls, share that sticks.
 const LEAVING: f64 = 0.12;
 const STICKS: (f64, f64) = (0.01, 0.04);
 
-/// Where in the cycle the machine is.
+/// Phase of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Dig,
     Swing,
     Dump,
     Return,
-    /// Slow full lifts, of a trial.
+    /// Slow full lifts of a trial.
     Lift,
 }
 
-/// What the operator does next, and the bucket's content.
+/// The operator's targets, and the bucket's content.
 #[derive(Clone, Debug)]
 pub(super) struct Duty {
     noise: Noise,
@@ -37,13 +37,13 @@ pub(super) struct Duty {
     spill: f64,
     sticking: Option<f64>,
     dumps_swinging: bool,
-    /// A trial: cycles so far.
+    /// Cycles so far, in a trial.
     trial: Option<u32>,
     phase: Phase,
-    /// Time since the phase began, and its length where it is a matter of time [s].
+    /// Time since the phase began, and its length if it ends by time [s].
     since: f64,
     length: f64,
-    /// The swing is over: the operator has let go of the lever.
+    /// Whether the swing is over: the operator has released the lever.
     released: bool,
     /// Angle of the truck, drive level, largest speed of this cycle.
     angle: f64,
@@ -83,7 +83,7 @@ impl Duty {
         duty
     }
 
-    /// Swings to and fro with this payload, then slow full lifts ([`super::trial`]).
+    /// Swings to and fro with a constant payload, then slow full lifts ([`super::trial`]).
     pub(super) fn trial(size: &Size, effects: &Effects, seed: u64, payload: f64) -> Self {
         Self {
             trial: Some(0),
@@ -93,7 +93,7 @@ impl Duty {
         }
     }
 
-    /// The next cycle.
+    /// Draws the next cycle.
     fn draw(&mut self) {
         let n = &mut self.noise;
         self.angle = n.uniform(1.1, 1.9);
@@ -113,13 +113,13 @@ impl Duty {
         self.released = false;
     }
 
-    /// Lets `h` seconds pass, the swing having this velocity and this way to go.
+    /// Advances by `h` seconds; `velocity` and `remaining` are those of the swing.
     pub(super) fn advance(&mut self, h: f64, velocity: f64, bucket: f64, remaining: f64) {
         self.since += h;
-        // Near enough, or slow enough: no operator corrects the last degrees.
-        let way = remaining * (self.goal() - if self.goal() > 0.0 { 0.0 } else { 1.0 });
+        // Close enough, or slow enough: no operator corrects the last degrees.
+        let ahead = remaining * (self.goal() - if self.goal() > 0.0 { 0.0 } else { 1.0 });
         self.released |=
-            self.since > 0.6 && (way < 0.0 || remaining.abs() < 0.15 && velocity.abs() < 0.12);
+            self.since > 0.6 && (ahead < 0.0 || remaining.abs() < 0.15 && velocity.abs() < 0.12);
         let arrived = self.released && velocity == 0.0;
         if let Some(cycles) = self.trial {
             return self.try_out(cycles, arrived);
@@ -181,7 +181,7 @@ impl Duty {
         }
     }
 
-    /// How much of the bucket is in the ground, 0 to 1.
+    /// Share of the bucket in the ground, 0 to 1.
     pub(super) fn contact(&self) -> f64 {
         if self.phase != Phase::Dig {
             return 0.0;
@@ -189,7 +189,7 @@ impl Duty {
         transition(self.since, 0.4, 0.8) * (1.0 - transition(self.since, 2.3, 2.6))
     }
 
-    /// Swing angle that is aimed at [rad].
+    /// Target of the swing angle [rad].
     pub(super) fn goal(&self) -> f64 {
         match self.phase {
             Phase::Swing | Phase::Dump => self.angle,
@@ -207,7 +207,7 @@ impl Duty {
         self.speed
     }
 
-    /// Posture that is aimed at [rad].
+    /// Target posture [rad].
     pub(super) fn posture(&self, remaining: f64) -> Posture {
         if let Some(cycles) = self.trial {
             return match self.phase {

@@ -1,29 +1,29 @@
-//! What a machine does that its description does not say.
+//! Deviations of a machine from its description.
 
-/// Departures from the described machine; the default has none.
+/// Deviations from the described machine; the default has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effects {
-    /// Slope of the ground \[rad\], in a direction that the seed chooses.
+    /// Slope of the ground \[rad\], in a direction from the seed.
     pub slope: f64,
-    /// Share of the torque that arrives while driving; braking torque is divided by it.
+    /// Share of the drive torque that is effective while driving; braking torque is divided by it.
     pub efficiency: f64,
-    /// Coulomb friction over the described one.
+    /// Coulomb friction, relative to the described one.
     pub friction: f64,
-    /// Friction at rest over that in motion (Stribeck).
+    /// Friction at rest, relative to that in motion (Stribeck).
     pub stribeck: f64,
     /// Growth of the friction with the overturning moment: share at the moment of the full bucket.
     pub overturning: f64,
-    /// Viscous damping over the described one.
+    /// Viscous damping, relative to the described one.
     pub damping: f64,
     /// Measured over true torque.
     pub torque_gain: f64,
-    /// Added to the measured torque, as a share of the largest one.
+    /// Offset of the measured torque, as a share of the largest one.
     pub torque_offset: f64,
     /// Time constant of the torque sensor \[s\].
     pub torque_lag: f64,
     /// Pure delay of the torque sensor \[s\].
     pub torque_delay: f64,
-    /// The torque comes only so often \[s\]; 0 with every sample.
+    /// Period of new torque values \[s\]; 0 for every sample.
     pub torque_period: f64,
     /// Delay of the gyro \[s\].
     pub gyro_delay: f64,
@@ -35,7 +35,7 @@ pub struct Effects {
     pub gyro_bias: f64,
     /// Its change over a minute [rad/s].
     pub gyro_drift: f64,
-    /// Frequency of the boom's lateral mode, the upper body held \[Hz\]; 0 for a rigid boom.
+    /// Frequency of the boom's lateral mode with the upper body fixed \[Hz\]; 0 for a rigid boom.
     pub boom_mode: f64,
     /// Share of the load that swings.
     pub pendulum: f64,
@@ -43,27 +43,27 @@ pub struct Effects {
     pub pendulum_length: f64,
     /// Share of the load that is spilled in every loaded swing, without a motion of the bucket.
     pub spill: f64,
-    /// What sticks in an emptied bucket, in full buckets; none leaves it to chance, 1 to 4 %.
+    /// Mass that sticks in an emptied bucket, in full buckets; `None` draws 1 to 4 %.
     pub sticks: Option<f64>,
-    /// The bucket is emptied before the swing has ended.
+    /// Whether the bucket is emptied before the end of the swing.
     pub dumps_swinging: bool,
-    /// Relative error of the described masses and inertias (each its own, of this size).
+    /// Relative error of the described masses and inertias (of this size each, with random signs).
     pub mass_error: f64,
-    /// The same of the described lengths.
+    /// Relative error of the described lengths, likewise.
     pub length_error: f64,
     /// Error of each joint angle \[rad\].
     pub angle_error: f64,
     /// Standard deviation of the time stamps \[s\].
     pub jitter: f64,
-    /// Share of the torque that a relief valve cuts off at the top.
+    /// Share of the largest torque that a relief valve cuts off.
     pub relief: f64,
-    /// An inclinometer and an encoder of the swing angle are there.
+    /// Whether there are an inclinometer and an encoder of the swing angle.
     pub inclinometer: bool,
-    /// Friction of the cylinders' seals over the described one.
+    /// Friction of the cylinders' seals, relative to the described one.
     pub seals: f64,
-    /// Zeros of the pressure sensors over the usual ones.
+    /// Zeros of the pressure sensors, relative to the usual ones.
     pub pressure_zero: f64,
-    /// Step of the pressures \[Pa\].
+    /// Quantisation step of the pressures \[Pa\].
     pub pressure_quantum: f64,
 }
 
@@ -106,7 +106,7 @@ impl Default for Effects {
 }
 
 impl Effects {
-    /// Everything a little wrong, as on a good machine.
+    /// All effects small, as on a good machine.
     pub fn good() -> Self {
         Self {
             slope: 1f64.to_radians(),
@@ -128,7 +128,7 @@ impl Effects {
         }
     }
 
-    /// Everything as on most machines.
+    /// All effects as on most machines.
     pub fn usual() -> Self {
         Self {
             slope: 2.5f64.to_radians(),
@@ -153,7 +153,7 @@ impl Effects {
         }
     }
 
-    /// Everything as on a machine that needs a workshop.
+    /// All effects as on a machine in need of repair.
     pub fn worn() -> Self {
         Self {
             slope: 4f64.to_radians(),

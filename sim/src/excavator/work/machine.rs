@@ -18,7 +18,7 @@ const DRIVE: f64 = 12.0;
 /// Damping ratio of the boom's lateral mode, and of the swinging load.
 const BOOM_DAMPING: f64 = 0.04;
 const LOAD_DAMPING: f64 = 0.03;
-/// Velocity within which friction changes its sign, and of the Stribeck effect [rad/s].
+/// Velocity scale of the sign change of friction, and of the Stribeck effect [rad/s].
 const FRICTION_WIDTH: f64 = 0.003;
 const STRIBECK: f64 = 0.04;
 
@@ -110,7 +110,7 @@ impl Machine {
         let limit = self.size.torque * self.duty.level;
         let velocity = self.bodies[0].velocity;
         let wanted = if !self.duty.swings() {
-            // The rest of the speed is braked away.
+            // The remaining speed is braked.
             (-6.0 * self.inertia * velocity).clamp(-limit, limit)
         } else {
             let braking = 0.8 * limit / self.inertia;
@@ -180,7 +180,7 @@ impl Machine {
         }
     }
 
-    /// Dry friction, and the holding brake of a machine that is not asked to swing, stop the upper body.
+    /// Stops the upper body by dry friction, or by the holding brake of a machine that does not swing.
     fn stick(&mut self, before: f64) {
         let upper = &mut self.bodies[0];
         let held = self.torque.abs() < self.effects.friction * self.size.friction;
@@ -192,7 +192,7 @@ impl Machine {
         }
     }
 
-    /// What acts on the upper body from outside, and from its drive [N m].
+    /// Torque on the upper body from outside and from its drive [N m].
     fn torques(&self, upper: &Body) -> f64 {
         let e = &self.effects;
         let w = upper.velocity;

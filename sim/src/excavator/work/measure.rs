@@ -1,4 +1,4 @@
-//! What the sensors say of the machine, and what its description says.
+//! Measurements of the machine, and its description.
 
 use super::super::front::{Front, Pose, cylinders};
 use super::super::geometry::Geometry;
@@ -12,7 +12,7 @@ use crate::noise::Noise;
 
 /// Integration steps per sample: 100 Hz.
 const STEPS: u32 = 10;
-/// Longest delay that is remembered, in integration steps.
+/// Longest delay of a signal [integration steps].
 const MEMORY: usize = 512;
 /// Streams of noise of an empty and of a loaded trial.
 const EMPTY: u64 = 300;
@@ -22,7 +22,7 @@ const ANGLE_NOISE: f64 = 0.001;
 const INCLINOMETER_NOISE: f64 = 0.003;
 const ENCODER_NOISE: f64 = 0.001;
 
-/// A signal that comes late: pure delay, then a first-order lag.
+/// A delayed signal: pure delay, then a first-order lag.
 #[derive(Clone, Debug)]
 struct Late {
     past: [f64; MEMORY],
@@ -55,12 +55,12 @@ impl Late {
     }
 }
 
-/// A machine at work, sampled by its sensors at 100 Hz, for ever.
+/// A working machine, sampled by its sensors at 100 Hz, endless.
 #[derive(Clone, Debug)]
 pub struct Work {
     machine: Machine,
     effects: Effects,
-    /// What the machine is said to be.
+    /// The described geometry.
     nominal: Geometry,
     front: Option<Front>,
     noise: [Noise; 10],
@@ -74,14 +74,15 @@ pub struct Work {
 }
 
 impl Work {
-    /// A machine of a size with effects; the seed chooses loads, swings, direction of the slope, signs of
-    /// the errors and all noise.
+    /// A machine of a size with effects; the seed determines loads, swings, direction of the slope, signs of the errors and all
+    /// noise.
     pub fn new(size: Size, effects: Effects, seed: u64) -> Self {
         let duty = Duty::new(&size, &effects, seed);
         Self::doing(size, effects, duty, seed)
     }
 
-    /// The same machine that is calibrated: swings, then slow full lifts, with a payload that stays \[kg\]. Its sensors have other noise.
+    /// The machine of the same seed in a calibration: swings, then slow full lifts, with a constant payload \[kg\]. Its sensors
+    /// have other noise.
     pub fn trial(size: Size, effects: Effects, seed: u64, payload: f64) -> Self {
         let duty = Duty::trial(&size, &effects, seed, payload);
         let streams = if payload > 0.0 { LOADED } else { EMPTY };
@@ -133,7 +134,7 @@ impl Work {
         &self.machine.size
     }
 
-    /// Dimensions and masses as its description has them.
+    /// Described dimensions and masses.
     pub fn nominal(&self) -> &Geometry {
         &self.nominal
     }
@@ -239,7 +240,7 @@ fn sign(noise: &mut Noise) -> f64 {
     if noise.chance(0.5) { 1.0 } else { -1.0 }
 }
 
-/// The described geometry: each mass and length off by its share, to one side or the other.
+/// The described geometry: each mass and length deviates by its share, with a random sign.
 fn nominal(geometry: &Geometry, effects: &Effects, signs: &mut Noise) -> Geometry {
     let mut g = *geometry;
     let mut off = |value: &mut f64, share: f64| *value *= 1.0 + share * sign(signs);

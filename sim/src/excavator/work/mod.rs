@@ -1,8 +1,8 @@
-//! Excavators at work that are not what their description says: real sizes, a duty cycle of dig, lift and
-//! swing, dump, return, and the ordinary physics that the estimators' model leaves out.
+//! Working excavators that deviate from their description: real sizes, a duty cycle of dig, lift and swing, dump, return, and
+//! ordinary physical effects that the estimators' model omits.
 //!
-//! Nothing here is shared with [`super::plant`]: other machines, another course of events, another
-//! integration (semi-implicit Euler at 1 ms, since springs and dry friction are in it).
+//! Nothing is shared with [`super::plant`]: other machines, another duty cycle, another integration (semi-implicit Euler at 1 ms,
+//! because of springs and dry friction).
 
 mod cases;
 mod chance;

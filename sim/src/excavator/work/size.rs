@@ -2,7 +2,7 @@
 
 use super::super::geometry::{Attachment, Geometry, Link};
 
-/// A machine as its data sheet describes it.
+/// A machine by its data sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     /// Name.
