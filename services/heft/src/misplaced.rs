@@ -1,11 +1,11 @@
-//! Tips for a file or an option that the command line does not take at this place.
+//! A file where the command line takes none: the place where it belongs.
 
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use recording::Quoted;
 
-/// Prints what is wrong with the command line, and ends with its status.
+/// Says what is wrong with the command line, and ends with its status.
 pub fn exit(error: &clap::Error) -> ! {
     let _ = error.print();
     if let Some(tip) = tip(error) {
@@ -14,7 +14,7 @@ pub fn exit(error: &clap::Error) -> ! {
     std::process::exit(error.exit_code())
 }
 
-/// Place of the machine's name in a command without the option `--machine`.
+/// Where a machine belongs whose option the command does not have.
 fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
     let is_it = |value: Option<&ContextValue>| matches!(value, Some(ContextValue::String(word)) if word == "--machine");
     if !is_it(error.get(ContextKind::InvalidArg)) {
@@ -27,7 +27,7 @@ fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
     })
 }
 
-/// Place of a file that stands at the wrong one.
+/// Where a file belongs that stands elsewhere.
 fn tip(error: &clap::Error) -> Option<String> {
     use ContextKind::{InvalidArg, InvalidSubcommand, InvalidValue};
     if let Some(tip) = tip_of_machine(error) {

@@ -1,25 +1,25 @@
-//! Unit checks by single columns: angles in degrees, pressures in another unit or exchanged. Units of angular velocity.
+//! Units of turning, and what a column alone shows: angles in degrees, pressures in another unit or of the other side.
 
 use core::f64::consts::{PI, TAU};
 
 use recording::LARGEST_PRESSURES as LARGEST;
 
-/// Units of an angular velocity, and their value per rad/s.
+/// Units of an angular velocity, in a radian per second.
 pub(super) const TURNING: [(&str, f64); 3] = [
     ("rpm", 60.0 / TAU),
     ("deg/s", 180.0 / PI),
     ("turn/s", 1.0 / TAU),
 ];
 
-/// Fewest rows for a verdict.
+/// Fewest rows that tell.
 const FEWEST: u32 = 100;
 
-/// Share of rows with an angle beyond one turn \[rad\] above which the column is in degrees: no joint turns further. A number beyond one
-/// turn in degrees marks a missing sample.
+/// No joint turns further than once \[rad\], in more than this share of the rows. Beyond a turn in degrees a number says that there is
+/// no sample.
 const OFTEN: f64 = 0.1;
 const TURN: f64 = 360.0;
 
-/// Checks that angles are in radians.
+/// Angles that are meant in radians.
 pub(super) struct Angles<const N: usize> {
     names: [&'static str; N],
     rows: [u32; N],
@@ -42,7 +42,7 @@ impl<const N: usize> Angles<N> {
         }
     }
 
-    /// Names the columns that are in degrees.
+    /// Those that are in degrees.
     pub(super) fn fault(&self) -> Option<String> {
         let is_in_degrees = |i: &usize| {
             self.rows[*i] >= FEWEST && f64::from(self.beyond[*i]) > OFTEN * f64::from(self.rows[*i])
@@ -62,16 +62,16 @@ impl<const N: usize> Angles<N> {
     }
 }
 
-/// Highest limits (bar, MPa) that identify the unit of one side alone: a larger one may be the residual pressure of an unloaded line.
+/// One side alone in MPa or bar: more may be the rest in a line without pressure.
 const ALONE: usize = 2;
-/// Rows per disturbance: a share of 1/100 may be disturbed.
+/// One row in so many may be a disturbance.
 const DISTURBED: u32 = 100;
-/// Least ratio of rod-side to head-side pressure, and least rod-side pressure \[Pa\], that show exchanged columns: a loaded cylinder has
-/// its pressure on the head side.
+/// A cylinder that carries has this many times more pressure on its head side: here for the other one. And the least pressure that
+/// says so \[Pa\].
 const MORE: f64 = 2.0;
 const CARRIES: f64 = 2e6;
 
-/// Histogram of a pressure: rows below each limit of [`LARGEST`] and not below the one before; last, rows above all limits.
+/// How many rows of a pressure lie below each limit and not below the one before; the last of none.
 #[derive(Default)]
 struct Sizes([u32; LARGEST.len() + 1]);
 
@@ -83,7 +83,7 @@ impl Sizes {
         self.0[place.unwrap_or(LARGEST.len())] += 1;
     }
 
-    /// The highest bin with more rows than disturbances explain.
+    /// The highest place that is no disturbance.
     fn highest(&self) -> Option<usize> {
         let rows: u32 = self.0.iter().sum();
         let is_usual = |count: &u32| DISTURBED * count > rows;
@@ -93,11 +93,11 @@ impl Sizes {
 
 /// Pressures of a cylinder whose head side carries the weight of what it moves.
 pub(super) struct Cylinder {
-    /// First part of its column names: `boom`.
+    /// Of its columns: `boom`.
     name: &'static str,
-    /// Histograms of head and rod side.
+    /// Head and rod side.
     sizes: [Sizes; 2],
-    /// Rows in which it carries, and rows among them in which the rod side has the pressure.
+    /// Rows in which it carries, and those of them in which the rod side does.
     carries: u32,
     by_rod: u32,
 }
@@ -112,7 +112,7 @@ impl Cylinder {
         }
     }
 
-    /// Takes a row; `carries`: whether the cylinder carries a load in it.
+    /// A row, and whether the cylinder carries in it.
     pub(super) fn see(&mut self, head: Option<f64>, rod: Option<f64>, carries: bool) {
         for (sizes, pressure) in self.sizes.iter_mut().zip([head, rod]) {
             pressure
@@ -125,7 +125,7 @@ impl Cylinder {
         }
     }
 
-    /// The fault and its remedy: another unit than Pa, or exchanged sides.
+    /// Another unit than Pa, or the other side.
     pub(super) fn fault(&self) -> Option<String> {
         let [head, rod] = ["head", "rod"].map(|side| format!("{}_{side}_pressure", self.name));
         let both = format!("{head} and {rod}");
@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(angles.fault(), None);
     }
 
-    /// The fault of a boom that is raised and lowered, with pressures in this unit.
+    /// What is said of a boom that is raised and lowered.
     fn said(unit: f64, sides: [usize; 2]) -> Option<String> {
         let mut cylinder = Cylinder::new("boom");
         for k in 0..1000 {
@@ -201,7 +201,7 @@ mod tests {
             assert!(said.contains(&format!("unit = \"{name}\"")), "{said}");
         }
         assert!(said(1.0, [1, 0]).is_some_and(|said| said.contains("exchanged")));
-        // One side has no sensor, and the arm lies on the ground.
+        // No sensor, and an arm that lies.
         let alone = |units: [f64; 2]| {
             let mut cylinder = Cylinder::new("lift");
             (0..1000)

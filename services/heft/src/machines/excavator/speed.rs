@@ -1,25 +1,25 @@
-//! Detects a swing velocity in another unit.
+//! A swing velocity in another unit.
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
 use crate::machines::units::TURNING;
 
-/// Units of a swing velocity. The unit that alone explains the torque is reported.
+/// Units of a swing velocity. The first that explains the torque counts.
 const UNITS: [(&str, f64); 2] = [TURNING[0], TURNING[1]];
-/// Least velocity of a swinging row, and velocity that no machine exceeds: makers' sheets allow 15 revolutions per minute [rad/s].
+/// Swinging from this velocity on; makers' sheets allow 15 revolutions per minute: none swings faster than the second [rad/s].
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 2.0;
-/// Fewest fast rows for a verdict, and their least share of the swinging rows: single ones are disturbances.
+/// Rows that tell, and the share of the swinging ones that is too fast: single ones are disturbances.
 const FEWEST: u32 = 100;
 const OFTEN: f64 = 0.05;
-/// Mean of the fast rows above which the unit is degrees per second, if the torque does not decide \[rpm\].
+/// Mean of what is too fast, above which it is in degrees per second where the torque does not tell \[rpm\].
 const BETWEEN: f64 = 13.0;
 
-/// Counts fast rows, and compares torque and posture with the velocity in each unit.
+/// Looks at the speeds, and at what torque and posture make of them in each unit.
 pub(super) struct Speed {
     swinging: u32,
     fast: u32,
-    /// Sum of the velocities of the fast rows.
+    /// Sum of the fast ones.
     sum: f64,
     units: [Plausible; UNITS.len()],
 }
@@ -37,7 +37,7 @@ impl Speed {
     pub(super) fn see(&mut self, sample: &Sample) {
         if let Some(speed) = sample.velocity.map(f64::abs).filter(|v| v.is_finite()) {
             self.swinging += u32::from(speed > SWINGS);
-            // A number too large for every unit marks a missing sample.
+            // What is too fast in every unit is none of them: it stands for a missing sample.
             let is_fast = (FASTEST..=FASTEST * UNITS[1].1).contains(&speed);
             self.fast += u32::from(is_fast);
             self.sum += if is_fast { speed } else { 0.0 };
@@ -51,12 +51,12 @@ impl Speed {
         }
     }
 
-    /// The fault and its remedy, if the velocity is not in rad/s.
+    /// The unit of the velocity, where it is none that is meant.
     pub(super) fn fault(&self) -> Option<String> {
         if self.fast < FEWEST || f64::from(self.fast) < OFTEN * f64::from(self.swinging) {
             return None;
         }
-        // Any other fault of the torque is reported after this one is corrected.
+        // Another fault of the torque is said when this one is mended.
         let explains = |plausible: &Plausible| {
             !matches!(
                 plausible.mismatch(),
@@ -129,7 +129,7 @@ mod tests {
             assert_eq!(said(per_rpm, torque, 0.9).as_deref(), Some(rpm));
             assert_eq!(said(per_degree, torque, 0.9).as_deref(), Some(degrees));
         }
-        // A slow swing: 15 degrees per second at most.
+        // Slowly: 15 degrees a second at most.
         assert_eq!(said(per_degree, Some(1.0), 0.26).as_deref(), Some(degrees));
     }
 }
