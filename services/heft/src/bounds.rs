@@ -1,4 +1,4 @@
-//! Bounds of a recording without end: `--split 10min`, `--keep 20GB`, `--min-free 1GB`.
+//! Bounds of an endless recording: `--split 10min`, `--keep 20GB`, `--min-free 1GB`.
 
 use std::time::Duration;
 
@@ -9,9 +9,9 @@ use view::duration;
 /// A time or an amount of data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Bound {
-    /// So long.
+    /// Duration.
     Time(Duration),
-    /// So many bytes.
+    /// Number of bytes.
     Bytes(u64),
 }
 
@@ -30,7 +30,7 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// The same for the logger.
+    /// The same as the logger takes them.
     pub fn of_logger(&self) -> logger::Limits {
         let time = |bound| match bound {
             Some(Bound::Time(time)) => Some(time),
@@ -51,7 +51,7 @@ impl LimitArgs {
     }
 }
 
-/// Units with what they are in bytes.
+/// Units, and their value in bytes.
 const SIZES: &[(&str, f64)] = &[("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
 
 fn bound(text: &str) -> Result<Bound, String> {

@@ -1,6 +1,6 @@
 //! Which build of heft this is.
 
-/// Version, commit, target and the features of its processor that the compiler may use: what can
+/// Version, commit, target and the processor features that the compiler may use: everything that can
 /// change a bit of an estimate.
 pub const IDENTITY: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("HEFT_BUILD"), ")");
 

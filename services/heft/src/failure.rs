@@ -11,7 +11,7 @@ use crate::out::{Plain, READER_LEFT};
 #[derive(Debug)]
 pub struct Failure {
     message: String,
-    /// 1: it ran, but the answer is no. 2: wrong use or bad input. [`READER_LEFT`]: the reader of its output has left, and no message is needed.
+    /// 1: it ran, but the answer is no. 2: wrong use or bad input. [`READER_LEFT`]: the reader of its output has left; no message.
     pub status: u8,
 }
 

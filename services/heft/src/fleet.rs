@@ -1,6 +1,6 @@
-//! Fleets: `--fleet` keeps `heft-gateway` running beside a pipeline, and `heft fleet` is `heft-fleet`.
+//! Fleets: `--fleet` runs `heft-gateway` beside a pipeline, and `heft fleet` is `heft-fleet`.
 //!
-//! Both are programs of their own, because who runs one machine does not compile Zenoh. The gateway reads
+//! Both are separate programs, so that a build for one machine does not compile Zenoh. The gateway reads
 //! the channels as any program may; a run neither waits for it nor ends because of it.
 
 use std::os::unix::process::CommandExt;
@@ -19,12 +19,12 @@ use crate::notify::Notify;
 /// First pause before a gateway that died is started again; it doubles.
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
-/// One that lived so long died by accident.
+/// Life above which a death is accidental: the pause starts from its first value again.
 const LONG_LIFE: Duration = Duration::from_secs(10);
-/// Under a service manager a run waits so long for its gateway, from when it begins to end: less than the 30 s
-/// (`TimeoutStopSec` of heft@.service) after which everything is killed, more than the 20 s that a gateway goes on answering.
+/// Longest wait of a run under a service manager for its gateway, from the begin of its end: less than the 30 s
+/// (`TimeoutStopSec` of heft@.service) after which everything is killed, more than the 20 s for which a gateway still answers.
 const END_LIMIT: Duration = Duration::from_secs(25);
-/// Time between two looks whether it has ended.
+/// Period of the checks whether it has ended.
 const END_LOOK: Duration = Duration::from_millis(50);
 
 /// `heft run ... --fleet`
@@ -55,7 +55,7 @@ pub struct Fleet {
 }
 
 impl Fleet {
-    /// What the arguments ask for.
+    /// The fleet of the arguments, if any.
     pub fn of(args: &FleetArgs) -> Result<Option<Self>, Failure> {
         let (Some(connect), Some(site), Some(machine)) =
             (&args.fleet, &args.site, &args.machine_id)
@@ -147,7 +147,7 @@ impl Gateway {
             .args(&self.fleet.arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            // It ends by itself when the run has ended, and what is missing elsewhere has been asked for.
+            // It ends by itself after the run, when it has answered requests for missing data.
             .process_group(0)
             .env_remove("NOTIFY_SOCKET")
             .env_remove("WATCHDOG_USEC")
@@ -158,7 +158,7 @@ impl Gateway {
         }
     }
 
-    /// Starts it again if it died, some time later.
+    /// Restarts it after its death, when the pause is over.
     pub fn keep_alive(&mut self) {
         if let Some(child) = &mut self.child {
             let Ok(Some(status)) = child.try_wait() else {
@@ -177,7 +177,7 @@ impl Gateway {
         }
     }
 
-    /// Tells it that the run has failed, before the domain says that it is over.
+    /// Reports the failure of the run to the gateway, before the domain ends.
     pub fn gave_up(&self) {
         let pid = self.child.as_ref().map(Child::id);
         let pid = pid.and_then(|pid| i32::try_from(pid).ok());
@@ -186,8 +186,8 @@ impl Gateway {
         }
     }
 
-    /// Waits for its own end after that of the run, which began at `begun`: a service manager kills what is left when the
-    /// process that it started has ended, and with it what is not sent yet. It is told meanwhile that somebody is awake.
+    /// Waits for the gateway to end by itself after the run, whose end began at `begun`. A service manager kills the rest when its main
+    /// process ends, and unsent data would be lost. Meanwhile the manager receives the watchdog message.
     pub fn wait(mut self, begun: Instant, mut notify: Notify) {
         while let Some(child) = &mut self.child
             && matches!(child.try_wait(), Ok(None))

@@ -1,4 +1,4 @@
-//! Which run of its machine a run is, for the fleet: an id drawn by chance, and a count that the machine keeps. A clock
+//! Identity of a run among the runs of its machine, for the fleet: a random id, and a count stored on the machine. A clock
 //! that goes back, or that is ahead, changes neither.
 
 use std::fs;
@@ -10,26 +10,26 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 
-/// Bits of an id: few enough that every reader of numbers holds it exactly.
+/// Bits of an id: readers that parse numbers as floating point represent it exactly.
 const BITS: u32 = 52;
-/// Longest count that is read \[bytes\].
+/// Longest text that is read as a count \[bytes\].
 const LONGEST: u64 = 20;
 
 /// A run among the runs of its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FleetRun {
-    /// Drawn by chance; never 0.
+    /// Random; never 0.
     #[serde(rename = "run")]
     pub id: u64,
-    /// How many runs the machine has counted, this one too; 0 where it cannot keep count.
+    /// Number of runs that the machine has counted, including this one; 0 if it cannot be stored.
     #[serde(rename = "run_count")]
     count: u64,
 }
 
 impl FleetRun {
-    /// A run that is not counted.
+    /// A run with a random id, not counted yet.
     pub fn draw() -> Self {
-        // Two sources of chance of the system: one is enough.
+        // Two sources of randomness of the system: one is enough.
         let mut hasher = RandomState::new().build_hasher();
         hasher.write_u32(std::process::id());
         let mut bytes = [0; 8];
@@ -41,7 +41,7 @@ impl FleetRun {
         }
     }
 
-    /// Counts it as a run of this machine. What cannot be counted is said; it is no reason not to run.
+    /// Counts it as a run of this machine. A failure is reported, and the run goes on.
     pub fn count(mut self, site: &str, machine: &str) -> Self {
         let counted = folder()
             .ok_or_else(|| {
@@ -65,7 +65,7 @@ impl FleetRun {
     }
 }
 
-/// Where counts are kept: the unit's own folder, else the user's.
+/// Folder of the counts: the unit's own folder, else the user's.
 fn folder() -> Option<PathBuf> {
     let path = |name| {
         std::env::var_os(name)
@@ -77,7 +77,7 @@ fn folder() -> Option<PathBuf> {
     own.or_else(|| Some(user()?.join("heft")))
 }
 
-/// The next count in a file: under a lock, and on the disk before it is used.
+/// Increments the count in a file: under a lock, and on the disk before it is used.
 fn next(folder: &Path, name: &str) -> io::Result<u64> {
     fs::DirBuilder::new()
         .recursive(true)
@@ -85,7 +85,7 @@ fn next(folder: &Path, name: &str) -> io::Result<u64> {
         .create(folder)?;
     let mut options = fs::OpenOptions::new();
     let options = options.read(true).write(true).create(true).truncate(false);
-    // Never waits for a pipe, nor follows a name that leads elsewhere.
+    // Never blocks on a pipe, nor follows a link.
     let flags = (rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOFOLLOW).bits();
     let mut file = options
         .mode(0o600)
@@ -96,7 +96,7 @@ fn next(folder: &Path, name: &str) -> io::Result<u64> {
     }
     flock(&file, FlockOperation::LockExclusive)?;
     let mut text = String::new();
-    // A file that is cut or damaged begins anew: a count that falls is a new one.
+    // A file that is cut or damaged restarts the count: readers take a lower count for a new one.
     let _ = (&mut file).take(LONGEST).read_to_string(&mut text);
     let count = text.trim().parse::<u64>().unwrap_or(0) % (1 << BITS) + 1;
     io::Seek::rewind(&mut file)?;

@@ -1,10 +1,10 @@
-//! `--group NAME`: who beside the user of a run may look at it.
+//! `--group NAME`: the users beside its own that may look at a run.
 
 use std::path::Path;
 
 use crate::failure::Failure;
 
-/// The number of a group, which is named or numbered.
+/// The id of a group, from its name or number.
 pub fn id(name: &str) -> Result<u32, Failure> {
     if let Ok(id) = name.parse() {
         return Ok(id);

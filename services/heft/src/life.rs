@@ -1,4 +1,4 @@
-//! What a service lives in: a process of its own, or with `--threads` a thread of its supervisor.
+//! The process of a service, or with `--threads` its thread in the supervisor.
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -17,21 +17,21 @@ use crate::image;
 use crate::plan::Plan;
 use crate::service;
 
-/// A killed process is gone within a millisecond, unless the kernel itself holds it.
+/// Time in which a killed process must be gone: usually a millisecond, unless the kernel itself holds it.
 const KILL_LIMIT: Duration = Duration::from_millis(200);
-/// The status of a process that panicked; a thread has it until it ends.
+/// The status of a process that panicked; initial status of a thread.
 const PANICKED: u8 = 101;
 
 /// One life of a service.
 pub enum Life {
-    /// A process, and what becomes readable when it ends; missing on old kernels.
+    /// A process, and a descriptor that becomes readable when it ends; missing on old kernels.
     Process(Child, Option<OwnedFd>),
     /// A thread, and the status that a process would have ended with.
     Thread(JoinHandle<()>, Arc<AtomicU8>),
 }
 
 impl Life {
-    /// Begins one, as the plan wants it, after so many restarts; with the way to talk to it.
+    /// Starts a service by the plan, after this number of restarts; returns it with its control channel.
     pub fn begin(
         stage: &'static Stage,
         restarts: u32,
@@ -56,7 +56,7 @@ impl Life {
         }
     }
 
-    /// What becomes readable when it ends.
+    /// Descriptor that becomes readable when it ends.
     pub fn end(&self) -> Option<BorrowedFd<'_>> {
         match self {
             Self::Process(_, end) => end.as_ref().map(AsFd::as_fd),
@@ -77,14 +77,14 @@ impl Life {
         matches!(self, Self::Process(..))
     }
 
-    /// Ends it by force, where that is possible, and does not wait for that.
+    /// Ends it by force, where that is possible, without waiting.
     pub fn kill(&mut self) {
         if let Self::Process(child, _) = self {
             let _ = child.kill();
         }
     }
 
-    /// The same, and waits until it is gone, but not for ever.
+    /// Ends it by force and waits for its end, up to a limit.
     pub fn kill_and_wait(&mut self) {
         self.kill();
         let begun = Instant::now();
@@ -114,7 +114,7 @@ fn process(
         .stdin(Stdio::from(control))
         // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
         .process_group(0)
-        // Those are for the supervisor alone.
+        // These are for the supervisor alone.
         .env_remove("NOTIFY_SOCKET")
         .env_remove("WATCHDOG_USEC")
         .spawn()
@@ -132,7 +132,7 @@ fn thread(
     plan: &Plan,
 ) -> Result<Life, Failure> {
     let (domain, plan) = (domain.clone(), plan.clone());
-    // What a process says of itself beside everything that it logs.
+    // Span that identifies the process in its log lines.
     let span = tracing::error_span!(
         "process",
         pid = std::process::id(),
@@ -143,7 +143,7 @@ fn thread(
     );
     let body = move || {
         let _process = span.entered();
-        // As the main function of a process.
+        // As the main function of a process does.
         match service::run(stage, restarts, control, &domain, &plan) {
             Ok(()) => 0,
             Err(failure) => {
@@ -155,7 +155,7 @@ fn thread(
     spawned(stage.name, body).map_err(|e| cannot_start(stage, &e))
 }
 
-/// A thread with the status that it returns.
+/// Runs a body on a thread, and stores the status that it returns.
 fn spawned(name: &str, body: impl FnOnce() -> u8 + Send + 'static) -> std::io::Result<Life> {
     let status = Arc::new(AtomicU8::new(PANICKED));
     let its = Arc::clone(&status);
@@ -171,7 +171,7 @@ mod tests {
 
     fn status(body: impl FnOnce() -> u8 + Send + 'static) -> Option<i32> {
         let mut life = spawned("test", body).expect("a thread");
-        // One that panics first writes where, which takes a loaded machine longer than a kill.
+        // A thread that panics first writes the place, which takes a loaded machine longer than a kill.
         loop {
             match life.ended() {
                 Some(end) => return end.code(),

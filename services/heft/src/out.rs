@@ -1,11 +1,11 @@
-//! Standard output and error that may be full, or closed by whoever read them.
+//! Standard output and error that may be full, or closed by their readers.
 //!
-//! The macros of the standard library panic then. These shadow them in every module: a command that
-//! cannot say its answer says so on standard error and ends with status 1; what cannot be said on
-//! standard error either is not said.
+//! The macros of the standard library panic in that case. These shadow them in every module: a command that
+//! cannot write its answer reports that on standard error and ends with status 1. A text that cannot be written to
+//! standard error either is dropped.
 //!
-//! Names of files and columns are the words of others. Control characters in them would steer the
-//! terminal, so they are written out ([`Plain`]). What heft draws itself goes by [`draw`].
+//! Names of files and columns come from outside. Control characters in them would steer the
+//! terminal, so they are escaped ([`Plain`]). Text that heft draws itself goes through [`draw`].
 
 use std::fmt::Arguments;
 use std::io::{self, Write};
@@ -20,7 +20,7 @@ pub fn say(text: Arguments) {
     }
 }
 
-/// Passes an answer on that its reader may leave when he has seen enough; whether he goes on.
+/// Passes an answer on whose reader may leave early; returns whether it still reads.
 pub fn pass(answer: &[u8]) -> bool {
     let mut out = std::io::stdout().lock();
     match out.write_all(answer).and_then(|()| out.flush()) {
@@ -30,10 +30,10 @@ pub fn pass(answer: &[u8]) -> bool {
     }
 }
 
-/// Exit status of a program whose reader left (`| head`): what a shell shows of one that SIGPIPE ended.
+/// Exit status of a program whose reader left (`| head`): as a shell shows one ended by SIGPIPE.
 pub const READER_LEFT: u8 = 141;
 
-/// Says that an answer cannot be said, and ends the process. A reader who has seen enough needs no word.
+/// Reports that an answer cannot be written, and ends the process. If the reader has left, without a message.
 fn give_up(error: &std::io::Error) -> ! {
     if error.kind() == std::io::ErrorKind::BrokenPipe {
         std::process::exit(READER_LEFT.into());
@@ -49,7 +49,7 @@ pub fn complain(text: Arguments) {
     let _ = write!(std::io::stderr().lock(), "{}", Plain(text));
 }
 
-/// Standard error for the log, whose own colours stay: of what a message holds it writes out control characters itself.
+/// Standard error for the log, whose own colours stay: the log escapes control characters in its messages itself.
 pub struct Log;
 
 impl Write for Log {
@@ -72,7 +72,7 @@ impl Write for Log {
     }
 }
 
-/// Draws a line on standard error that is drawn again: with its own control characters.
+/// Draws a line on standard error that is redrawn: with its own control characters.
 pub fn draw(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }

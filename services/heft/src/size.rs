@@ -1,4 +1,4 @@
-//! Words on the size of a machine: another one is simulated than is described, or nobody says it.
+//! Warnings on the size of a machine: it differs between simulation and description, or is not stated.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use crate::machines;
 use crate::plan::Plan;
 use crate::sources::is_simulated;
 
-/// A simulated machine that is described by more than this share too heavy or too light is another one.
+/// Relative difference of simulated and described mass above which they are different machines.
 const SAME_SIZE: f64 = 0.1;
 
-/// What machines of one mass have alike: the key that is stated, and one that follows from it.
+/// Keys whose values follow from the mass if they are not stated: the key of the data sheet, and the key that follows from it.
 pub const ALIKE: &[(&str, &str)] = &[
     (
         "machine.geometry.boom_length",
@@ -31,7 +31,7 @@ pub const ALIKE: &[(&str, &str)] = &[
     ("machine.wheel_radius", "machine.wheel_radius"),
 ];
 
-/// Warns where a machine of another size is described than is simulated.
+/// Warns if the described machine has another size than the simulated one.
 pub fn tell_other_size(plan: &Plan, description: &Description) {
     if !is_simulated(plan) {
         return;
@@ -48,7 +48,7 @@ pub fn tell_other_size(plan: &Plan, description: &Description) {
     }
 }
 
-/// What is taken for the size of an input's machine, and what follows from that. A recording of heft brings its machine file.
+/// The size assumed for an input's machine, and what follows from it. A recording of heft brings its machine file.
 ///
 /// # Errors
 /// The machine file cannot be read.
@@ -82,11 +82,11 @@ pub fn assumed(
     Ok(Some(format!("note: {words}; {all} shows all")))
 }
 
-/// What nobody has stated and heft takes from the machine's mass, the first of it by name.
+/// The values that are not stated and follow from the machine's mass; the first of them by name.
 pub fn of_mass(description: &Description) -> Option<String> {
     let mass = description.number(config::mass_key(description.machine()))?;
     let found = description.of_mass();
-    // What follows from a number of the data sheet that is stated is none of these.
+    // A value that follows from another stated number of the data sheet is not among these.
     let is_open = |key: &str, follows: &str| key == follows || description.number(key).is_none();
     let is_first = |path: &str| {
         let mut alike = ALIKE.iter();
@@ -110,10 +110,10 @@ pub fn of_mass(description: &Description) -> Option<String> {
     })
 }
 
-/// More keys than these make a command that nobody reads.
+/// Number of keys above which the printed command is unreadable.
 const MOST_SETS: usize = 5;
 
-/// The command that prints every value of what the arguments describe.
+/// The command that prints every value of the described machine.
 fn shown_by(description: &Description, args: &DescriptionArgs) -> String {
     let file = args.config.iter().map(|f| Quoted(f.display()).to_string());
     let machine = [format!("--machine {}", description.machine())];

@@ -1,4 +1,4 @@
-//! Where samples come from: the simulator, a recording, a bus, standard input.
+//! Sources of samples: the simulator, a recording, a bus, standard input.
 
 use std::cmp::Ordering;
 use std::os::fd::OwnedFd;
@@ -10,10 +10,10 @@ use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 use crate::failure::Failure;
 use crate::plan::Plan;
 
-/// A live source that was started again leaves at least this gap in the time of the data \[ns\].
+/// Least gap in the time of the data after a restart of a live source \[ns\].
 const AFTER_RESTART_NS: u64 = 100_000_000;
 
-/// A source that nobody paces.
+/// A live source: its samples come at their own times.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LiveInput {
     /// A CAN interface.
@@ -37,7 +37,7 @@ pub fn is_simulated(plan: &Plan) -> bool {
     plan.input.is_none()
 }
 
-/// Where the samples of a plan come from, in a line.
+/// The source of a plan's samples, as one line.
 pub fn words(plan: &Plan) -> String {
     let Some(input) = &plan.input else {
         return format!(
@@ -75,7 +75,7 @@ fn can_bus<M: Sensors>(plan: &Plan, interface: &str) -> Result<sensor::CanBus<M>
     Ok(sensor::CanBus::new(interface, &map)?)
 }
 
-/// The lines that the run is given on its standard input as samples.
+/// The lines of the run's standard input as samples.
 fn lines<M: Sensors>(plan: &Plan, input: OwnedFd) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
     Ok(sensor::Lines::new(input, map, !plan.lossless)?)
@@ -86,10 +86,10 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
 }
 
-/// A source whose kind is put aside.
+/// A source of any kind.
 pub type AnySource<M> = Box<dyn Source<Sensors = M, Truth = <M as Sensors>::Truth>>;
 
-/// The source of a plan that has no live one; `simulate` makes the simulator's.
+/// The source of a plan without a live one; `simulate` makes the simulator's.
 pub fn not_live<M, S>(
     plan: &Plan,
     simulate: impl FnOnce() -> Result<S, Failure>,
@@ -110,7 +110,7 @@ fn recorded<M: Sensors>(
     input: &Path,
 ) -> Result<sensor::Recorded<M, M::Truth>, Failure> {
     let map = map(plan.map.as_deref())?;
-    // They are read until the process ends.
+    // The process reads them until it ends: leaked on purpose.
     let samples = Box::leak(Box::new(recording::open::<M>(input, map.as_ref())?));
     let (mut end, duration) = (None, plan.duration.unwrap_or(f64::INFINITY));
     let is_within = move |(sample, _): &(M, M::Truth)| {
@@ -123,7 +123,7 @@ fn recorded<M: Sensors>(
     Ok(sensor::Recorded::new(samples.rows()?.take_while(is_within)))
 }
 
-/// Whether a recording can be read to its end.
+/// Checks that a recording can be read to its end.
 fn check_recorded<M: Sensors>(plan: &Plan, input: &Path) -> Result<(), Failure> {
     let map = map(plan.map.as_deref())?;
     let samples = recording::open::<M>(input, map.as_ref())?;
@@ -144,7 +144,7 @@ pub fn live(plan: &Plan) -> Option<LiveInput> {
     plan.input.as_deref().and_then(LiveInput::of)
 }
 
-/// Whether the source of a plan can be made; `simulate` makes the simulator's.
+/// Checks that the source of a plan can be made; `simulate` makes the simulator's.
 pub fn check<M: Sensors, S>(
     plan: &Plan,
     simulate: impl FnOnce() -> Result<S, Failure>,
@@ -162,7 +162,7 @@ pub fn check<M: Sensors, S>(
     }
 }
 
-/// Is the source of a plan until the run ends; `simulate` makes the simulator's.
+/// Runs the source of a plan until the run ends; `simulate` makes the simulator's.
 pub fn serve<M, S>(
     mut worker: Worker,
     plan: &Plan,
@@ -181,8 +181,8 @@ where
     let Some(input) = &plan.input else {
         return Ok(run_source(worker, sensors, truth, pace, simulate()?)?);
     };
-    // After a restart the first live sample gets the time since the run began, or comes shortly after
-    // the latest if the data were ahead of that.
+    // After a restart the time of the first live sample is the time since the run began. It is shortly after
+    // the latest sample if the data were ahead of that.
     let start = |begin: Begin, restarts: u32| {
         let since = now_ns().saturating_sub(begin.start_ns);
         let first = since.max(begin.latest_ns + AFTER_RESTART_NS);

@@ -1,5 +1,5 @@
-//! File descriptors that are kept back, so that a service can be started again when all others are
-//! in use: by viewers of the live page, above all.
+//! File descriptors held in reserve, so that a service can be restarted when all others are
+//! in use, above all by viewers of the live page.
 
 use std::fs::File;
 
@@ -7,15 +7,15 @@ use rustix::process::{Resource, getrlimit};
 
 use crate::failure::Failure;
 
-/// What a clean-up and a start take, with some to spare.
+/// Descriptors for a clean-up and a start, with a margin.
 const SPARE: usize = 24;
-/// What a run takes in its supervisor, without viewers, and in each service.
+/// Descriptors of a run: in its supervisor, without viewers, and in each service.
 const NEEDED: u64 = 192;
-/// The same where its services are threads of the supervisor: 390 counted, without viewers.
+/// Descriptors of a run whose services are threads of the supervisor: 390 counted, without viewers.
 const NEEDED_WITH_THREADS: u64 = 512;
 
-/// Address space of one process with services as threads: 1.13 GB were counted, most of it stacks and arenas of threads. With
-/// less the allocator ends the process in the midst of a run.
+/// Address space of one process with services as threads [bytes]: 1.13 GB were counted, most of it stacks and arenas of threads. With
+/// less the allocator ends the process during a run.
 const ADDRESSES_WITH_THREADS: u64 = 1200 << 20;
 
 /// Descriptors in reserve.
@@ -23,7 +23,7 @@ const ADDRESSES_WITH_THREADS: u64 = 1200 << 20;
 pub struct Spare(Vec<File>);
 
 impl Spare {
-    /// As many as there are to be had.
+    /// Takes descriptors up to the reserve, or as many as the system gives.
     pub fn fill(&mut self) {
         while self.0.len() < SPARE
             && let Ok(file) = File::open("/dev/null")
@@ -32,13 +32,13 @@ impl Spare {
         }
     }
 
-    /// Lets go of them.
+    /// Releases them.
     pub fn release(&mut self) {
         self.0.clear();
     }
 }
 
-/// Whether a run has what it needs.
+/// Checks that a run may open enough descriptors.
 pub fn check_limit(threads: bool) -> Result<(), Failure> {
     let needed = if threads { NEEDED_WITH_THREADS } else { NEEDED };
     match getrlimit(Resource::Nofile).current {
@@ -51,7 +51,7 @@ pub fn check_limit(threads: bool) -> Result<(), Failure> {
     }
 }
 
-/// Whether a process with threads may have the memory that it needs.
+/// Checks that a process with threads may map enough memory.
 fn check_addresses(limit: Option<u64>) -> Result<(), Failure> {
     match limit {
         Some(limit) if limit < ADDRESSES_WITH_THREADS => Err(Failure::input(

@@ -1,12 +1,12 @@
-//! `--state FILE`: what took long to learn and changes slowly is remembered from run to run.
+//! `--state FILE`: parameters that take long to identify and change slowly are remembered from run to run.
 //!
-//! Only what was trusted is remembered, per parameter with its standard deviation and the day. The next run
-//! begins with it as its prior: widened for the pause, never narrower than a share of the described prior,
-//! and without a verdict. The description that a recording carries holds those priors, so a replay needs
+//! Only trusted values are remembered, per parameter with standard deviation and time. They are the priors of the next
+//! run: widened for the pause, never narrower than a share of the described prior, and without a
+//! verdict. The description in a recording contains those priors, so a replay needs
 //! nothing else.
 //!
-//! A state outlives versions of heft: it holds what its description stated beside the defaults, its keys are read by their
-//! old names too, and fields that this version does not have are passed over. Its last line is the checksum of all before it.
+//! A state outlives versions of heft: it contains what its description stated beside the defaults, renamed keys are
+//! accepted, and unknown fields are ignored. Its last line is the checksum of all lines before it.
 
 mod file;
 
@@ -26,11 +26,11 @@ use steps::stages::Pipeline;
 use self::file::{FORMAT, Refusal, Remembered, State, read, sealed, set_aside, stated};
 use crate::failure::Failure;
 
-/// Time between two writes.
+/// Time between two writes of the file.
 const PERIOD: Duration = Duration::from_secs(60);
 
-/// A parameter that is worth remembering, by the sheet of its machine: its row, the field of its standard deviation, and
-/// the keys that both restore. A content of the bucket or a load is not slow.
+/// A parameter to remember, by the sheet of its machine: its row, the field of its standard deviation, and
+/// the keys that both restore. The content of the bucket and a load are not slow.
 type Slow = (&'static sheet::Quantity, &'static str, [&'static str; 2]);
 
 fn slow(machine: Machine) -> impl Iterator<Item = Slow> {
@@ -42,18 +42,18 @@ fn slow(machine: Machine) -> impl Iterator<Item = Slow> {
 #[derive(Debug)]
 pub struct Memory {
     machine: Machine,
-    /// The channel that is listened to: that of the headline estimate.
+    /// Channel of the parameters: that of the headline estimate.
     channel: Option<&'static str>,
     file: PathBuf,
     state: State,
     written: Instant,
-    /// The last attempt failed: said once.
+    /// The last write failed: reported once.
     failed: bool,
 }
 
 impl Memory {
-    /// Opens the file of an earlier run, if there is one that fits, and puts what it remembers into the
-    /// description. Returns what there is to say of it, a line.
+    /// Opens the file of an earlier run, if there is one that fits, and puts its parameters into the
+    /// description. Returns a line for the user.
     pub fn open(
         file: &Path,
         description: &mut Description,
@@ -82,7 +82,7 @@ impl Memory {
             }
             Ok(None) => (fresh, format!("{place}: nothing to remember yet")),
             Err(Refusal::Unfit(why)) => {
-                // Kept, for whoever wants to know; never a reason not to run.
+                // Stored for inspection; an unfit state does not stop a run.
                 let aside = set_aside(file).map_err(|e| Failure::file("keep", file, &e))?;
                 (
                     fresh,
@@ -107,12 +107,12 @@ impl Memory {
             written: Instant::now(),
             failed: false,
         };
-        // Whoever cannot write says so before the work, not after it.
+        // A file that cannot be written is reported before the run, not after it.
         memory.write()?;
         Ok((memory, line))
     }
 
-    /// Looks at an estimate.
+    /// Remembers the trusted parameters of an estimate.
     pub fn see<M: Message>(&mut self, channel: &Channel, message: &M) {
         if self.channel != Some(channel.name) {
             return;
@@ -130,14 +130,14 @@ impl Memory {
         }
     }
 
-    /// Writes the file where a minute has passed.
+    /// Writes the file if a minute has passed.
     pub fn tick(&mut self) {
         if self.written.elapsed() >= PERIOD {
             self.save();
         }
     }
 
-    /// Writes the file now. What cannot be written is said, once; the run goes on.
+    /// Writes the file now. A failure is reported once; the run goes on.
     pub fn save(&mut self) {
         self.written = Instant::now();
         if let Err(failure) = self.write() {
@@ -148,7 +148,7 @@ impl Memory {
         }
     }
 
-    /// In one step: at every moment there is the old state or the new one.
+    /// Writes atomically: at every moment the file holds the old state or the new one.
     fn write(&self) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&self.state).map_err(Failure::internal)?;
         let text = sealed(text.trim_end_matches("\n}"));
@@ -159,7 +159,7 @@ impl Memory {
             let mut options = fs::OpenOptions::new();
             options.write(true).create_new(true).mode(0o600);
             let mut file = match options.open(&new) {
-                // In a container the process id is always the same: a file that a cut of power left.
+                // In a container the process id is always the same: the file remains from a power failure.
                 Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
                     fs::remove_file(&new)?;
                     options.open(&new)?
@@ -177,7 +177,7 @@ impl Memory {
     }
 }
 
-/// Puts remembered parameters into a description; what was done, in words, and with which of them nothing was.
+/// Puts remembered parameters into a description. Returns as text which were restored, and which not.
 fn restore(
     parameters: &BTreeMap<String, Remembered>,
     now: u64,
@@ -204,8 +204,8 @@ fn restore(
     }
 }
 
-/// Puts a remembered parameter under its key and its standard deviation's; that standard deviation, or why the description
-/// begins from its own prior.
+/// Puts a remembered parameter under its key, and its widened standard deviation under that key. Returns that standard deviation, or
+/// why the description's own prior stays.
 fn restore_one(
     [key, std_key]: [&str; 2],
     old: Remembered,
@@ -213,11 +213,11 @@ fn restore_one(
     description: &mut Description,
 ) -> Result<f64, String> {
     let prior = description.number(std_key).unwrap_or(0.0);
-    // 0 says that it is known exactly.
+    // Standard deviation 0: stated as exactly known.
     if prior <= 0.0 {
         return Err(format!("{std_key} is 0: it is known exactly"));
     }
-    // Learnt in the future: a clock was wrong, by that much at least.
+    // A time in the future: a clock was wrong by at least that much.
     let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
     let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
     description.set_all(&set).map_err(|error| error.what)?;
@@ -255,7 +255,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
         let methods = BTreeMap::new();
-        // What a cut of power left of a process that had the same number.
+        // The file that a power failure left of a process with the same number.
         let left = file.with_extension(format!("{}.new", std::process::id()));
         fs::write(left, "half").unwrap();
         let (mut memory, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
@@ -283,7 +283,7 @@ mod tests {
             (std(&after) / std(&before) - LEAST_SHARE).abs() < 1e-9,
             "floored"
         );
-        // The same description again: what was restored is no change of it.
+        // The same description again: restored values do not count as a change of it.
         let (_, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
         assert!(said.contains("restored"), "{said}");
     }
@@ -317,7 +317,7 @@ mod tests {
             let said = open();
             assert!(said.contains(words) && said.contains("kept as"), "{said}");
         }
-        // None was lost of those that were refused in turn.
+        // All states that were refused in turn are stored.
         let kept = fs::read_dir(folder.path()).unwrap().flatten();
         let kept = kept.filter(|f| f.file_name().to_string_lossy().contains(".refused"));
         assert_eq!(kept.count(), 4);
@@ -362,7 +362,7 @@ mod tests {
         );
     }
 
-    /// A state that was learnt with this description, written to a file.
+    /// A state identified with this description, written to a file.
     fn learnt(file: &Path, description: &Description) -> String {
         let _ = fs::remove_file(file);
         let (mut memory, _) =
@@ -372,7 +372,7 @@ mod tests {
         fs::read_to_string(file).unwrap()
     }
 
-    /// What a run with this description says of this text as its state.
+    /// The line of a run with this description and this text as its state.
     fn said_of(text: &str, description: &Description) -> String {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
@@ -381,7 +381,7 @@ mod tests {
         opened.unwrap().1
     }
 
-    /// The text with its checksum made anew: what another version of heft may have written.
+    /// The text with its checksum computed again: a file as another version of heft may have written it.
     fn resealed(text: &str) -> String {
         sealed(text.rsplit_once(SEAL).unwrap().0)
     }
@@ -420,7 +420,7 @@ mod tests {
         described.set("sensors.slope_follows=0.3").unwrap();
         let text = learnt(&file, &described);
 
-        // Before keys were renamed, and after a field, a parameter and a key of a description came that this one does not have.
+        // A state from before keys were renamed, and one with a field, a parameter and a key unknown to this version.
         let old_name = text.replace("slope_acceleration_sensitivity", "slope_follows");
         let more = text.replace("\"stated\": {", "\"stated\": { \"sensors.new\": \"1.0\",");
         let more = more.replace("\"machine\":", "\"new\": [1],\n  \"machine\":");

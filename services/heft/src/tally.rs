@@ -1,11 +1,11 @@
-//! How the quantities of a run do while it goes on: a few counts each, whatever its length. What a whole recording did
-//! is reported by [`view::score`].
+//! Running scores of the quantities of a run: a few counts each, whatever its length. A whole recording
+//! is scored by [`view::score`].
 
 use statistics::judge::is_covered;
 
 use crate::quantity::Quantity;
 
-/// How one estimated quantity has done so far.
+/// Running scores of one estimated quantity.
 #[derive(Debug, Clone, Copy)]
 pub struct Tally {
     /// What it is.
@@ -55,7 +55,7 @@ impl Tally {
         }
     }
 
-    /// For the live line.
+    /// Text for the live line.
     pub fn short(&self) -> String {
         let q = self.quantity;
         let truth = self.truth.map_or(String::new(), |t| {

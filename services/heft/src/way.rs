@@ -1,4 +1,4 @@
-//! The stages that lead from a sample to an estimate, in this process.
+//! The chain of stages from a sample to an estimate, in this process.
 
 use config::Description;
 use messages::Machine;
@@ -6,7 +6,7 @@ use messages::channels::Channel;
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline};
 
-/// The method that was asked for, or that of the headline estimate.
+/// The requested method, or that of the headline estimate.
 pub fn method(machine: Machine, asked: Option<&str>) -> &str {
     let pipeline = Pipeline::of(machine);
     let main = pipeline.stage(pipeline.main);
@@ -14,10 +14,10 @@ pub fn method(machine: Machine, asked: Option<&str>) -> &str {
     asked.or(usual).unwrap_or_default()
 }
 
-/// The stages that lead to a method's estimate, each with the channel that it writes.
+/// The stages up to a method's estimate, each with the channel that it writes.
 pub type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
 
-/// The way to the estimate of a method.
+/// Builds the stages up to the estimate of a method.
 pub fn way(description: &Description, method: &str) -> Result<Way, Error> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);

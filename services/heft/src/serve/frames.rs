@@ -1,21 +1,21 @@
-//! What the router and its shards say to each other: a kind, a length, bytes; numbers little-endian.
+//! Protocol between the router and its shards: kind, length, bytes; numbers little-endian.
 
 use std::io::{self, Read, Write};
 
 use messages::{Message, NumberType, Value};
 
-/// A sample of a machine: its number, then the fields of the message; none where the machine is to be forgotten.
+/// A sample of a machine: its number, then the fields of the message; without fields the machine is removed.
 pub const SAMPLE: u8 = b'S';
-/// To a shard: tell your state. From a shard: the state.
+/// To a shard: request for its state. From a shard: the state.
 pub const STATE: u8 = b'C';
-/// The row of the estimate of a sample: the machine's number, the flags of the estimate, the row; an empty one is none.
+/// The row of the estimate of a sample: the machine's number, the flags of the estimate, the row; an empty row means none.
 pub const ROW: u8 = b'E';
-/// In place of a row: the machine of this number is forgotten.
+/// In place of a row: the machine of this number was removed.
 pub const GONE: u8 = b'-';
 /// Why a shard cannot go on.
 pub const FAULT: u8 = b'!';
 
-/// Longest frame that is believed: states of a hundred thousand machines.
+/// Longest accepted frame [bytes]: states of a hundred thousand machines.
 const LONGEST: usize = 1 << 31;
 
 /// A frame as bytes.
@@ -33,7 +33,7 @@ pub fn write(out: &mut impl Write, kind: u8, parts: &[&[u8]]) -> io::Result<()> 
     out.write_all(&frame(kind, parts))
 }
 
-/// The next frame's kind, its bytes in `into`; `None` at the end of the input.
+/// Reads a frame into `into` and returns its kind; `None` at the end of the input.
 pub fn read(input: &mut impl Read, into: &mut Vec<u8>) -> io::Result<Option<u8>> {
     let mut kind = [0];
     if input.read(&mut kind)? == 0 {

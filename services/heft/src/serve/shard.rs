@@ -1,5 +1,5 @@
-//! A shard: steps the machines whose samples it is sent, one process a core. What it knows of them it tells on
-//! request, so that another shard can go on where it stopped.
+//! A shard: steps the machines whose samples it receives, one process per core. It sends its state on
+//! request, so that another shard can continue from it.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, BufWriter, Write, stdin, stdout};
@@ -14,12 +14,12 @@ use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
 use crate::failure::Failure;
 use crate::way::{Way, way};
 
-/// Room for the state of a step \[bytes\]; the largest takes some 3000.
+/// Buffer for the state of a step \[bytes\]; the largest takes some 3000.
 const ROOM: usize = 1 << 16;
 
 /// A machine in a shard.
 struct Member {
-    /// Its steps, the estimate's last.
+    /// Its steps; the last one makes the estimate.
     way: Way,
     /// Time of its last row \[s\].
     reported: f64,
@@ -35,7 +35,7 @@ struct Shard<'a, E: Estimate> {
     members: BTreeMap<u32, Member>,
 }
 
-/// Serves standard input until it ends.
+/// Serves frames on standard input until it ends.
 pub fn serve<S: Message, E: Estimate>(
     description: &Description,
     method: &str,
@@ -93,7 +93,7 @@ pub fn serve<S: Message, E: Estimate>(
     }
 }
 
-/// Whether the router still reads: what it ended for, it says itself.
+/// Whether the router still reads. If it has ended, the router itself reports why.
 fn arrives(sent: std::io::Result<()>) -> Result<bool, Failure> {
     match sent {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(false),
@@ -113,7 +113,7 @@ impl<E: Estimate> Shard<'_, E> {
         }
     }
 
-    /// The row of a sample's estimate and its flags; nothing where there is none.
+    /// Appends the row of a sample's estimate, and returns its flags; no row where there is no estimate.
     fn answer<S: Message>(
         &mut self,
         number: u32,
@@ -133,7 +133,7 @@ impl<E: Estimate> Shard<'_, E> {
             return Ok(0);
         };
         let time = estimate.stamp().time;
-        // A clock that was set back begins anew.
+        // A clock that was set back restarts the period.
         if (member.reported..member.reported + every).contains(&time) {
             return Ok(0);
         }
@@ -144,7 +144,7 @@ impl<E: Estimate> Shard<'_, E> {
         member.reported = time;
         match form {
             Form::Table => {
-                // Empty, so it is text; it keeps its room.
+                // The buffer is empty, so it is text; its capacity is reused.
                 let mut text = String::from_utf8(std::mem::take(row)).unwrap_or_default();
                 rows.put(estimate, &mut text);
                 *row = text.into_bytes();
@@ -154,7 +154,7 @@ impl<E: Estimate> Shard<'_, E> {
         Ok(flags)
     }
 
-    /// Everything that another shard needs: how many machines; of each its number, the time of its last row, the number of
+    /// The state for another shard: number of machines; of each its number, the time of its last row, the number of
     /// its steps, and of each step length and state.
     fn save(&self) -> Vec<u8> {
         let mut bytes = (self.members.len() as u64).to_le_bytes().to_vec();
@@ -172,7 +172,7 @@ impl<E: Estimate> Shard<'_, E> {
         bytes
     }
 
-    /// Becomes the shard that wrote this.
+    /// Continues from the state that another shard wrote.
     fn restore(&mut self, mut bytes: &[u8]) -> Result<(), Failure> {
         let broken = || Failure::internal("the state of a shard is broken");
         let _machines: [u8; 8] = take(&mut bytes).ok_or_else(broken)?;
@@ -189,7 +189,7 @@ impl<E: Estimate> Shard<'_, E> {
                 let length = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?) as usize;
                 let (state, rest) = bytes.split_at_checked(length).ok_or_else(broken)?;
                 bytes = rest;
-                // A step without a state has none to lose.
+                // A step without a state has nothing to restore.
                 if length > 0 && !step.restore(state) {
                     return Err(broken());
                 }
@@ -199,7 +199,7 @@ impl<E: Estimate> Shard<'_, E> {
     }
 }
 
-/// How many machines are in a state.
+/// Number of machines in a state.
 pub fn machines(state: &[u8]) -> u64 {
     state.first_chunk().map_or(0, |n| u64::from_le_bytes(*n))
 }

@@ -1,4 +1,4 @@
-//! The file of a state: what it holds, when it is whole, and whether it fits a run.
+//! The file of a state: its fields, its checksum, and whether it fits a run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,45 +8,45 @@ use std::path::{Path, PathBuf};
 use config::Description;
 use serde::{Deserialize, Serialize};
 
-/// Refused states that are kept beside a state.
+/// Largest number of refused states stored beside a state.
 const MOST_KEPT: u32 = 1000;
 /// Largest file that is read as a state \[bytes\].
 const LARGEST: u64 = 1 << 20;
-/// Meaning of the fields: a larger number for one that this version could misread. A field that is new needs none.
+/// Version of the fields' meaning: increased if this version could misread them. A new field needs no increase.
 pub(super) const FORMAT: u32 = 2;
-/// The format of files that do not say theirs: a hash of the whole description, no checksum.
+/// Version of files that state none: a hash of the whole description, no checksum.
 const FIRST_FORMAT: u32 = 1;
-/// What stands between the contents of a file and their checksum, in every format since the second.
+/// Text between the contents of a file and their checksum, in every format since the second.
 pub(super) const SEAL: &str = ",\n  \"sha256\": \"";
 
 /// A remembered parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Remembered {
-    /// In the unit of its key.
+    /// Value in the unit of its key.
     pub(super) value: f64,
     /// Its standard deviation when it was last trusted.
     pub(super) std: f64,
-    /// When that was [s since 1970].
+    /// Time of that [s since 1970].
     pub(super) learnt: u64,
 }
 
-/// What the file holds.
+/// The contents of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct State {
-    /// The build that wrote it. The first field: by it a damaged file is known as one of heft.
+    /// The build that wrote it. The first field: it identifies a damaged file as one of heft.
     pub(super) heft: String,
     #[serde(default = "first_format")]
     pub(super) format: u32,
     pub(super) machine: String,
-    /// What the description stated beside the defaults, by key; without what was restored.
+    /// What the description stated beside the defaults, by key; without restored values.
     #[serde(default)]
     pub(super) stated: BTreeMap<String, String>,
-    /// Of the whole description, in the first format.
+    /// Hash of the whole description, in the first format.
     #[serde(default, skip_serializing)]
     pub(super) description_sha256: String,
     /// Methods of the run, by process.
     pub(super) methods: BTreeMap<String, String>,
-    /// By the key that they restore.
+    /// Parameters by the key that they restore.
     pub(super) parameters: BTreeMap<String, Remembered>,
 }
 
@@ -56,13 +56,13 @@ fn first_format() -> u32 {
 
 /// Why a file is not used.
 pub(super) enum Refusal {
-    /// It is no state of heft: it stays as it is.
+    /// It is no state of heft: the file stays unchanged.
     Foreign(String),
     /// A state that does not fit this run.
     Unfit(String),
 }
 
-/// Moves a file beside itself, under the first name that is free.
+/// Renames a file within its folder, to the first free name.
 pub(super) fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
     let name = file.file_name().unwrap_or_default().to_os_string();
     for number in 1..=MOST_KEPT {
@@ -72,7 +72,7 @@ pub(super) fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
             n => format!(".refused-{n}"),
         });
         let aside = file.with_file_name(aside);
-        // Never over something that is there, also where two runs do it at a time.
+        // Never overwrites a file, even if two runs rename at the same time.
         let flags = rustix::fs::RenameFlags::NOREPLACE;
         match rustix::fs::renameat_with(rustix::fs::CWD, file, rustix::fs::CWD, &aside, flags) {
             Ok(()) => return Ok(aside),
@@ -85,11 +85,11 @@ pub(super) fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
     )))
 }
 
-/// The text of a regular file of the size of a state; `None` if there is nothing.
+/// The text of a regular file of the size of a state; `None` if there is no file.
 fn text_of(file: &Path) -> std::io::Result<Option<String>> {
     use std::io::Read;
     let mut options = fs::OpenOptions::new();
-    // A pipe is not waited for.
+    // Opening a pipe must not block.
     let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
     let opened = match options.read(true).custom_flags(flags).open(file) {
         Ok(opened) => opened,
@@ -104,7 +104,7 @@ fn text_of(file: &Path) -> std::io::Result<Option<String>> {
     if bytes.len() as u64 > LARGEST {
         return Err(std::io::Error::other("it is too large for one"));
     }
-    // What is no text is damage like any other.
+    // Bytes that are no text are damage like any other.
     Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
@@ -114,14 +114,14 @@ pub(super) fn stated(description: &Description) -> BTreeMap<String, String> {
     stated.map(|(key, value)| (key.into(), value)).collect()
 }
 
-/// Contents without their last bracket, as a file: closed by their checksum.
+/// Contents without their last bracket, closed by their checksum.
 pub(super) fn sealed(contents: &str) -> String {
     let sum = recording::sha256(contents);
     format!("{contents}{SEAL}{sum}\"\n}}\n")
 }
 
-/// Whether a damaged text was a state: it begins or ends as heft writes them, or nothing is in it, which is what a host
-/// leaves that lost its power.
+/// Whether a damaged text was a state: it begins or ends as heft writes them, or is empty as after a power failure of the
+/// host.
 fn is_ours(text: &str) -> bool {
     let begin: String = text.split_whitespace().take(2).collect();
     begin.starts_with("{\"heft\":")
@@ -135,7 +135,7 @@ fn whole(text: &str) -> Result<State, String> {
     if contents.is_some_and(|contents| sealed(contents) != text) {
         return Err("its checksum is not that of its contents".into());
     }
-    /// What is read first: a later format may lack what this one needs.
+    /// The fields that are read first: a later format may lack others that this one needs.
     #[derive(Deserialize)]
     struct Head {
         #[serde(default = "first_format")]
@@ -153,7 +153,7 @@ fn whole(text: &str) -> Result<State, String> {
     serde_json::from_str(text).map_err(|e| e.to_string())
 }
 
-/// The parameters in a file, by their keys of today; `None` if there is no file.
+/// The parameters in a file, by their present keys; `None` if there is no file.
 pub(super) fn read(
     file: &Path,
     description: &Description,
@@ -186,7 +186,7 @@ fn fits(
         return Err(format!("it is of the machine {}", old.machine));
     }
     if old.format == FIRST_FORMAT {
-        // It cannot be told whether the user changed the description, or heft its keys.
+        // A hash cannot distinguish a change by the user from renamed keys of heft.
         if old.description_sha256 != recording::sha256(description.to_toml()) {
             return Err("the machine file was changed since, or heft's defaults: \
                  an older heft wrote it, which did not say what was stated"
