@@ -1,13 +1,15 @@
-//! The consistent step of [`estimation::srukf`] for several machines at once: one number of a machine becomes one number for each.
+//! The consistent step of [`estimation::srukf`] for several machines at once: each number becomes a vector with a lane for each
+//! machine.
 //!
-//! Written over any [`Scalar`]. With `f64` it is one more form of the single step; with a type that holds a lane for each machine every
-//! operation serves all of them, and the dependency chains that bound a single step (a root and a division for each state) are
-//! paid once for all. No product steps machines so: it is what lanes could give. There is no selection by data, so lanes do not wait for each other.
+//! The step is generic over any [`Scalar`]. With `f64` it is another form of the single step. With a type of lanes every
+//! operation serves all machines, and the dependency chains that bound a single step (a root and a division for each state) are
+//! shared. The product does not step machines in this form: it shows the possible gain from lanes. No branch depends on data, so
+//! lanes do not wait for each other.
 //!
-//! Only for models whose measurements are their leading states. A measurement that is missing in one lane has innovation 0 and
-//! a large standard deviation there; nothing is left out.
+//! Only for models whose measurements are their leading states. A measurement that is missing in one lane has innovation 0 and a
+//! large standard deviation there; no operation is skipped.
 
-// Formulas with two indices each read better with them than with iterators.
+// Formulas with two indices each are more readable with indices than with iterators.
 #![allow(clippy::needless_range_loop)]
 
 use estimation::scalar::Scalar;
@@ -15,10 +17,10 @@ use estimation::sigma_points::{Spread, Weights};
 
 /// A process in lanes; the first `M` states are measured.
 pub trait LaneModel<T, const N: usize> {
-    /// The process changes the first `DYNAMIC` states; the others are random walks.
+    /// Number of leading states with dynamics; the others are random walks.
     const DYNAMIC: usize;
 
-    /// The state one step later; entries from `DYNAMIC` on are not looked at.
+    /// The state one step later; entries from `DYNAMIC` on are ignored.
     fn predict(&self, state: &[T; N]) -> [T; N];
 }
 
@@ -72,7 +74,7 @@ impl<T: Scalar, const N: usize, const M: usize> BatchUkf<T, N, M> {
         nis
     }
 
-    /// Sends the sigma points through the model and moves the state to their mean.
+    /// Propagates the sigma points through the model and sets the state to their mean.
     #[inline(always)]
     fn images<P: LaneModel<T, N>>(&mut self, model: &P) -> Spreads<T, N> {
         let zero = T::constant(0.0);
@@ -103,7 +105,7 @@ impl<T: Scalar, const N: usize, const M: usize> BatchUkf<T, N, M> {
         spreads
     }
 
-    /// The predicted root by Householder reflections, as [`estimation::root`] does it.
+    /// The predicted root by Householder reflections, as in [`estimation::root`].
     #[inline(always)]
     fn triangularise(&mut self, spreads: &mut Spreads<T, N>, process_std: &[f64; N]) {
         for i in 0..N {
@@ -124,7 +126,7 @@ impl<T: Scalar, const N: usize, const M: usize> BatchUkf<T, N, M> {
         }
     }
 
-    /// Folds the measurement of state j into the root by Givens rotations, and returns the whitened innovation.
+    /// Updates the root with the measurement of state j by Givens rotations; returns the whitened innovation.
     #[inline(always)]
     fn absorb(&mut self, j: usize, measured: T, std: T) -> T {
         let innovation = measured - self.state[j];

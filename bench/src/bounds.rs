@@ -1,12 +1,12 @@
-//! Two lower bounds of a step, in this machine's own nanoseconds.
+//! Two lower bounds of a step, in nanoseconds of this machine.
 //!
-//! | bound | what it says |
+//! | bound | definition |
 //! |---|---|
 //! | flops | all operations at the highest rate this build reaches on independent numbers |
-//! | chain | the operations that must wait for each other from one step to the next, sums taken as trees |
+//! | chain | the operations that depend on each other from one step to the next, sums taken as trees |
 //!
-//! Operations are counted by hand from the formulas; their times are measured here, in the same run as everything else. A filter at the
-//! chain bound cannot be made quicker by doing less elsewhere, only by running several machines at once.
+//! Operations are counted by hand from the formulas; their times are measured here, in the same run as everything else. A filter
+//! at the chain bound does not become faster by saving other operations, only by running several machines at once.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -58,11 +58,11 @@ pub const EXTENDED: Operations = Operations {
 pub struct Host {
     /// One operation among many independent ones.
     pub throughput: f64,
-    /// An addition or multiplication that waits for the one before.
+    /// An addition or multiplication that depends on the one before.
     pub arithmetic: f64,
-    /// A division that waits.
+    /// A division that depends on the operation before.
     pub division: f64,
-    /// A square root that waits.
+    /// A square root that depends on the operation before.
     pub root: f64,
 }
 
@@ -78,12 +78,12 @@ impl Host {
         }
     }
 
-    /// Time of a step if only the number of operations counted \[ns\].
+    /// Time of a step by the number of operations only \[ns\].
     pub fn flop_bound(&self, operations: &Operations) -> f64 {
         operations.flops * self.throughput
     }
 
-    /// Time of a step if only its longest chain counted \[ns\].
+    /// Time of a step by its longest chain only \[ns\].
     pub fn chain_bound(&self, operations: &Operations) -> f64 {
         operations.chain * self.arithmetic
             + operations.divisions * self.division
@@ -93,7 +93,7 @@ impl Host {
 
 const TURNS: usize = 4000;
 
-/// Nanoseconds of `f` applied to its own result, the quickest of some blocks.
+/// Nanoseconds of `f` applied to its own result, the least of several blocks.
 fn quickest(f: impl Fn(f64) -> f64) -> f64 {
     (0..200)
         .map(|_| {
@@ -108,7 +108,7 @@ fn quickest(f: impl Fn(f64) -> f64) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Nanoseconds of one operation among 32 independent chains, in the vectors this build uses.
+/// Nanoseconds of one operation among 32 independent chains, with the vectors of this build.
 fn throughput() -> f64 {
     const LANES: usize = 32;
     (0..200)

@@ -1,7 +1,8 @@
-//! Instructions a step, counted by valgrind's callgrind: the same on a busy machine as on an idle one, so they can gate a change.
+//! Instructions per step, counted by valgrind's callgrind. The count does not depend on the load of the machine, so it can gate a
+//! change.
 //!
-//! The program starts itself under valgrind with the hidden command `block KEY PASSES`; only [`crate::measure`]'s block of steps is
-//! counted.
+//! The program starts itself under valgrind with the hidden command `block KEY PASSES`; only [`crate::measure`]'s block of steps
+//! is counted.
 
 use crate::groups::{self, Role};
 use crate::measure::Contender;
@@ -14,8 +15,8 @@ use std::process::{Command, Stdio};
 /// The hidden command that runs one contender.
 pub const SUBCOMMAND: &str = "block";
 
-/// Instructions a step by group and contender: the target, and the gate that no change may pass. They differ where the target is
-/// not reached: the gate then keeps what has been reached.
+/// Instructions per step by group and contender: the target, and the gate, a limit for every change. They differ if the target is
+/// not reached: the gate then preserves the present count.
 pub const BUDGETS: [(&str, usize, u64, u64); 5] = [
     ("kf_2_1", 0, 30, 30),
     ("rls_3", 0, 40, 40),
@@ -24,37 +25,39 @@ pub const BUDGETS: [(&str, usize, u64, u64); 5] = [
     ("ekf_6_3", 0, 1300, 1195),
 ];
 
-/// Instructions that a default step of the product may not pass, in the mean over a minute's rows: what has been reached and a
-/// hundredth. A change that helps the small models above can cost the real ones.
+/// Limit of the instructions of a default step of the product, in the mean over a minute's rows: the present count plus 1 %. A
+/// change that helps the small models above can cost the real ones.
 pub const REAL_GATES: [(&str, u64); 9] = [
-    // 2627 counted. 2067 before signals that are held (172) and stamps that jitter (119) were looked for, and rows had pressures.
+    // 2627 counted. 2067 before the detection of held signals (172) and of jitter of the time stamps (119), and without pressures
+    // in the rows.
     ("excavator_kalman", 2630),
     ("excavator_svf_rls", 555),
-    // Budget 12 000; target 8000; 7649 counted. 4385 before the torque's lag was found (1160), two filters had 17 states instead of 11 (845), now 18, and
-    // held signals, noisy joint angles and jittering stamps were looked for (460).
+    // Budget 12 000; target 8000; 7649 counted. 4385 before the estimation of the torque's lag (1160), with 11 states in two
+    // filters instead of 17 (845), now 18, and before the detection of held signals, noisy joint angles and jitter of the time
+    // stamps (460).
     ("excavator_posture_torque", 7740),
-    // Budget 45 000, 25 000 hoped for. 31 495 counted; 35 408 before the model was inlined into the loop over the sigma points.
+    // Budget 45 000, goal 25 000. 31 495 counted; 35 408 before the model was inlined into the loop over the sigma points.
     ("loader_full_12", 31_830),
-    // Target 7000; 11 707 counted, of which the covariance takes 3300 and the tangent 2500, inputs, conditions and verdict the rest. 9714 before
-    // loads, curves and one axle's torque that nobody reports were looked for.
+    // Target 7000; 11 707 counted: the covariance takes 3300 and the tangent 2500, inputs, conditions and verdict the rest. 9714
+    // before the detection of loads, curves and an unreported torque of one axle.
     ("loader_full_ekf_12", 11_810),
-    // Inputs, conditions and verdict are more than half of it. 5949 counted; 4899 before force over acceleration told a mass
-    // that is not the stated one (370), and stamps that jitter were looked for (119).
+    // Inputs, conditions and verdict are more than half of it. 5949 counted; 4899 before force over acceleration revealed a mass
+    // that differs from the stated one (370), and before the detection of jitter of the time stamps (119).
     ("loader_ekf_6", 5990),
-    // With the boom cylinders' pressures, or a lift arm. At most 1000 above the same step without are asked for.
+    // With the boom cylinders' pressures, or a lift arm: at most 1000 above the same step without them.
     ("excavator_posture_torque_pressures", 8660),
     ("loader_full_12_arm", 34_280),
     ("loader_full_ekf_12_arm", 14_360),
 ];
 
-/// Instructions of the loop over the samples, which are not the step's: add, compare, jump. Entering the loop, some twenty more,
-/// is spread over all samples and rounded away.
+/// Instructions of the loop over the samples, which are not part of the step: add, compare, jump. Entering the loop takes some
+/// twenty more, which are spread over all samples and rounded away.
 const LOOP: f64 = 3.0;
 
-/// Passes over the data that are counted.
+/// Counted passes over the data.
 const PASSES: usize = 4;
 
-/// Whether valgrind can be started.
+/// Whether valgrind is available.
 pub fn available() -> bool {
     Command::new("valgrind")
         .arg("--version")
@@ -64,7 +67,7 @@ pub fn available() -> bool {
         .is_ok_and(|s| s.success())
 }
 
-/// The contender of a key: those of a comparison by their index, or a step of the product.
+/// The contender of a key: one of a comparison by its index, or a step of the product.
 fn find(key: &str, index: usize) -> Option<Contender> {
     if let Some(mut group) = groups::all().into_iter().find(|group| group.key == key) {
         return (index < group.contenders.len()).then(|| group.contenders.swap_remove(index));
@@ -73,7 +76,7 @@ fn find(key: &str, index: usize) -> Option<Contender> {
     row.map(|(_, make)| make())
 }
 
-/// Runs some passes of a contender: what valgrind looks at. `false` if there is none such.
+/// Runs some passes of a contender under valgrind; returns `false` if there is none such.
 pub fn run_block(key: &str, index: usize, passes: usize) -> bool {
     let Some(mut contender) = find(key, index) else {
         return false;
@@ -84,7 +87,7 @@ pub fn run_block(key: &str, index: usize, passes: usize) -> bool {
     true
 }
 
-/// Instructions of some passes of a contender, run by the program `bench`.
+/// Instructions of some passes of a contender, executed by the program `bench`.
 pub fn instructions(bench: &Path, key: &str, index: usize, passes: usize) -> io::Result<u64> {
     let output = Command::new("valgrind")
         .args([
@@ -108,13 +111,13 @@ pub fn instructions(bench: &Path, key: &str, index: usize, passes: usize) -> io:
     }
 }
 
-/// Instructions a step of a contender.
+/// Instructions per step of a contender.
 pub fn count(key: &str, index: usize) -> io::Result<f64> {
     let all = instructions(&std::env::current_exe()?, key, index, PASSES)?;
     Ok((all as f64 / (PASSES * SAMPLES) as f64 - LOOP).round())
 }
 
-/// Instructions a step of the product, the mean over the rows of its minute.
+/// Instructions per step of the product, the mean over the rows of its minute.
 fn count_real(key: &str, step: &mut Contender) -> io::Result<f64> {
     let all = instructions(&std::env::current_exe()?, key, 0, 1)?;
     Ok((all as f64 / step.pass() as f64 - LOOP).round())
@@ -141,9 +144,9 @@ fn print(group: &str, name: &str, counted: f64, target: Option<u64>, gate: Optio
     verdict != "OVER THE GATE"
 }
 
-/// Counts every budgeted step, prints a table, and says whether all keep within their gate.
+/// Counts every budgeted step, prints a table, and returns whether all are within their gate.
 pub fn check() -> io::Result<bool> {
-    let mut kept = true;
+    let mut within = true;
     println!(
         "{:14} {:30} {:>12} {:>8} {:>8}",
         "", "", "instructions", "target", "gate"
@@ -158,7 +161,7 @@ pub fn check() -> io::Result<bool> {
             }
             let counted = count(group.key, index)?;
             let (target, gate) = (budget.map(|b| b.2), budget.map(|b| b.3));
-            kept &= print(group.key, contender.name, counted, target, gate);
+            within &= print(group.key, contender.name, counted, target, gate);
         }
     }
     let mut gated = 0;
@@ -166,10 +169,10 @@ pub fn check() -> io::Result<bool> {
         if let Some((_, gate)) = REAL_GATES.iter().find(|(k, _)| *k == key) {
             let mut step = make();
             let counted = count_real(key, &mut step)?;
-            kept &= print("product", step.name, counted, None, Some(*gate));
+            within &= print("product", step.name, counted, None, Some(*gate));
             gated += 1;
         }
     }
-    // A gate whose step has another name now would hold nothing.
-    Ok(kept && gated == REAL_GATES.len())
+    // A gate without a step of its name would check nothing.
+    Ok(within && gated == REAL_GATES.len())
 }

@@ -1,4 +1,4 @@
-//! What is compared with what, and the targets.
+//! Groups of compared filters, and the targets.
 
 use crate::bounds::{self, Operations};
 use crate::measure::{Contender, contender, custom};
@@ -6,20 +6,20 @@ use crate::problem::{Filter, SAMPLES, regression_data, rover_data, velocity_data
 use crate::wide::{Batch, LANES, LaneSample, Path};
 use crate::{ours, peers};
 
-/// What a contender is to its group.
+/// Role of a contender in its group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Ours, the one the ratio is about.
+    /// Ours, the numerator of the ratio.
     Ours,
-    /// Ours, another form of the same.
+    /// Another form of ours.
     Variant,
     /// A peer of the same kind.
     Peer,
-    /// A peer of another kind, that somebody could use instead.
+    /// A peer of another kind that is an alternative.
     Other,
 }
 
-/// One row of contenders on one problem.
+/// Contenders on one problem.
 pub struct Group {
     /// The key in the JSON.
     pub key: &'static str,
@@ -29,9 +29,9 @@ pub struct Group {
     pub target: f64,
     /// Operations of one step.
     pub operations: Operations,
-    /// Who takes part, ours first.
+    /// Contenders, ours first.
     pub contenders: Vec<Contender>,
-    /// What each is.
+    /// Role of each contender.
     pub roles: Vec<Role>,
 }
 
@@ -116,10 +116,10 @@ pub fn extended() -> Group {
         .with::<Textbook, _, 6>(Role::Peer, "textbook nalgebra", &data)
 }
 
-/// Highest allowed ratio of a machine's share of a batch to a single step.
+/// Highest allowed ratio of the cost per machine in a batch to a single step.
 pub const BATCH_TARGET: f64 = 0.35;
 
-/// The single step, then batches of eight machines on every path this machine has.
+/// The single step, then batches of eight machines on every path of this machine.
 pub fn batches() -> Vec<Contender> {
     let data = rover_data();
     let lanes: Vec<LaneSample> = (0..SAMPLES)

@@ -1,4 +1,4 @@
-//! `cargo run --release -p bench`: what a step costs, next to the peers and to the limits of the machine.
+//! `cargo run --release -p bench`: cost of a step, beside the peers and the limits of the machine.
 
 use bench::bounds::Host;
 use bench::{counts, groups, measure, real, report, scale as shards};

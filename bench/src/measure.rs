@@ -1,14 +1,15 @@
-//! Interleaved blocks: every contender runs one block, then every one the next, so that a change of clock or load meets all alike.
+//! Interleaved blocks: every contender runs one block, then every one the next, so that a change of clock or load affects all
+//! equally.
 
 use crate::problem::Filter;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Something whose step is timed.
+/// A timed filter.
 pub struct Contender {
-    /// What the table calls it.
+    /// Name in the table.
     pub name: &'static str,
-    /// Runs some steps and returns how many.
+    /// Runs some steps and returns their number.
     block: Box<dyn FnMut() -> u64>,
     /// Runs one step.
     single: Box<dyn FnMut()>,
@@ -29,20 +30,20 @@ impl Contender {
 /// Times of one step \[ns\].
 #[derive(Debug, Clone, Copy)]
 pub struct Timing {
-    /// The quickest block: what the code costs when nothing disturbs it.
+    /// The fastest block: the cost of the code without disturbance.
     pub min: f64,
     /// The middle block.
     pub median: f64,
 }
 
-/// Quantiles of single, separately timed calls \[ns\]; the clock's own cost is in them.
+/// Quantiles of single, separately timed calls \[ns\], including the cost of the clock.
 #[derive(Debug, Clone, Copy)]
 pub struct Tail {
-    /// Half of the calls are quicker.
+    /// Half of the calls are faster.
     pub p50: f64,
-    /// 99 in 100 are quicker.
+    /// 99 in 100 are faster.
     pub p99: f64,
-    /// 999 in 1000 are quicker.
+    /// 999 in 1000 are faster.
     pub p999: f64,
     /// The slowest call.
     pub max: f64,
@@ -55,7 +56,7 @@ fn run<Z, F: Filter<Z, N>, const N: usize>(filter: &mut F, data: &[Z]) {
     }
 }
 
-/// A filter as a contender, running over its data again and again.
+/// A filter as a contender, running over its data repeatedly.
 pub fn contender<F, Z: 'static, const N: usize>(name: &'static str, data: Vec<Z>) -> Contender
 where
     F: Filter<Z, N> + Default + 'static,
@@ -92,7 +93,7 @@ pub fn custom(
     }
 }
 
-/// Times all contenders, block by block in turn; `block_us` is about how long a block lasts \[us\].
+/// Times all contenders, block by block in turn; `block_us` is the approximate duration of a block \[us\].
 pub fn interleaved(contenders: &mut [Contender], blocks: usize, block_us: f64) -> Vec<Timing> {
     let repeats: Vec<usize> = contenders
         .iter_mut()
@@ -116,7 +117,7 @@ pub fn interleaved(contenders: &mut [Contender], blocks: usize, block_us: f64) -
         .collect()
 }
 
-/// How many passes make a block; warms up on the way.
+/// Number of passes in a block; also warms up.
 fn repeats_for(contender: &mut Contender, block_us: f64) -> usize {
     let mut per_step = time(contender, 1);
     for _ in 0..2 {
@@ -126,7 +127,7 @@ fn repeats_for(contender: &mut Contender, block_us: f64) -> usize {
     ((block_us * 1e3) / (per_step * steps)).clamp(1.0, 10_000.0) as usize
 }
 
-/// Nanoseconds a step.
+/// Nanoseconds per step.
 fn time(contender: &mut Contender, repeats: usize) -> f64 {
     let start = Instant::now();
     let mut steps = 0;
@@ -160,13 +161,13 @@ pub fn tail(contender: &mut Contender, calls: usize) -> Tail {
 pub struct Rows {
     /// Mean over the rows.
     pub mean: f64,
-    /// The dearest row.
+    /// The slowest row.
     pub worst: f64,
 }
 
-/// Times every row on its own in some laps and keeps the quickest time of each, less what the clock costs.
+/// Times every row separately in several laps; returns the least time of each, minus the cost of the clock.
 ///
-/// What disturbs a lap does not disturb the same row in all of them; what is left is the row's own work.
+/// A disturbance does not affect the same row in all laps, so the least time is the row's own.
 pub fn rows(contender: &mut Contender, rows: usize, laps: usize) -> Rows {
     let mut quickest = vec![f64::INFINITY; rows];
     for _ in 0..laps {

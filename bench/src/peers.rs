@@ -1,6 +1,6 @@
-//! Other people's filters on our problems. Versions are pinned in `Cargo.toml`.
+//! Filters of other projects on our problems. Versions are pinned in `Cargo.toml`.
 //!
-//! Each is used as its documentation shows, with the fixed-size types where it has them.
+//! Each is used as in its documentation, with the fixed-size types if it has them.
 
 pub mod extended;
 pub mod kalman;

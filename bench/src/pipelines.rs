@@ -1,10 +1,10 @@
-//! Whole pipelines side by side: what a machine costs as processes of its own, by the processor time that the system counts.
+//! Whole pipelines side by side: cost of a machine as separate processes, by the processor time that the system counts.
 //!
-//! Each machine is what `heft run` starts: sensor, kalman, rls, ukf, logger and their supervisor. Starting costs more than running, so
-//! every count is made twice, over a short and a long run, and the difference is taken.
+//! Each machine is a run of `heft run`: sensor, kalman, rls, ukf, logger and their supervisor. Starting costs more than running,
+//! so every count is the difference of a long and a short run.
 //!
-//! What of it is the system's is shown by as many bare chains ([`limits`]): of four processes each, as a machine has that wake with every
-//! sample, which do nothing but sleep and wake the next by a futex.
+//! The system's part of it is that of as many bare chains ([`limits`]). They have four processes each, as many as a machine wakes
+//! with every sample, which only sleep and wake the next by a futex.
 
 use limits::{Options, Primitive};
 use rustix::param::clock_ticks_per_second;
@@ -14,29 +14,29 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Numbers of machines. Of 80 that start at once on two cores, 480 processes, some are not ready in time.
+/// Numbers of machines. If 80 start at once on two cores (480 processes), some are not ready in time.
 pub const MACHINES: [usize; 4] = [1, 10, 20, 40];
 /// Lengths of the two runs [s].
 const LENGTHS: [u64; 2] = [4, 16];
 /// Samples a second [Hz].
 const RATE: u64 = 100;
 
-/// What a number of pipelines took.
+/// Cost of a number of pipelines.
 #[derive(Debug, Clone, Copy)]
 pub struct Cost {
     /// Pipelines that ran at the same time.
     pub machines: usize,
-    /// Processor time a machine and sample, all processes together \[ns\].
+    /// Processor time per machine and sample, all processes together \[ns\].
     pub sample_ns: f64,
     /// The same of bare chains of four processes \[ns\].
     pub bare_ns: f64,
-    /// Memory a machine, shared pages counted in parts \[bytes\].
+    /// Memory per machine, with a share of shared pages \[bytes\].
     pub bytes: f64,
-    /// Samples that some process did not see.
+    /// Samples that some process did not receive.
     pub lost: u64,
 }
 
-/// Runs that many pipelines of the program `heft`.
+/// Runs `machines` pipelines of the program `heft`.
 ///
 /// # Errors
 /// A pipeline cannot be started or fails.
@@ -56,7 +56,7 @@ pub fn measure(heft: &Path, machines: usize) -> io::Result<Cost> {
     })
 }
 
-/// Processor time [s], memory a machine [bytes] and lost samples of some pipelines.
+/// Processor time [s], memory per machine [bytes] and lost samples of some pipelines.
 fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)> {
     let folder = std::env::temp_dir().join(format!("heft-scale-{}", std::process::id()));
     let before = time_of_children()?;
@@ -65,7 +65,7 @@ fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)
         .collect();
     std::thread::sleep(Duration::from_secs(seconds / 2 + 1));
     let bytes = memory(pipelines.iter().flatten()) / machines as f64;
-    // All are waited for before the first failure is reported: the next measurement wants them gone.
+    // All are waited for before the first failure is reported, so that none disturbs the next measurement.
     let ended: Vec<io::Result<u64>> = pipelines.into_iter().map(|p| finish(p?)).collect();
     let _ = std::fs::remove_dir_all(&folder);
     let lost = ended.into_iter().sum::<io::Result<u64>>()?;
@@ -122,10 +122,10 @@ fn start(heft: &Path, folder: &Path, index: usize, seconds: u64) -> io::Result<C
         .spawn()
 }
 
-/// Processor time of all children that have ended, and of theirs [s].
+/// Processor time of all children that have ended, and of their children [s].
 fn time_of_children() -> io::Result<f64> {
     let fields = stat("self")?;
-    // Fields 16 and 17 of proc(5), the third stands first here.
+    // Fields 16 and 17 of proc(5); the first field here is the third there.
     let ticks: u64 = fields[13..=14]
         .iter()
         .filter_map(|f| f.parse::<u64>().ok())
@@ -133,7 +133,7 @@ fn time_of_children() -> io::Result<f64> {
     Ok(ticks as f64 / clock_ticks_per_second() as f64)
 }
 
-/// The fields of /proc/PID/stat after the name: state first, then the parent.
+/// The fields of /proc/PID/stat after the name: the state, then the parent.
 fn stat(pid: &str) -> io::Result<Vec<String>> {
     let text = std::fs::read_to_string(format!("/proc/{pid}/stat"))?;
     let after_name = text.rsplit_once(')').map_or("", |(_, rest)| rest);
@@ -144,7 +144,7 @@ fn stat(pid: &str) -> io::Result<Vec<String>> {
     Ok(fields)
 }
 
-/// Memory of the pipelines: of their supervisors and of what those started [bytes].
+/// Memory of the pipelines: of their supervisors and of the supervisors' children [bytes].
 fn memory<'a>(pipelines: impl Iterator<Item = &'a Child>) -> f64 {
     let supervisors: BTreeSet<String> = pipelines.map(|p| p.id().to_string()).collect();
     let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();

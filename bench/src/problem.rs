@@ -6,8 +6,8 @@
 //! | `rls_3` | inertia, damping, torque | - | 0 = J a + b w - T, a forgetting factor each |
 //! | `srukf_6_3`, `ekf_6_3` | v, w_f, w_r, K, h, lambda | v, w_f, w_r | [`Rover`], some 40 flops with 3 divisions |
 //!
-//! `Rover` is a wheel loader reduced until every peer can run it: explicit Euler, no limits, no rolling resistance law. What the real
-//! loader costs is measured apart.
+//! `Rover` is a wheel loader simplified until every peer can run it: explicit Euler, no limits, no law of the rolling resistance.
+//! The cost of the real loader is measured separately.
 
 use estimation::model::Model;
 use estimation::scalar::Scalar;
@@ -32,7 +32,7 @@ pub struct VelocityProblem {
     pub process_variance: f64,
     /// Variance of the measured velocity [rad^2/s^2].
     pub measurement_variance: f64,
-    /// Variances at the start.
+    /// Initial variances.
     pub initial_variance: [f64; 2],
 }
 
@@ -44,7 +44,7 @@ pub const VELOCITY: VelocityProblem = VelocityProblem {
     initial_variance: [2.5e-5, 0.01],
 };
 
-/// A measured swing velocity [rad/s], one a sample.
+/// A measured swing velocity [rad/s], one per sample.
 pub fn velocity_data() -> Vec<f64> {
     let mut noise = Noise::new(1);
     (0..SAMPLES)
@@ -57,9 +57,9 @@ pub fn velocity_data() -> Vec<f64> {
 /// Parameters of the recursive least squares problem.
 #[derive(Debug, Clone, Copy)]
 pub struct RegressionProblem {
-    /// Parameters at the start: inertia [kg m^2], damping [N m s], torque [N m].
+    /// Initial parameters: inertia [kg m^2], damping [N m s], torque [N m].
     pub parameters: [f64; 3],
-    /// Variances at the start.
+    /// Initial variances.
     pub covariance: [f64; 3],
     /// Forgetting factors.
     pub forgetting: [f64; 3],
@@ -127,7 +127,7 @@ impl Rover {
         torque: [0.0; 2],
     };
 
-    /// The same vehicle under other torques.
+    /// The same vehicle with other torques.
     #[inline(always)]
     pub fn under(&self, torque: [f64; 2]) -> Self {
         Self { torque, ..*self }
@@ -166,7 +166,7 @@ impl Rover {
         [v, front, rear, x[3], x[4], x[5]]
     }
 
-    /// The first three rows of the Jacobian of [`Rover::next`], written out by hand, for peers; the others are unit rows.
+    /// The first three rows of the Jacobian of [`Rover::next`], written by hand, for peers; the others are unit rows.
     #[inline(always)]
     pub fn jacobian(&self, x: &[f64; 6]) -> [[f64; 6]; 3] {
         let [v, front, rear, k, height, share] = *x;
@@ -221,9 +221,9 @@ impl Model<6, 3> for Rover {
 pub struct RoverProblem {
     /// The vehicle.
     pub rover: Rover,
-    /// State at the start.
+    /// Initial state.
     pub state: [f64; 6],
-    /// Its standard deviations.
+    /// Its initial standard deviations.
     pub initial_std: [f64; 6],
     /// Process noise of a step.
     pub process_std: [f64; 6],
@@ -231,7 +231,7 @@ pub struct RoverProblem {
     pub measurement_std: [f64; 3],
 }
 
-/// The comparison's rover, started some way off the truth.
+/// The comparison's rover, with an initial error.
 pub const ROVER: RoverProblem = RoverProblem {
     rover: Rover::NEW,
     state: [1.5, 3.05, 3.05, 6.0, 0.8, 0.5],
@@ -256,7 +256,7 @@ pub fn rover_data() -> Vec<RoverSample> {
         .collect()
 }
 
-/// Deterministic noise of unit variance, near enough to normal for a benchmark: the sum of twelve uniform numbers.
+/// Deterministic noise of unit variance, sufficiently normal for a benchmark: the sum of twelve uniform numbers.
 struct Noise(u64);
 
 impl Noise {

@@ -1,4 +1,4 @@
-//! The steps of the product, on the simulators' rows: a minute of a working cycle of each machine at 100 Hz, again and again.
+//! The steps of the product on the simulators' rows: a minute of a working cycle of each machine at 100 Hz, repeated.
 
 use crate::measure::{Contender, contender};
 use crate::problem::Filter;
@@ -6,7 +6,7 @@ use estimation::{excavator, loader};
 use sim::cylinder::Gauges;
 use std::sync::LazyLock;
 
-/// A problem whose rows carry a time, repeated with the time running on.
+/// A problem with a time in its rows, repeated with continuing time.
 struct Laps {
     offset: f64,
     last: f64,
@@ -38,7 +38,7 @@ pub fn excavator_rows() -> Vec<excavator::Sample> {
     ROWS.clone()
 }
 
-/// The same, with pressure sensors or without.
+/// The same, with or without pressure sensors.
 fn excavator_rows_with(gauges: Option<Gauges>) -> Vec<excavator::Sample> {
     let run = sim::excavator::Run {
         duration: 60.0,
@@ -70,7 +70,7 @@ pub fn loader_rows() -> Vec<loader::Sample> {
     ROWS.clone()
 }
 
-/// The same, with the sensors of a lift arm or without.
+/// The same, with or without the sensors of a lift arm.
 fn loader_rows_with(gauges: Option<Gauges>) -> Vec<loader::Sample> {
     let run = sim::loader::Run {
         duration: Some(60.0),
@@ -141,7 +141,7 @@ impl Filter<excavator::Sample, 2> for Motion {
     }
 }
 
-/// The regression stage behind it; `METHOD` counts in [`excavator::Method::ALL`].
+/// The regression stage after it; `METHOD` is an index into [`excavator::Method::ALL`].
 pub struct Regression<const METHOD: usize> {
     filter: excavator::Regression,
     laps: Laps,
@@ -174,7 +174,8 @@ impl<const METHOD: usize> Filter<excavator::Motion, 1> for Regression<METHOD> {
     }
 }
 
-/// A state-space estimator of the excavator; `METHOD` counts in [`excavator::Method::ALL`], `CYLINDER` describes the boom's cylinders.
+/// A state-space estimator of the excavator; `METHOD` is an index into [`excavator::Method::ALL`], `CYLINDER` adds the boom's
+/// cylinders.
 pub struct Swing<const METHOD: usize, const CYLINDER: bool = false> {
     filter: excavator::SwingEstimator,
     laps: Laps,
@@ -200,7 +201,7 @@ fn boom_cylinder() -> excavator::keys::BoomCylinder {
 impl<const METHOD: usize, const CYLINDER: bool> Default for Swing<METHOD, CYLINDER> {
     fn default() -> Self {
         let method = excavator::Method::ALL[METHOD];
-        // As the product starts: a machine that nobody has calibrated.
+        // As the product starts, for an uncalibrated machine.
         let mut description = excavator::keys::Description::default();
         if CYLINDER {
             description.boom_cylinder = boom_cylinder();
@@ -260,7 +261,7 @@ fn lift_arm() -> (loader::keys::LiftArm, loader::keys::LiftCylinder) {
     )
 }
 
-/// An estimator of the loader; `METHOD` counts in [`loader::Method::ALL`], `ARM` describes the lift arm.
+/// An estimator of the loader; `METHOD` is an index into [`loader::Method::ALL`], `ARM` adds the lift arm.
 pub struct Loader<const METHOD: usize, const ARM: bool = false> {
     filter: loader::CgEstimator,
     laps: Laps,
@@ -296,8 +297,8 @@ impl<const METHOD: usize, const ARM: bool> Filter<loader::Sample, 2> for Loader<
     }
 }
 
-/// A step with the key that it has in the JSON, made when it is asked for: under valgrind a minute of a simulation takes longer than the
-/// minute's steps.
+/// A step with its key in the JSON, created on demand: under valgrind the simulation of a minute takes longer than the minute's
+/// steps.
 pub type Row = (&'static str, fn() -> Contender);
 
 /// Every real step.
@@ -358,7 +359,7 @@ pub const STEPS: [Row; 15] = [
     }),
 ];
 
-/// What the excavator's motion filter answers to its rows.
+/// The answers of the excavator's motion filter to its rows.
 fn motions() -> Vec<excavator::Motion> {
     let mut filter = Motion::default();
     let answer = |row: &excavator::Sample| {

@@ -5,20 +5,20 @@ use crate::groups::{Group, Role};
 use crate::measure::{Tail, Timing, interleaved, tail};
 use serde_json::{Map, Value, json};
 
-/// Blocks of each contender; the quickest and the middle one are reported.
+/// Blocks of each contender; the fastest and the middle one are reported.
 pub const BLOCKS: usize = 61;
-/// About how long a block lasts \[us\].
+/// Approximate duration of a block \[us\].
 pub const BLOCK_US: f64 = 400.0;
-/// Calls timed one by one.
+/// Number of separately timed calls.
 pub const CALLS: usize = 50_000;
 
-/// What was measured of a group.
+/// Measurements of a group.
 pub struct Measured {
     /// Times in the order of the group's contenders.
     pub times: Vec<Timing>,
     /// Single calls of ours.
     pub tail: Tail,
-    /// Index of the quickest peer of the same kind.
+    /// Index of the fastest peer of the same kind.
     pub best: usize,
 }
 

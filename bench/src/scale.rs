@@ -1,7 +1,7 @@
-//! Machines per core: a shard that steps many machines in one process, against processes for each.
+//! Machines per core: a shard that steps many machines in one process, compared with processes for each.
 //!
-//! A shard pays for the steps and for fetching each machine's state; processes pay for their wakes besides, and for simulating, recording
-//! and supervising their machine ([`crate::pipelines`]). A core that is busy all the time serves `period / cost` machines.
+//! A shard costs the steps and fetching each machine's state. Processes also cost their wake-ups, and the simulation, recording
+//! and supervision of their machine ([`crate::pipelines`]). A fully used core serves `period / cost` machines.
 
 use crate::measure::{Contender, custom, interleaved};
 use crate::pipelines::{self, Cost};
@@ -24,7 +24,7 @@ struct Curve {
     cost_ns: Vec<f64>,
 }
 
-/// A shard of some estimators, all fed the same rows.
+/// A shard of some estimators, all with the same rows.
 fn shard<F, Z: 'static, const N: usize>(name: &'static str, rows: Rc<Vec<Z>>) -> Curve
 where
     F: Filter<Z, N> + Default + 'static,
@@ -35,7 +35,7 @@ where
             let mut shard: Vec<F> = (0..*machines).map(|_| F::default()).collect();
             let (rows, mut next) = (rows.clone(), 0);
             let block = move || {
-                // Every machine is somewhere else in its cycle.
+                // Every machine is at another row of its cycle.
                 let ticks = (STEPS / shard.len()).max(1);
                 for _ in 0..ticks {
                     for (i, machine) in shard.iter_mut().enumerate() {
@@ -184,7 +184,7 @@ fn print(curves: &[Curve]) {
     }
 }
 
-/// Size of the first core's second-level cache [bytes], where the system tells.
+/// Size of the first core's second-level cache [bytes], if the system reports it.
 fn second_level_cache() -> Option<usize> {
     let text = std::fs::read_to_string("/sys/devices/system/cpu/cpu0/cache/index2/size").ok()?;
     Some(text.trim().strip_suffix('K')?.parse::<usize>().ok()? * 1024)

@@ -1,8 +1,9 @@
-//! Eight machines in the lanes of vector registers, and the choice of the registers at run time.
+//! Eight machines in the lanes of vector registers, and the selection of the registers at run time.
 //!
-//! The step is [`crate::batch`], compiled three times: for what every x86-64 has (or whatever the target has), for AVX2, and for
-//! AVX-512. Which is quickest is a matter of the processor and is measured by the comparison: on a Cascade Lake AVX2 is (0.2 of a single
-//! step a machine), and AVX-512 loses (0.57); the wider one is not taken for granted. None of them fuses a multiplication with an addition, so all give the same bits; a test holds them to it.
+//! The step is [`crate::batch`], compiled three times: for baseline x86-64 (or the target's own baseline), for AVX2, and for
+//! AVX-512. The fastest one depends on the processor, so the comparison measures it. On a Cascade Lake AVX2 wins (0.2 of a single
+//! step per machine), and AVX-512 loses (0.57), so the widest is not assumed to be best. None of them fuses a multiplication with
+//! an addition, so all give the same bits; a test checks it.
 
 use crate::batch::{BatchUkf, LaneModel};
 use crate::problem::{ROVER, Rover, RoverProblem, RoverSample};
@@ -13,7 +14,7 @@ use estimation::sigma_points::Spread;
 /// Machines in a batch.
 pub const LANES: usize = 8;
 
-/// A number of each machine.
+/// One number of each machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; LANES]);
@@ -88,7 +89,7 @@ impl Scalar for Lanes {
         }
         result
     }
-    /// Correctly rounded, as everywhere; the standard library's turns into one instruction for all lanes.
+    /// Correctly rounded, as everywhere; the standard library's function becomes one instruction for all lanes.
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(f64::sqrt)
@@ -147,10 +148,10 @@ impl LaneModel<Lanes, 6> for LaneRover {
     }
 }
 
-/// Which registers are used.
+/// The registers in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Path {
-    /// What the build was made for.
+    /// The baseline of the build.
     Portable,
     /// 256 bits.
     Avx2,
@@ -159,7 +160,7 @@ pub enum Path {
 }
 
 impl Path {
-    /// Every path this machine can take, the widest last.
+    /// Every path of this machine, the widest last.
     pub fn available() -> Vec<Path> {
         let mut paths = vec![Path::Portable];
         #[cfg(target_arch = "x86_64")]
@@ -174,7 +175,7 @@ impl Path {
         paths
     }
 
-    /// What the table calls it.
+    /// Name in the table.
     pub fn name(self) -> &'static str {
         match self {
             Path::Portable => "batch of 8, portable",
@@ -215,7 +216,7 @@ impl Batch {
             #[cfg(target_arch = "x86_64")]
             #[allow(unsafe_code)]
             Path::Avx2 => {
-                // SAFETY: `new` keeps this path only where the processor has been found to have AVX2.
+                // SAFETY: `new` stores this path only where the processor has been found to have AVX2.
                 unsafe { run_avx2(&mut self.filter, &self.problem, samples) }
             }
             #[cfg(target_arch = "x86_64")]
@@ -303,7 +304,7 @@ mod tests {
             let mut single = Unscented::default();
             (0..SAMPLES).for_each(|k| single.step(&data[(k + 31 * lane) % SAMPLES]));
             for (x, y) in batch.state(lane).into_iter().zip(single.state()) {
-                // The same formulas in another order of sums: rounding, carried through 512 steps.
+                // The same formulas with another order of sums: rounding, carried through 512 steps.
                 assert!((x - y).abs() < 1e-11 * (1.0 + x.abs()), "{x} {y}");
             }
         }

@@ -1,4 +1,4 @@
-//! Extended Kalman filters, all with the Jacobian written out by hand.
+//! Extended Kalman filters, all with a hand-written Jacobian.
 
 use super::rover::{KfilterRover, covariances, diagonal, jacobian, kfilter_measurement, variances};
 use crate::problem::{Filter, ROVER, Rover, RoverSample};
@@ -50,7 +50,7 @@ impl Filter<RoverSample, 6> for Textbook {
     }
 }
 
-/// smelly, fixed size. It has no process function, so the state is advanced by hand and the prediction does the covariance.
+/// smelly, fixed size. It has no process function, so the state is advanced by hand and the prediction updates the covariance.
 pub struct Smelly {
     filter: smelly::SExtendedKalmanFilter<f64, 6, 3>,
     rover: Rover,

@@ -3,8 +3,8 @@
 use crate::problem::{Filter, REGRESSION};
 use nalgebra::{Matrix3, Vector3};
 
-/// Ordinary RLS with one forgetting factor and a full covariance: the quickest thing that could be taken instead. It is another
-/// estimator, so its numbers differ.
+/// Ordinary RLS with one forgetting factor and a full covariance: the fastest alternative. It is another estimator, so its
+/// numbers differ.
 pub struct SingleFactor {
     theta: Vector3<f64>,
     p: Matrix3<f64>,
@@ -35,7 +35,7 @@ impl Filter<[f64; 3], 3> for SingleFactor {
     }
 }
 
-/// RLS with a factor for each parameter as the paper writes it: scalar gains, then the 3x3 system solved by nalgebra's LU.
+/// RLS with a factor for each parameter in the paper's form: scalar gains, then the 3x3 system solved by nalgebra's LU.
 pub struct TextbookSolve {
     theta: Vector3<f64>,
     p: Vector3<f64>,

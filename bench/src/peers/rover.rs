@@ -1,4 +1,4 @@
-//! What peers on the rover share: noise as each of them takes it, sigma points, and the rover as kfilter wants it.
+//! Common parts of the peers on the rover: noise in the form of each, sigma points, and the rover for kfilter.
 
 use kfilter::measurement::LinearMeasurement;
 use kfilter::system::{InputSystem, LinearisableSystem, System};
@@ -47,7 +47,7 @@ pub(super) fn diagonal<const N: usize>(values: [f64; N]) -> numeris::Matrix<f64,
     matrix
 }
 
-/// The rover as a system of kfilter, whose unscented filter asks for no derivative.
+/// The rover as a system of kfilter, whose unscented filter needs no derivative.
 pub(super) struct KfilterRover {
     rover: Rover,
     x: older::Vector6<f64>,
@@ -57,7 +57,7 @@ pub(super) struct KfilterRover {
 }
 
 impl KfilterRover {
-    /// With its covariance at the start.
+    /// The rover with its initial covariance.
     pub(super) fn start() -> (Self, older::Matrix6<f64>) {
         let system = Self {
             rover: ROVER.rover,
@@ -108,7 +108,7 @@ impl InputSystem<f64, 6, 2> for KfilterRover {
     }
 }
 
-/// What kfilter measures of the rover.
+/// kfilter's measurement of the rover.
 pub(super) fn kfilter_measurement() -> LinearMeasurement<f64, 6, 3> {
     LinearMeasurement::new(
         older::Matrix3x6::identity(),

@@ -1,4 +1,4 @@
-//! Plain unscented filters: a covariance, factored anew in each step. alpha = 1, beta = 1, kappa = 0.
+//! Plain unscented filters: a covariance that is factored in each step. alpha = 1, beta = 1, kappa = 0.
 
 use super::rover::{
     KfilterRover, covariances, diagonal, kfilter_measurement, sigma_points, variances,
@@ -29,8 +29,8 @@ impl Default for Textbook {
 }
 
 impl Textbook {
-    /// With or without drawing the sigma points anew after the process noise. Without, the noise is missing in the innovation
-    /// covariance; minikalman works that way.
+    /// With or without redrawing the sigma points after the process noise. Without, the noise is missing in the innovation
+    /// covariance; minikalman works this way.
     pub fn new(redraw: bool) -> Self {
         let (p, q, r) = covariances();
         Self {
@@ -166,7 +166,7 @@ impl Filter<RoverSample, 6> for Kfilter {
     }
 }
 
-/// minikalman. It reuses the propagated points for the measurement: less work than the others, and other numbers.
+/// minikalman. It reuses the propagated points for the measurement: fewer operations than the others, and other numbers.
 pub struct Minikalman {
     filter: KalmanFilterType<6, 13, f64>,
     measurement: KalmanFilterObservationType<6, 3, 13, f64>,
@@ -231,7 +231,7 @@ impl Filter<RoverSample, 6> for Minikalman {
     }
 }
 
-/// numeris: the plain filter, or the one it calls square-root, which forms the covariance and factors it anew.
+/// numeris: the plain filter, or the one named square-root, which forms the covariance and factors it in each step.
 pub struct Numeris<F> {
     filter: F,
     rover: Rover,

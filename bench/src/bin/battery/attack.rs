@@ -1,36 +1,36 @@
-//! What an attack is, and the chance that it takes.
+//! Interface of an attack, and the random numbers of its attempts.
 
 use crate::ground::Ground;
 
-/// A way to harm a pipeline or what it made.
+/// An attack on a pipeline or on its files.
 pub trait Attack {
-    /// For the table.
+    /// Name in the table.
     fn name(&self) -> String;
-    /// Tries it once; `Err` says what did not survive.
+    /// Attempts it once; `Err` describes the damage.
     fn attempt(&mut self, rng: &mut Rng, ground: &Ground) -> Result<Outcome, String>;
-    /// What else there is to tell of all attempts.
+    /// A note on all attempts, for the table.
     fn note(&self) -> Option<String> {
         None
     }
 }
 
-/// How an attempt ended, when nothing was harmed.
+/// Outcome of an attempt without damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// It was tried.
+    /// The pipeline survived.
     Survived {
-        /// Longest run of samples without an answer, in the recorded data.
+        /// Longest run of unanswered samples in the recorded data.
         gap: u64,
     },
-    /// It cannot be tried here.
+    /// The attack is not possible on this host.
     Skipped,
 }
 
-/// Chance that can be had again: xorshift64*.
+/// Reproducible random numbers: xorshift64*.
 pub struct Rng(u64);
 
 impl Rng {
-    /// The same seed, the same attacks.
+    /// The same seed gives the same attacks.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
@@ -52,7 +52,7 @@ impl Rng {
         items[self.between(0, items.len() as u64) as usize]
     }
 
-    /// `n` different ones of `items`.
+    /// `n` distinct ones of `items`.
     pub fn some<T: Copy>(&mut self, items: &[T], n: usize) -> Vec<T> {
         let mut left = items.to_vec();
         let mut taken = Vec::new();

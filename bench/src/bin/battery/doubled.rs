@@ -1,4 +1,4 @@
-//! Two runs into one folder, one after the other and at once: no recording is lost.
+//! Two runs into one folder, in sequence and at the same time: no recording is lost.
 
 use std::fs;
 use std::time::Duration;

@@ -1,5 +1,5 @@
-//! Recordings cut at every border of a record and beside it, and with one bit flipped in every kind of
-//! record and in every length: what is read is the original, or less and that is reported.
+//! Recordings that are truncated at every border of a record and beside it, and with one bit flipped in every kind of record and
+//! in every length. A reader returns the original, or reports that it returns less.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,10 +11,10 @@ use recording::Reader;
 use crate::attack::{Attack, Outcome, Rng};
 use crate::ground::Ground;
 
-/// Damaged copies in one turn.
+/// Damaged copies per attempt.
 const COPIES: usize = 40;
 
-/// What is done to a copy.
+/// Damage of a copy.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Damage {
     Cut,
@@ -38,15 +38,15 @@ pub fn all() -> impl Iterator<Item = Box<dyn Attack>> {
     })
 }
 
-/// A recording of a run, and what it holds.
+/// The recording of a run, with its contents.
 pub struct Original {
     bytes: Vec<u8>,
     pub rows: Rows,
-    /// Where each record begins, its kind, its length.
+    /// Begin, kind and length of each record.
     records: Vec<(usize, u8, usize)>,
 }
 
-/// Per channel: a hash of every message.
+/// Hashes of the messages of each channel.
 pub type Rows = BTreeMap<String, Vec<u64>>;
 
 impl Original {
@@ -65,7 +65,7 @@ impl Original {
         })
     }
 
-    /// A damaged copy, and in words what was done.
+    /// A damaged copy, with a description of the damage.
     pub fn damaged(&self, damage: Damage, rng: &mut Rng) -> (Vec<u8>, String) {
         let mut bytes = self.bytes.clone();
         if damage == Damage::Cut {
@@ -76,7 +76,7 @@ impl Original {
             bytes.truncate(at);
             return (bytes, format!("cut at {at}, beside record kind {kind}"));
         }
-        // Every kind as often as every other.
+        // All kinds of records are equally probable.
         let mut kinds: Vec<u8> = self.records.iter().map(|r| r.1).collect();
         kinds.sort_unstable();
         kinds.dedup();
@@ -88,7 +88,7 @@ impl Original {
             .copied()
             .collect();
         let (start, _, length) = rng.one(&same);
-        // The head with its length as often as the rest.
+        // Header (with its length) and body are equally probable.
         let at = match rng.between(0, 2) {
             0 => start + rng.between(0, 9) as usize,
             _ => start + 9 + rng.between(0, length.max(1) as u64) as usize,
@@ -99,7 +99,7 @@ impl Original {
     }
 }
 
-/// The records of an MCAP file: opcode, length, body, behind a magic of eight bytes.
+/// The records of an MCAP file, after a magic of eight bytes: opcode, length, body.
 fn records(bytes: &[u8]) -> Vec<(usize, u8, usize)> {
     let mut found = Vec::new();
     let mut at = 8;
@@ -116,12 +116,12 @@ fn records(bytes: &[u8]) -> Vec<(usize, u8, usize)> {
     found
 }
 
-/// What a reader gives of each channel.
+/// The contents of each channel according to the reader.
 pub fn rows(reader: &Reader) -> Rows {
     let mut rows = Rows::new();
     for channel in reader.channels() {
         let list = rows.entry(channel.to_owned()).or_default();
-        // A damaged channel ends early; the reader has noted that.
+        // A damaged channel ends early; the reader records the damage.
         let _ = reader.for_each_value(channel, |time, values| {
             let mut hash = time;
             for value in values {
@@ -133,13 +133,13 @@ pub fn rows(reader: &Reader) -> Rows {
     rows
 }
 
-/// Whether `part` is `whole` with some left out.
+/// Whether `part` is a subsequence of `whole`.
 fn is_within(part: &[u64], whole: &[u64]) -> bool {
     let mut rest = whole.iter();
     part.iter().all(|p| rest.any(|w| w == p))
 }
 
-/// Whether a damaged recording gives what the original has, or tells that it does not.
+/// Checks that a damaged recording returns the original's contents, or reports that it does not.
 fn judge(file: &Path, original: &Rows) -> Result<(), String> {
     let Ok(reader) = Reader::open(file) else {
         return Ok(()); // refused is reported
@@ -179,7 +179,7 @@ impl Attack for Files {
             fs::write(&file, bytes).map_err(|e| e.to_string())?;
             let _ = fs::remove_file(&copy);
             let judged = judge(&file, &original.rows).and_then(|()| {
-                // What can be read can be made whole.
+                // A readable recording can be repaired.
                 match recording::recover(&file, Some(&copy)) {
                     Ok(_) if copy.exists() => judge_whole(&copy, &original.rows),
                     _ => Ok(()),

@@ -1,7 +1,7 @@
-//! Runs of one machine whose clock is wrong, by a router and a collector: each is in the history, whatever it says of the time.
+//! Runs of one machine with a wrong clock, over a router and a collector: each run is in the history, whatever its clock.
 //!
-//! Needs `heft-fleet` and `heft-gateway` beside heft or in PATH, and `faketime`. Made-up names need a client of Zenoh:
-//! they are in services/gateway/tests/clocks.rs.
+//! Needs `heft-fleet` and `heft-gateway` beside heft or in PATH, and `faketime`. The attack with invented names needs a client of
+//! Zenoh: services/gateway/tests/clocks.rs.
 
 use std::collections::BTreeMap;
 use std::net::TcpListener;
@@ -14,12 +14,12 @@ use crate::ground::Ground;
 
 pub struct Clocks;
 
-/// An hour back, ahead by most of a day, and a machine that has not yet heard the time; right between them.
+/// A right clock, one an hour late, one most of a day ahead, and one of a machine that has not yet received the time.
 const CLOCKS: [&str; 4] = ["+0h", "-1h", "+20h", "@1970-01-01 00:01:00"];
 /// Length of a run \[s\].
 const SECONDS: &str = "3";
 
-/// A process that does not outlive the attempt.
+/// A process that ends with the attempt.
 struct Process(Child);
 
 impl Drop for Process {
@@ -71,7 +71,7 @@ impl Attack for Clocks {
     }
 }
 
-/// Whether so many runs are there, and none of them is short: they simulate the same.
+/// Whether there are `count` runs of full length: they simulate the same.
 fn judge(runs: &BTreeMap<u64, usize>, count: usize) -> Result<(), String> {
     let most = runs.values().copied().max();
     let whole = runs.values().all(|n| Some(*n) == most);
@@ -83,7 +83,7 @@ fn judge(runs: &BTreeMap<u64, usize>, count: usize) -> Result<(), String> {
     ))
 }
 
-/// One run of the machine under that clock.
+/// One run of the machine with that clock.
 fn machine(ground: &Ground, clock: &str, router: &str) -> Result<(), String> {
     let mut words = faketime(clock);
     words.arg(ground.program()).args([
@@ -141,7 +141,7 @@ fn runs(ground: &Ground, db: &Path) -> Result<BTreeMap<u64, usize>, String> {
     Ok(runs)
 }
 
-/// The wall clock alone is wrong.
+/// Changes the wall clock only.
 fn faketime(clock: &str) -> Command {
     let mut command = Command::new("faketime");
     command

@@ -1,4 +1,4 @@
-//! Half requests on every connection that the live page gives, while services die.
+//! Incomplete requests on every connection of the live page, while services are killed.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -11,7 +11,7 @@ use crate::ground::{Ground, RATE, SERVICES};
 
 pub struct Flood;
 
-/// More than the page has places, and than the kernel keeps waiting.
+/// More than the page's places and the kernel's queue.
 const CONNECTIONS: usize = 300;
 
 impl Attack for Flood {
@@ -41,7 +41,7 @@ impl Attack for Flood {
             run.signal(victim, Signal::KILL);
             std::thread::sleep(Duration::from_millis(150));
         }
-        // The half requests lose their places after five seconds each; then somebody else has a turn.
+        // Each incomplete request loses its place after five seconds; then others are served.
         drop(held);
         let begun = Instant::now();
         while !answers(address) {

@@ -1,5 +1,5 @@
-//! Shared memory that others filled for three seconds, while a service dies: it is started again as soon as there is
-//! room. The memory is one of its own (a mount in a namespace), so that nobody else is starved.
+//! Shared memory that other programs fill for three seconds, while a service is killed: it is restarted as soon as there is room.
+//! The memory is a separate mount in a namespace, so that other processes of the host are not affected.
 
 use std::fs;
 use std::io::Write;
@@ -14,10 +14,10 @@ use crate::ground::{Ground, RATE};
 
 pub struct SharedMemory;
 
-/// Its size, and how long it is full.
+/// Mount of the shared memory with its size, and time for which it is full.
 const MOUNT: &str = "mount -t tmpfs -o size=256M tmpfs /dev/shm && exec \"$0\" \"$@\"";
 const FULL: Duration = Duration::from_secs(3);
-/// The time without memory, and what a start takes on a crowded machine \[samples\].
+/// Time without memory, plus a start on a loaded machine \[samples\].
 const GAP: u64 = 6 * RATE;
 
 impl Attack for SharedMemory {
@@ -61,7 +61,7 @@ impl Attack for SharedMemory {
     }
 }
 
-/// Takes all that is left.
+/// Fills the remaining memory.
 fn fill(file: &Path) -> Result<(), String> {
     let mut file = fs::File::create(file).map_err(|e| e.to_string())?;
     let block = vec![1; 1 << 12];

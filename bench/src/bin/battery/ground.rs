@@ -1,4 +1,4 @@
-//! Where an attack takes place: a pipeline in a folder and a domain of its own, and what is left of it.
+//! Environment of an attack: a pipeline in a folder and a domain of its own, and its remains.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -15,7 +15,7 @@ pub const RATE: u64 = 200;
 /// Services of the pipeline.
 pub const SERVICES: [&str; 5] = ["sensor", "kalman", "rls", "ukf", "logger"];
 
-/// A recording of this length holds samples, and not only what it says of itself \[bytes\].
+/// Least length of a recording with samples, not only metadata \[bytes\].
 const RECORDS: u64 = 20_000;
 
 /// A folder, a domain and the program under attack.
@@ -26,7 +26,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// A new one.
+    /// A new environment.
     pub fn new(heft: &Path, number: u32) -> Self {
         let domain = format!("battery-{}-{number}", std::process::id());
         let folder = std::env::temp_dir().join(&domain);
@@ -43,7 +43,7 @@ impl Ground {
         &self.folder
     }
 
-    /// Its domain, and the beginning of the names of others.
+    /// Its domain, and prefix of the names of further ones.
     pub fn domain(&self) -> &str {
         &self.domain
     }
@@ -60,7 +60,7 @@ impl Ground {
         command
     }
 
-    /// A command of heft behind other words, which end in `exec`: another user, another clock.
+    /// A command of heft after other words, which end in `exec`: another user, another clock.
     pub fn heft_behind(&self, words: &[&str]) -> Command {
         let mut command = Command::new(words[0]);
         command.args(&words[1..]).arg(&self.heft);
@@ -68,7 +68,7 @@ impl Ground {
         command
     }
 
-    /// A run of so many seconds that records into this folder and says little.
+    /// A run of `seconds` that records into this folder with little output.
     pub fn quiet_run(&self, seconds: &str, out: &Path) -> Command {
         let mut command = self.heft();
         command
@@ -78,12 +78,12 @@ impl Ground {
         command
     }
 
-    /// Starts a run of so many seconds.
+    /// Starts a run of `seconds`.
     pub fn run(&self, seconds: f64, more: &[&str]) -> Result<Run, String> {
         self.run_by(self.heft(), seconds, more)
     }
 
-    /// Starts a run by this command of heft.
+    /// Starts a run with this command of heft.
     pub fn run_by(&self, mut heft: Command, seconds: f64, more: &[&str]) -> Result<Run, String> {
         let (out, said) = (self.folder.join("out"), self.folder.join("said"));
         let file = fs::File::create(&said).map_err(|e| e.to_string())?;
@@ -126,19 +126,19 @@ pub struct Run {
     said: PathBuf,
 }
 
-/// What is left of a run.
+/// The remains of a run.
 pub struct Remains {
     /// Exit status.
     pub status: i32,
-    /// What it said.
+    /// Its output.
     pub text: String,
-    /// Numbers of the samples, and of the answers to them by `rls` and `ukf`.
+    /// Numbers of the samples, and of their answers by `rls` and `ukf`.
     pub samples: Vec<u64>,
     pub answers: Vec<(&'static str, Vec<u64>)>,
 }
 
 impl Run {
-    /// Process id of a service, if it is there.
+    /// Process id of a service, if it runs.
     pub fn service(&self, name: &str) -> Option<u32> {
         fs::read_dir("/proc").ok()?.flatten().find_map(|entry| {
             let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
@@ -153,7 +153,7 @@ impl Run {
         })
     }
 
-    /// Waits until a service is there.
+    /// Waits until a service runs.
     pub fn wait_for(&self, name: &str) -> Result<u32, String> {
         let begun = Instant::now();
         loop {
@@ -167,7 +167,7 @@ impl Run {
         }
     }
 
-    /// Waits until every service is there and samples are recorded: a loaded machine starts slowly.
+    /// Waits until all services run and samples are recorded: a loaded machine starts slowly.
     pub fn wait_for_all(&self) -> Result<(), String> {
         SERVICES
             .iter()
@@ -188,7 +188,7 @@ impl Run {
         self.child.id()
     }
 
-    /// Signals a service, if it is there.
+    /// Signals a service, if it runs.
     pub fn signal(&self, name: &str, signal: Signal) {
         if let Some(pid) = self.service(name) {
             send(pid, signal);
@@ -200,12 +200,12 @@ impl Run {
         send(self.child.id(), Signal::TERM);
     }
 
-    /// What it has said so far.
+    /// Its output so far.
     pub fn text(&self) -> String {
         fs::read_to_string(&self.said).unwrap_or_default()
     }
 
-    /// Waits for the end, at most `limit`, and looks at what is left.
+    /// Waits for the end, at most `limit`, and examines the remains.
     pub fn remains(mut self, limit: Duration) -> Result<Remains, String> {
         let begun = Instant::now();
         let status = loop {
@@ -262,7 +262,7 @@ impl Drop for Run {
 }
 
 impl Remains {
-    /// Longest run of numbers that are missing in the samples or in the answers to them.
+    /// Longest run of missing numbers in the samples or in their answers.
     pub fn gap(&self) -> u64 {
         let end = self
             .samples
@@ -276,7 +276,7 @@ impl Remains {
             .unwrap_or(0)
     }
 
-    /// Nothing is lost without a report: a gap in the data costs the status, and has words.
+    /// Checks that nothing is lost without a report: a gap in the data requires status 1 and a text.
     pub fn check(&self, limit: u64) -> Result<u64, String> {
         let gap = self.gap();
         let reported = [
@@ -326,7 +326,7 @@ fn send(pid: u32, signal: Signal) {
     }
 }
 
-/// Whether something of this domain is left; what another user made under such a name is not ours.
+/// Whether shared memory of this domain is left; that of another user under such a name does not count.
 fn shared_memory(domain: &str) -> bool {
     let part = format!(".{domain}.");
     let user = rustix::process::geteuid().as_raw();

@@ -1,4 +1,4 @@
-//! `kill -9` of one service, two, or all, at every time of a run.
+//! `kill -9` of one service, two, or all, in every phase of a run.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ struct Kill {
     victims: usize,
 }
 
-/// Every phase, and one, two and all services.
+/// Every phase with one, two and all services.
 pub fn all() -> impl Iterator<Item = Box<dyn Attack>> {
     let phases = [
         Phase::BeforeHandOver,
@@ -34,8 +34,7 @@ pub fn all() -> impl Iterator<Item = Box<dyn Attack>> {
     pairs.map(|(phase, victims)| Box::new(Kill { phase, victims }) as Box<dyn Attack>)
 }
 
-/// What a killed service may cost: its start, on a loaded machine. A logger loses in addition what it
-/// had not flushed.
+/// Permitted loss of a killed service: its start on a loaded machine. A logger also loses what it had not flushed.
 const GAP: u64 = RATE;
 const GAP_OF_LOGGER: u64 = 2 * RATE;
 

@@ -1,8 +1,8 @@
-//! `cargo run -p bench --bin battery -- --minutes N --seed S`: attacks whole pipelines in turn, and
-//! prints per attack how often it was tried and survived.
+//! `cargo run -p bench --bin battery -- --minutes N --seed S`: attacks whole pipelines in turn, and prints for each attack the
+//! numbers of attempts and survivals.
 //!
-//! Surviving means: the run ends in order and in time, what was lost is reported and costs the status,
-//! nothing is left behind. The gap is measured in the recorded data, not by the life of a process.
+//! A pipeline survives if the run ends in order and in time, losses are reported and set the status, and nothing is left behind.
+//! The gap is measured in the recorded data, not by the lifetime of a process.
 
 mod attack;
 mod doubled;
@@ -34,10 +34,10 @@ use clap::Parser;
 use attack::{Attack, Outcome, Rng};
 use ground::Ground;
 
-/// A long run prints its table this often: what stops it in the middle costs only the rest.
+/// Period of the table in a long run: an interruption costs only the rest.
 const INTERIM: Duration = Duration::from_secs(600);
 
-/// The table of attacks: a row more is an attack more.
+/// The table of attacks, a row each.
 fn attacks() -> Vec<Box<dyn Attack>> {
     let mut attacks: Vec<Box<dyn Attack>> = Vec::new();
     attacks.extend(kills::all());
@@ -100,7 +100,7 @@ impl Arguments {
     }
 }
 
-/// What became of one attack.
+/// Counts of one attack.
 #[derive(Default)]
 struct Tally {
     tried: u32,
@@ -110,7 +110,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Counts how an attempt ended; what did not survive, in words.
+    /// Counts an attempt; returns the description of a damage.
     fn count(&mut self, outcome: Result<Outcome, String>) -> Option<String> {
         match outcome {
             Ok(Outcome::Skipped) => self.skipped += 1,
@@ -148,7 +148,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the arguments ask for; whether all of it survived.
+/// Executes the arguments; returns whether all attempts survived.
 fn run(arguments: &Arguments, heft: &Path) -> Result<bool, String> {
     if let Some(target) = &arguments.fuzz {
         return fuzz::run(target, arguments.seconds, arguments.seed).map(|()| true);
@@ -178,7 +178,7 @@ fn run(arguments: &Arguments, heft: &Path) -> Result<bool, String> {
     Ok(rows.iter().all(|(_, tally)| tally.tried == tally.survived))
 }
 
-/// The attacks in turn, until the time is over.
+/// Runs the attacks in turn, until the time is over.
 fn attempts(arguments: &Arguments, heft: &Path, begun: Instant) -> Rows {
     let mut rng = Rng::new(arguments.seed);
     let chosen = attacks().into_iter();

@@ -1,5 +1,5 @@
-//! `kill -9` of the logger of a split recording, beside the ends of its parts: a death costs no sample, and each is
-//! there once and in order.
+//! `kill -9` of the logger of a split recording, close to the ends of its parts: no sample is lost, and each is recorded once and
+//! in order.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::ground::{Ground, RATE, Run};
 
 /// Kills in one run.
 const KILLS: u64 = 5;
-/// One flush \[samples\], where a logger takes longer to start than the writers of the channels hold.
+/// One flush \[samples\], for a logger that starts slower than the channels' buffers fill.
 const GAP: u64 = RATE / 2;
 
 #[derive(Default)]
@@ -33,7 +33,7 @@ impl Attack for Parts {
         for _ in 0..KILLS {
             let victim = run.wait_for("logger")?;
             wait_for_a_part(&out, &run)?;
-            // Right behind the end of a part, or before the next one.
+            // Just after the end of a part, or before the next one.
             let pause = match rng.between(0, 2) {
                 0 => rng.between(0, 30),
                 _ => rng.between(900, 1100),
@@ -68,7 +68,7 @@ impl Attack for Parts {
     }
 }
 
-/// Waits until another part is begun.
+/// Waits until another part has begun.
 fn wait_for_a_part(out: &Path, run: &Run) -> Result<(), String> {
     let parts = || fs::read_dir(out).map_or(0, |entries| entries.flatten().count());
     let (begun, before) = (Instant::now(), parts());

@@ -1,6 +1,6 @@
-//! Every reader on damaged recordings: it gives all of what the run wrote, or says that it does not.
+//! Every reader on damaged recordings: it returns all that the run wrote, or reports that it does not.
 //!
-//! Python is tried where `import heft` works in `python3`, or in the interpreter that HEFT_PYTHON names.
+//! Python is tested if `import heft` works in `python3`, or in the interpreter of HEFT_PYTHON.
 
 use std::fs;
 use std::path::Path;
@@ -12,9 +12,9 @@ use crate::attack::{Attack, Outcome, Rng};
 use crate::files::{Damage, Original, rows};
 use crate::ground::Ground;
 
-/// Damaged copies in one turn.
+/// Damaged copies per attempt.
 const COPIES: usize = 4;
-/// The channel that `estimate`, `loads` and `report` cannot do without.
+/// The channel that `estimate`, `loads` and `report` require.
 const SENSORS: &str = "excavator/sensors";
 /// Reads a recording, and prints every warning and the error of the package.
 const PYTHON: &str = "
@@ -120,7 +120,7 @@ impl Readers {
     }
 }
 
-/// Whether a reader that could not give everything said so; a flipped bit costs a command its status too.
+/// Checks that a reader reported an incomplete result; after a flipped bit, a command must also set its status.
 fn is_said(reader: &str, output: &Output, lost: bool, costs_status: bool) -> Result<(), String> {
     let said = String::from_utf8_lossy(&output.stderr);
     if output.status.code().is_none_or(|code| code > 2) || said.contains("panicked") {

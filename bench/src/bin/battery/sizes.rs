@@ -1,5 +1,5 @@
-//! One finite sample of any size, through every method of the C interface: every number stays finite, and after ten
-//! seconds the answer is what it is without that sample.
+//! One finite sample of any size, through every method of the C interface: every number stays finite, and after ten seconds the
+//! answer is the same as without that sample.
 
 use heft_c::{Excavator, Loader, Machine, answer, sample};
 use messages::Message;
@@ -8,14 +8,14 @@ use runtime::Source;
 use crate::attack::{Attack, Outcome, Rng};
 use crate::ground::Ground;
 
-/// When the sample comes, and how long it may be seen \[s\].
+/// Time of the sample, and time after which it must have no effect \[s\].
 const AT: f64 = 12.0;
 const FORGOTTEN: f64 = 10.0;
 const DURATION: f64 = 30.0;
-/// What remains of it at most, in standard deviations of both answers.
+/// Largest remaining effect, in standard deviations of both answers.
 const ROOM: f64 = 2.0;
 
-/// The paper's filter with its misprints goes anywhere by itself: its numbers are finite, and that is all.
+/// The paper's filter with its misprints diverges by itself, so only finiteness is checked.
 const AS_PRINTED: &str = "isr-ukf-printed";
 
 pub struct Sizes;
@@ -46,7 +46,7 @@ impl Attack for Sizes {
     }
 }
 
-/// The samples of a source as C gives them: numbers in the order of the header, the time first.
+/// The samples of a source in the form of the C interface: numbers in the order of the header, the time first.
 fn rows<M: Machine, S: Source>(mut source: S) -> Vec<Vec<f64>> {
     let row = |(sensors, _): (S::Sensors, S::Truth)| {
         let number = |name: &str| match name {
@@ -61,7 +61,7 @@ fn rows<M: Machine, S: Source>(mut source: S) -> Vec<Vec<f64>> {
     std::iter::from_fn(|| source.next()).map(row).collect()
 }
 
-/// Spoils one signal of one row, for each method.
+/// Replaces one signal of one row, for each method.
 fn all_methods<M: Machine, const N: usize>(
     rows: &[Vec<f64>],
     size: f64,
@@ -91,7 +91,7 @@ fn all_methods<M: Machine, const N: usize>(
     Ok(())
 }
 
-/// Every answer of a method; `Err` where a number is not finite.
+/// Every answer of a method; `Err` if a number is not finite.
 fn answers<M: Machine, const N: usize>(
     method: usize,
     rows: &[Vec<f64>],
@@ -117,8 +117,8 @@ fn answers<M: Machine, const N: usize>(
     Ok(answers)
 }
 
-/// Whether each value with a standard deviation is back where it is without the sample, while the answer without it is
-/// consistent: a filter of the papers that diverges on its own goes anywhere.
+/// Checks that each value with a standard deviation has returned to its value without the sample. Only rows count in which the
+/// answer without it is consistent, because a paper's filter may diverge by itself.
 fn is_forgotten<M: Machine, const N: usize>(
     clean: &[heft_c::Answer<N>],
     found: &[heft_c::Answer<N>],

@@ -1,5 +1,5 @@
-//! `battery --soak MINUTES`: both machines at once in real time, recordings bounded, and what grows meanwhile:
-//! the slope of the memory of every process, its descriptors, the disk.
+//! `battery --soak MINUTES`: both machines at once in real time, with bounded recordings. It measures the slope of the memory of
+//! every process, its descriptors, and the disk usage.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,21 +11,21 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use crate::ground::Ground;
 
-/// Time between two looks.
+/// Sampling period of the measurements.
 const PERIOD: Duration = Duration::from_secs(5);
-/// The beginning is left out of the slopes: buffers are filled once.
+/// Share of the time that the slopes leave out at the beginning, while buffers fill once.
 const WARM_UP: f64 = 0.25;
-/// What may grow: a slope, and pages touched for the first time during the soak [kB/min], \[kB\].
+/// Permitted growth: a slope, and pages touched for the first time during the soak [kB/min], \[kB\].
 const SLOPE: f64 = 1.0;
 const PAGES: f64 = 256.0;
-/// What a run keeps on the disk: `--keep`, and the part that is being written.
+/// Disk usage of a run: `--keep`, and the part that is being written.
 const KEEP: &str = "20MB";
 const MOST: u64 = 24_000_000;
 
-/// What one process had: time \[min\], own memory \[kB\], descriptors.
+/// Course of one process: time \[min\], own memory \[kB\], descriptors.
 type Course = Vec<(f64, f64, usize)>;
 
-/// Runs for so many minutes and prints the table; whether nothing grows.
+/// Runs for `minutes` and prints the table; returns whether nothing grows.
 pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
     let ground = Ground::new(heft, 0);
     let machines = ["excavator", "loader"];
@@ -87,7 +87,7 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
             "{machine}: {status}\n{}",
             said.unwrap_or_default().trim_end()
         );
-        // The status reports what a crowded machine costs.
+        // A loaded machine may lose samples, which the status reports.
         good &= status.code().is_some_and(|code| code < 2);
     }
     println!(
@@ -97,7 +97,7 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
     Ok(good)
 }
 
-/// A run of a machine at work, its recording bounded.
+/// A run of a working machine with a bounded recording.
 fn start(ground: &Ground, machine: &str, folder: &Path, minutes: f64) -> Result<Child, String> {
     let said = fs::File::create(ground.folder().join(format!("{machine}.said")));
     let said = said.map_err(|e| e.to_string())?;
@@ -159,7 +159,7 @@ fn size(folder: &Path) -> u64 {
         .sum()
 }
 
-/// Least squares [kB/min].
+/// Slope by least squares [kB/min].
 fn slope(course: &Course) -> f64 {
     let n = course.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64, usize)) -> f64| course.iter().map(of).sum::<f64>() / n;

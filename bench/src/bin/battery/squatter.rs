@@ -1,4 +1,4 @@
-//! Another user takes the name of the folder that a user's runs live in, before the first of them: they run all the same.
+//! Another user takes the name of the folder of a user's runs, before the first of them: the runs work nevertheless.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, chown};
@@ -10,11 +10,11 @@ use crate::ground::{Ground, RATE};
 
 pub struct Squatter;
 
-/// Users that nobody has.
+/// User ids that are not in use.
 const VICTIM: u32 = 61_345;
 const FOE: u32 = 61_346;
 
-/// What stands at the place already, as the foe made it.
+/// Contents of the path, created by the foe.
 const MADE: [&str; 4] = [
     "mkdir -m 700 $PLACE",
     "mkdir -m 777 $PLACE",
@@ -44,7 +44,7 @@ impl Attack for Squatter {
     }
 }
 
-/// A run of the victim; what it leaves.
+/// A run of the victim, and its outcome.
 fn victim(ground: &Ground) -> Result<Outcome, String> {
     chown(ground.folder(), Some(VICTIM), Some(VICTIM)).map_err(|e| e.to_string())?;
     let id = format!("--reuid={VICTIM}");

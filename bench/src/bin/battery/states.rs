@@ -1,5 +1,5 @@
-//! `--state` on what is no state of heft, and on states that do not fit, one after the other: nothing of others is touched,
-//! and nothing that was learnt is lost.
+//! `--state` on files that are no state of heft, and on states that do not fit, in sequence: no foreign file is changed, and no
+//! learnt state is lost.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::ground::Ground;
 
 pub struct States;
 
-/// What is at the path already.
+/// Contents of the path.
 #[derive(Clone, Copy, Debug)]
 enum There {
     Folder,
@@ -63,15 +63,15 @@ fn make(there: There, home: &Path) -> Result<(), String> {
     made.map_err(|e| e.to_string())
 }
 
-/// A state of another machine file is kept, and so is the next one: never one over the other.
+/// A state of another machine file is retained, and so is the next one: none overwrites another.
 fn refused_twice(ground: &Ground) -> Result<(), String> {
     let home = ground.folder().join("own");
     fs::create_dir_all(&home).map_err(|e| e.to_string())?;
     let file = home.join("x");
-    let mut kept = Vec::new();
+    let mut refused = Vec::new();
     for machine in ["excavator", "loader", "excavator"] {
         if let Ok(text) = fs::read(&file) {
-            kept.push(text);
+            refused.push(text);
         }
         let (status, said) = run(ground, machine, &file, machine)?;
         if status != 0 {
@@ -80,7 +80,7 @@ fn refused_twice(ground: &Ground) -> Result<(), String> {
             ));
         }
     }
-    for (k, text) in kept.iter().enumerate() {
+    for (k, text) in refused.iter().enumerate() {
         let name = if k == 0 {
             "x.refused".into()
         } else {
@@ -96,7 +96,7 @@ fn refused_twice(ground: &Ground) -> Result<(), String> {
     Ok(())
 }
 
-/// A short run with this state; its status, and what it said.
+/// A short run with this state; returns its status and its output.
 fn run(ground: &Ground, machine: &str, state: &Path, out: &str) -> Result<(i32, String), String> {
     let mut command = ground.heft_behind(&["timeout", "20"]);
     command.args([

@@ -1,4 +1,4 @@
-//! A service that stands still: for a moment, for ever, and while the run ends.
+//! A stopped service: for a moment, for ever, and while the run ends.
 
 use std::time::{Duration, Instant};
 

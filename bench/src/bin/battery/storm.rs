@@ -1,4 +1,4 @@
-//! Many pipelines started at once: each of them runs, and none disturbs another.
+//! Many pipelines started at once: each of them runs, without disturbing another.
 
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -42,7 +42,7 @@ impl Attack for Storm {
             let reader = Reader::open(out.join("run.mcap")).map_err(|e| format!("{e}: {said}"))?;
             let samples = reader.messages::<ExcavatorSensors>("excavator/sensors");
             let samples = samples.map_err(|e| e.to_string())?.len();
-            // The status reports what a crowded machine costs.
+            // A loaded machine may lose samples, which the status reports.
             if output.status.code().is_none_or(|code| code > 1) || samples == 0 {
                 outcome = Err(format!("{}, {samples} samples: {said}", output.status));
             }

@@ -1,4 +1,4 @@
-//! What others wrote: advisories and licences of all three lock files, by `.ci/supply`.
+//! The dependencies: advisories and licences of all three lock files, by `.ci/supply`.
 
 use std::path::Path;
 use std::process::{Command, Output};

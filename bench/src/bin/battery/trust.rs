@@ -1,10 +1,10 @@
-//! The trust matrix: one column of the sensors goes wrong in the middle of the work, in every way and for
-//! every method, or is another machine's. What counts is the share of what is trusted afterwards that is wrong, by
-//! the judge of `statistics`: the 95 % interval does not hold the truth, or it is more than 10 % away (a load: of the largest one).
-//! A machine that nothing is wrong with must be trusted, or its row would say nothing.
+//! The trust matrix: one column of the sensors becomes faulty during the work, with every kind of fault and for every method, or
+//! comes from another machine. The measure is the share of wrong values among those trusted afterwards, by `statistics::judge`:
+//! the 95 % interval does not hold the truth, or it is more than 10 % away (a load: of the largest one). A machine without a
+//! fault must be trusted, or its row would have no meaning.
 //!
-//! Some faults cannot be distinguished from another machine by anybody (a gain of the torque is an inertia). Those
-//! cells are in `known.csv`, with the reason in `docs/trust-matrix.md`; every other has the bound.
+//! Some faults are indistinguishable from another machine in principle (a gain of the torque is an inertia). Those cells are in
+//! `known.csv`, with the reason in `docs/trust-matrix.md`; all others have the bound.
 
 use std::fmt;
 
@@ -22,12 +22,12 @@ use crate::ground::Ground;
 
 /// Largest share of the trusted samples that may be wrong.
 const BOUND: f64 = 0.05;
-/// Cells that lie above it: method, with pressures or without, since when, quantity, what goes wrong and how, and the largest share of the
-/// time that may be trusted and wrong: a quarter, and two hundredths, beyond the worst of seven tables.
+/// Cells above the bound: method, with or without pressures, begin of the fault, quantity, columns and kind of the fault, and the
+/// largest share of the time that may be trusted and wrong: a quarter, and two hundredths, beyond the worst of seven tables.
 const KNOWN: &str = include_str!("known.csv");
-/// Fewer trusted samples than these have no share \[samples\].
+/// Least number of trusted samples for a share \[samples\].
 const LEAST: u32 = 20;
-/// Least share of the time in which a sound machine is trusted, with pressures or without: four fifths of the least of six seeds.
+/// Least share of the time in which a sound machine is trusted, with or without pressures: four fifths of the least of six seeds.
 const SOUND: &[(Machine, bool, &str, f64)] = &[
     (Machine::Excavator, false, "inertia", 0.24),
     (Machine::Excavator, false, "payload", 0.24),
@@ -37,41 +37,41 @@ const SOUND: &[(Machine, bool, &str, f64)] = &[
     (Machine::Loader, true, "cg_ratio", 0.45),
     (Machine::Loader, true, "payload", 0.47),
 ];
-/// Length of a run, when the fault begins, and how long a drift takes \[s\]. Everything takes so many times longer with a loader.
+/// Length of a run, begin of the fault, and duration of a drift \[s\]. With a loader the times are longer by the factor below.
 const DURATION: f64 = 60.0;
 pub const FROM: f64 = 25.0;
 const LONGER: f64 = 2.0;
 const DRIFT: f64 = 10.0;
-/// Another machine is so far ahead in its work \[samples at 100 Hz\].
+/// Lead of the other machine in its work \[samples at 100 Hz\].
 const MEANWHILE: usize = 1700;
 
 /// A fault of one column.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// Nothing is wrong.
+    /// No fault.
     Sound,
     Missing,
     Frozen,
     Zero,
-    /// Late by so many samples at 100 Hz.
+    /// Delay in samples at 100 Hz.
     Late(usize),
     Gain(f64),
-    /// In root mean squares of the column.
+    /// Offset in root mean squares of the column.
     Offset(f64),
-    /// The same, little by little.
+    /// The same offset as a ramp.
     Drift(f64),
     GainDrift(f64),
-    /// Written in another unit.
+    /// Another unit.
     Unit,
-    /// Off by so many rad: an angle that was mounted or described otherwise.
+    /// Offset of an angle by its mounting or description \[rad\].
     Angle(f64),
-    /// What another machine measures meanwhile, at another moment of its work.
+    /// The signal of another machine at the same time, in another phase of its work.
     Foreign,
-    /// One in the place of the other.
+    /// Two columns exchanged.
     Swapped,
 }
 
-/// The kinds, by their names.
+/// The kinds by name.
 const KINDS: [(&str, Kind); 20] = [
     ("nothing", Kind::Sound),
     ("missing", Kind::Missing),
@@ -95,7 +95,7 @@ const KINDS: [(&str, Kind); 20] = [
     ("exchanged", Kind::Swapped),
 ];
 
-/// Columns that go wrong, with the factor of a wrong unit.
+/// Columns with faults, with the factor of a wrong unit.
 const COLUMNS: &[(&str, f64)] = &[
     ("swing_velocity", 57.3),
     ("swing_torque", 1e-3),
@@ -116,10 +116,10 @@ const COLUMNS: &[(&str, f64)] = &[
     ("lift_rod_pressure", 1e-5),
 ];
 
-/// Joint angles, which a drawing may describe otherwise.
+/// Joint angles, which a drawing may define differently.
 const ANGLES: [&str; 4] = ["boom_angle", "arm_angle", "bucket_angle", "lift_angle"];
 
-/// What goes wrong together: one bus, one wrong drawing, one supply.
+/// Columns with a common fault: one bus, one wrong drawing, one supply.
 const TOGETHER: [(&str, &[&str]); 3] = [
     ("joint angles", &["boom_angle", "arm_angle", "bucket_angle"]),
     (
@@ -135,21 +135,21 @@ const TOGETHER: [(&str, &[&str]); 3] = [
 /// A column of a machine: name, bit, factor of a wrong unit.
 type Column = (&'static str, u32, f64);
 
-/// What goes wrong together, and its name.
+/// Columns with a common fault, and their name.
 type Group = (&'static str, Vec<Column>);
 
 /// One cell of the matrix.
 #[derive(Clone, Copy)]
 pub struct Cell {
     machine: Machine,
-    /// Pressures in its cylinders weigh.
+    /// Whether pressures in its cylinders weigh.
     pressed: bool,
     method: &'static str,
     group: usize,
     kind: usize,
 }
 
-/// What became of a cell.
+/// Counts of a cell.
 #[derive(Clone, Copy, Default)]
 pub struct Share {
     after: u32,
@@ -158,7 +158,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// Wrong of the trusted.
+    /// Wrong values, as a share of the trusted ones.
     fn wrong(self) -> f64 {
         if self.trusted < LEAST {
             return 0.0;
@@ -170,7 +170,7 @@ impl Share {
         f64::from(self.trusted) / f64::from(self.after.max(1))
     }
 
-    /// Trusted and wrong, of the time.
+    /// Trusted and wrong values, as a share of the time.
     fn wrong_of_time(self) -> f64 {
         f64::from(self.wrong) / f64::from(self.after.max(1))
     }
@@ -186,7 +186,7 @@ impl fmt::Display for Share {
     }
 }
 
-/// Runs cells on the samples of a machine, before anything went wrong, with the time of the fault: a share for each quantity.
+/// Runs cells on the samples of a machine without a fault, with the time of the fault; returns a share for each quantity.
 type Clean = Box<dyn Fn(Cell, f64) -> Result<Vec<Share>, String>>;
 
 macro_rules! machines {
@@ -220,7 +220,7 @@ macro_rules! machines {
             }
         }
 
-        /// What is judged: verdicts and loads.
+        /// The judged quantities: those with a verdict, and loads.
         fn judged(machine: Machine) -> impl Iterator<Item = &'static Quantity> {
             let all = match machine {
                 $( Machine::$machine => sheet::$module::QUANTITIES, )*
@@ -232,7 +232,7 @@ macro_rules! machines {
 
 messages::machines!(machines);
 
-/// A loader has another load every 26 s.
+/// Factor of the times: a loader has another load every 26 s.
 fn longer(machine: Machine) -> f64 {
     match machine {
         Machine::Excavator => 1.0,
@@ -240,7 +240,7 @@ fn longer(machine: Machine) -> f64 {
     }
 }
 
-/// Whether there are pressures: a loader without them is not trusted, and would say nothing.
+/// With and without pressures; a loader only with pressures, because it is not trusted without them.
 fn outfits(machine: Machine) -> &'static [bool] {
     match machine {
         Machine::Excavator => &[false, true],
@@ -248,7 +248,7 @@ fn outfits(machine: Machine) -> &'static [bool] {
     }
 }
 
-/// Nothing, each column that goes wrong alone, and what goes wrong together.
+/// No column, each column alone, and the columns with a common fault.
 fn groups_of<S: Sensors>(pressed: bool) -> Vec<Group> {
     let of = |(index, bit): (usize, u32)| {
         let (name, unit) = COLUMNS.iter().find(|c| c.0 == S::FIELDS[index].name)?;
@@ -290,7 +290,7 @@ pub fn cells() -> Vec<Cell> {
     cells
 }
 
-/// Where nothing is wrong, no column is. Only angles are off by an angle, only two pressures are exchanged.
+/// Whether a kind applies: no fault has no columns, only angles have an offset of an angle, and only two pressures are exchanged.
 fn can_be(kind: Kind, columns: &[Column]) -> bool {
     match kind {
         Kind::Sound => columns.is_empty(),
@@ -311,17 +311,17 @@ impl Cell {
         format!("{machine}{pressures} {method} {} {kind}", self.place())
     }
 
-    /// The table that it is in.
+    /// The table that contains it.
     fn table(self) -> (Machine, bool, &'static str) {
         (self.machine, self.pressed, self.method)
     }
 
-    /// What goes wrong.
+    /// The faulty columns.
     fn place(self) -> &'static str {
         groups(self.machine, self.pressed)[self.group].0
     }
 
-    /// What is not allowed of a quantity, if anything: too much that is wrong, or too little that is trusted where nothing is wrong.
+    /// Violation by a quantity, if any: too many wrong values, or too few trusted ones without a fault.
     fn fault(self, quantity: &Quantity, share: Share, from: f64) -> Option<String> {
         let Share {
             after,
@@ -355,7 +355,7 @@ impl Cell {
         let weighs = if self.pressed { "pressures" } else { "motion" };
         let since = if from == 0.0 { "start" } else { "middle" };
         let (name, kind) = (quantity.name, KINDS[self.kind].0);
-        // `auto` chooses the first; the loader's two differ little.
+        // `auto` selects the first; the loader's two methods differ little.
         let method = match self.method {
             "auto" | "posture-torque" | "full" | "full-ekf" => "usual",
             other => other,
@@ -363,7 +363,7 @@ impl Cell {
         format!("{method},{weighs},{since},{name},{},{kind},", self.place())
     }
 
-    /// The share of the time that may be trusted and wrong.
+    /// Permitted share of the time that is trusted and wrong.
     fn known(self, quantity: &Quantity, from: f64) -> f64 {
         let row = self.row(quantity, from);
         let mut shares = KNOWN.lines().filter_map(|line| line.strip_prefix(&row));
@@ -390,14 +390,14 @@ impl Cell {
         description.set_all(stated).map_err(|e| e.to_string())?;
         let pipeline = Pipeline::of(self.machine);
         let stage = pipeline.with_method(self.method).ok_or("no such method")?;
-        let mut way = Vec::new();
+        let mut chain = Vec::new();
         for row in pipeline.way_to(stage) {
             let method = if row.methods().contains(&self.method) {
                 self.method
             } else {
                 ""
             };
-            way.push(row.start(&description, method).map_err(|e| e.to_string())?);
+            chain.push(row.start(&description, method).map_err(|e| e.to_string())?);
         }
         let parameter =
             |q: &'static Quantity| Some((q, E::PARAMETERS.iter().find(|p| p.key == q.name)?));
@@ -408,7 +408,7 @@ impl Cell {
         let mut shares = vec![Share::default(); judged.len()];
         for (sample, truth) in &series {
             let mut message: Envelope = sample.envelope();
-            for step in &mut way {
+            for step in &mut chain {
                 message = step.answer(&message).ok_or("a step of another message")?;
             }
             if sample.stamp().time >= from {
@@ -450,7 +450,7 @@ impl Share {
     }
 }
 
-/// Exchanges two columns from this time on.
+/// Exchanges two columns from time `begin` on.
 fn exchange<S: Message, T>(series: &mut [(S, T)], columns: [&str; 2], begin: f64) {
     let [Some(one), Some(two)] = columns.map(S::index) else {
         return;
@@ -463,7 +463,7 @@ fn exchange<S: Message, T>(series: &mut [(S, T)], columns: [&str; 2], begin: f64
     }
 }
 
-/// Damages a column from this time on.
+/// Damages a column from time `begin` on.
 fn damage<S: Message, T>(
     series: &mut [(S, T)],
     other: &[(S, T)],
@@ -504,7 +504,7 @@ fn damage<S: Message, T>(
     }
 }
 
-/// One cell a turn.
+/// One cell per attempt.
 pub struct Trust;
 
 impl Attack for Trust {
@@ -514,7 +514,7 @@ impl Attack for Trust {
 
     fn attempt(&mut self, rng: &mut Rng, _ground: &Ground) -> Result<Outcome, String> {
         let cell = rng.one(&cells());
-        // From the start, or in the middle of the work.
+        // From the start, or during the work.
         let later = 20.0 + rng.between(0, 15) as f64;
         let from = rng.one(&[0.0, later]);
         let shares = clean(cell.machine, cell.pressed, 1 + rng.between(0, 1000))?(cell, from)?;
@@ -527,8 +527,8 @@ impl Attack for Trust {
     }
 }
 
-/// The matrix as Markdown, a table for each quantity of a method: the time that is trusted, and how much of that is wrong; what is
-/// above the bound is named below it. Whether all of that is known.
+/// Prints the matrix as Markdown, a table for each quantity of a method: the trusted share of the time, and the wrong share of
+/// it. Cells above the bound are listed below. Returns whether all of them are known.
 pub fn print(word: &str, seed: u64, from: f64) -> Result<bool, String> {
     let chosen = cells().into_iter().filter(|c| c.name().contains(word));
     let chosen: Vec<Cell> = chosen.collect();
@@ -561,7 +561,7 @@ pub fn print(word: &str, seed: u64, from: f64) -> Result<bool, String> {
     Ok(all_known)
 }
 
-/// A row a kind, a column for what goes wrong.
+/// A row for each kind, a column for each group of columns.
 fn print_table(judged: &[(Cell, Share)], quantity: &Quantity) {
     let Some((first, _)) = judged.first() else {
         return;

@@ -1,4 +1,4 @@
-//! Another user of the host tries to read, shorten, replace and signal what a run has made.
+//! Another user of the host tries to read, truncate, replace and signal the products of a run.
 
 use std::process::Command;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use crate::ground::Ground;
 
 pub struct SecondUser;
 
-/// Every line must fail for the other user. None makes what is not there: a connection may go between two lines.
+/// Every line must fail for the other user. No line creates missing files, because a connection may disappear between two lines.
 const ATTEMPTS: &str = "
 for f in /dev/shm/heft-*.$DOMAIN* $OUT/* $HOME_OF_RUN $HOME_OF_RUN/*; do
   test -e $f || continue # connections come and go

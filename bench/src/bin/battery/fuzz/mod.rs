@@ -1,6 +1,5 @@
-//! The targets of `bench/fuzz` with inputs that are changed by chance, with a seed. Each target runs in a
-//! process of its own, with a limit of memory and of time, so that whatever it does is noticed.
-//! `bench/fuzz/guided` feeds the same targets by what their inputs reach.
+//! The targets of `bench/fuzz` with random mutations from a seed. Each target runs in a separate process with a limit of memory
+//! and of time, so that every failure is noticed. `bench/fuzz/guided` mutates the inputs of the same targets by their coverage.
 
 mod mutate;
 
@@ -19,20 +18,20 @@ use mutate::mutate;
 #[global_allocator]
 static ALLOCATOR: Limited = Limited;
 
-/// How long a target has its turn.
+/// Time for a target per attempt.
 const TURN: Duration = Duration::from_secs(2);
-/// No single input may take longer than this, on a loaded machine and in the slowest build.
+/// Time limit of a single input, on a loaded machine and in the slowest build.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Where the input of the moment is, in the folder of the process.
+/// File of the present input, in the folder of the process.
 const INPUT: &str = "input";
 
 struct Fuzz {
     target: &'static Target,
-    /// Inputs so far.
+    /// Inputs tried.
     inputs: u64,
 }
 
-/// One attack a target.
+/// One attack per target.
 pub fn all() -> impl Iterator<Item = Box<dyn Attack>> {
     TARGETS
         .iter()
@@ -55,8 +54,7 @@ impl Attack for Fuzz {
     }
 }
 
-/// Runs a target in a process of its own; the number of inputs that it survived. An input that it did
-/// not is kept.
+/// Runs a target in a separate process; returns the number of inputs that it survived. An input that fails is saved.
 fn apart(target: &str, seed: u64, folder: &Path) -> Result<u64, String> {
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let output = Command::new(program)
@@ -78,7 +76,7 @@ fn apart(target: &str, seed: u64, folder: &Path) -> Result<u64, String> {
     ))
 }
 
-/// Keeps the last input of a target that failed, for the corpus.
+/// Saves the last input of a target that failed, for the corpus.
 fn keep(target: &str, seed: u64, folder: &Path) -> String {
     let at = std::env::temp_dir().join(format!("heft-finding-{target}-{seed}"));
     match fs::copy(folder.join(INPUT), &at) {
@@ -87,8 +85,8 @@ fn keep(target: &str, seed: u64, folder: &Path) -> String {
     }
 }
 
-/// The program as one target: first the corpus as it is, then mutations of it, in the folder where it
-/// was started. Prints how many inputs there were.
+/// Runs the program as one target, in the folder where it was started: first the unchanged corpus, then mutations of it. Prints
+/// the number of inputs.
 pub fn run(name: &str, seconds: f64, seed: u64) -> Result<(), String> {
     let target = fuzz::target(name)?;
     let corpus = target.corpus();
@@ -114,10 +112,10 @@ pub fn run(name: &str, seconds: f64, seed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Inputs that this process has got through.
+/// Inputs that this process has survived.
 static DONE: AtomicU64 = AtomicU64::new(0);
 
-/// Ends the process when an input takes too long.
+/// Aborts the process when an input takes too long.
 fn watch() {
     loop {
         let before = DONE.load(Relaxed);

@@ -2,7 +2,7 @@
 
 use crate::attack::Rng;
 
-/// Words on which parsers stumble.
+/// Words that are critical for parsers.
 const WORDS: [&[u8]; 24] = [
     b"nan",
     b"-inf",
@@ -30,7 +30,7 @@ const WORDS: [&[u8]; 24] = [
     b"1e999999999",
 ];
 
-/// Changes `input` in one to six places; `others` are there to take parts from.
+/// Mutates `input` in one to six places; `others` are sources of fragments.
 pub fn mutate(input: &mut Vec<u8>, others: &[Vec<u8>], rng: &mut Rng) {
     for _ in 0..rng.between(1, 7) {
         let at = rng.between(0, input.len() as u64 + 1) as usize;
@@ -55,7 +55,7 @@ pub fn mutate(input: &mut Vec<u8>, others: &[Vec<u8>], rng: &mut Rng) {
                 input.splice(at..at + replaced, word.iter().copied());
             }
             6 => {
-                // A number in binary: a length, a count, a time.
+                // A binary number: a length, a count, a time.
                 let number = rng.one(&[
                     0,
                     1,
@@ -81,7 +81,7 @@ pub fn mutate(input: &mut Vec<u8>, others: &[Vec<u8>], rng: &mut Rng) {
     }
 }
 
-/// The first number in text behind `at` becomes another one.
+/// Replaces the first number in text after `at`.
 fn number_in_text(input: &mut Vec<u8>, at: usize, rng: &mut Rng) {
     let digits = |b: &u8| b.is_ascii_digit() || *b == b'.';
     let Some(from) = input[at..].iter().position(digits).map(|i| at + i) else {
