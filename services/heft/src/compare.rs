@@ -1,20 +1,20 @@
-//! Recorded answers against recomputed ones, one after the other in constant memory.
+//! Compares recorded answers with recomputed ones, one by one in constant memory.
 //!
 //! A stage answers each sample that reached it, in order. Between two recorded answers some may be
-//! missing, and the recording does not say why: the stage may have lost the samples, or answered
+//! missing, and the recording does not contain the reason: the stage may have lost the samples, or answered
 //! them while the logger lost the answers. Each case leaves the stage in another state, so both are
-//! tried, and the next answer decides bit for bit (it may not show the difference; a later one does). Where none agrees the state is unknown: what
-//! follows is not checked, and not called a difference either, until a keyframe tells the state.
+//! tried, and the next answer decides bit for bit. That answer may be equal in both cases; then a later one decides. If no case agrees
+//! the state is unknown: the following answers are not checked, and are not counted as differences, until a keyframe gives the state.
 
 use std::collections::VecDeque;
 use std::iter::Peekable;
 
 use messages::Snapshot;
 
-/// Which sample: life of the source, number.
+/// Identity of a sample: life of the source, sequence number.
 pub type Place = (u32, u64);
 
-/// How to replay a stage.
+/// Operations on a stage for its replay.
 pub trait Replay {
     /// What it reads.
     type Input;
@@ -23,17 +23,17 @@ pub trait Replay {
     /// The stage itself.
     type Step;
 
-    /// The stage as it begins.
+    /// The stage in its initial state.
     fn begin(&self) -> Self::Step;
     /// The stage in a recorded state; `None` if the state is of another build.
     fn restore(&self, state: &Snapshot) -> Option<Self::Step>;
     /// A copy of it.
     fn fork(&self, step: &Self::Step) -> Self::Step;
-    /// Its answer; `None` to what it cannot read.
+    /// Its answer; `None` for an input that it cannot read.
     fn answer(&self, step: &mut Self::Step, input: &Self::Input) -> Option<Self::Answer>;
-    /// Which sample an input is.
+    /// Identity of an input's sample.
     fn place(&self, input: &Self::Input) -> Place;
-    /// Which sample an answer is to, and how often the stage had been restarted.
+    /// Identity of the sample that an answer belongs to, and number of restarts of the stage.
     fn place_and_life(&self, answer: &Self::Answer) -> (Place, u32);
     /// Name of the first field that differs.
     fn difference(&self, a: &Self::Answer, b: &Self::Answer) -> Option<&'static str>;
@@ -44,13 +44,13 @@ pub trait Replay {
 pub struct Compared {
     /// Recorded answers.
     pub answers: usize,
-    /// Those that came out the same, bit for bit.
+    /// Answers that are identical bit for bit.
     pub identical: usize,
     /// Sequence number and field of the first difference.
     pub first_difference: Option<(u64, &'static str)>,
     /// Answers that cannot be checked, because the state before them is unknown.
     pub unknown: usize,
-    /// Answers to samples behind the last recorded one: a logger that is at work writes a chunk with the
+    /// Answers to samples after the last recorded one: an active logger writes a chunk with the
     /// answer before the chunk with its sample.
     pub ahead: usize,
 }
@@ -58,12 +58,12 @@ pub struct Compared {
 /// Recorded states of one stage, in the order of their places.
 struct States<I: Iterator<Item = Snapshot>> {
     rest: Peekable<I>,
-    /// The latest one before the answer at hand.
+    /// The latest state before the present answer.
     latest: Option<Snapshot>,
 }
 
 impl<I: Iterator<Item = Snapshot>> States<I> {
-    /// The state that this life of the stage had last before the sample at `place`.
+    /// The last state of this life of the stage before the sample at `place`.
     fn before(&mut self, place: Place, life: u32) -> Option<&Snapshot> {
         let earlier = |s: &Snapshot| (s.owner.restarts, place_of(s)) < (life, place);
         while let Some(state) = self.rest.next_if(earlier) {
@@ -77,7 +77,7 @@ fn place_of(state: &Snapshot) -> Place {
     (state.stamp.epoch, state.stamp.sequence)
 }
 
-/// Samples without an answer that are remembered: more than any channel holds.
+/// Number of stored samples without an answer: more than any channel holds.
 const WAITING: usize = 1024;
 
 /// Recomputes every answer. Inputs, answers and states come in the order of their places.
@@ -94,7 +94,7 @@ pub fn compare<R: Replay>(
     };
     let mut result = Compared::default();
     let mut step = Some(replay.begin());
-    // Whether the state is known for sure, and not only agrees with every answer so far.
+    // Whether the state is certain, and not only consistent with every answer up to now.
     let mut sure = true;
     let (mut last, mut last_life): (Option<Place>, u32) = (None, 0);
     for recorded in answers {
@@ -105,12 +105,12 @@ pub fn compare<R: Replay>(
         if is_new {
             (step, last_life, sure) = (Some(replay.begin()), life, true);
         }
-        // What the stage went on with after a restart, or what tells its state again: not one from before
+        // The state from which the stage continued after a restart, or one that makes it certain again. It must not be from before
         // the answers that could not be checked.
         let is_near = |s: &&Snapshot| last.is_some_and(|last| place_of(s) >= last);
         let restored = state.filter(|s| is_new || (step.is_none() || !sure) && is_near(s));
         let restored = restored.and_then(|state| Some((replay.restore(state)?, place_of(state))));
-        // Samples that have no recorded answer.
+        // Samples without a recorded answer.
         let mut waiting = VecDeque::new();
         let mut passed = 0;
         while let Some(input) = inputs.next_if(|input| replay.place(input) < place) {
@@ -120,7 +120,7 @@ pub fn compare<R: Replay>(
             }
             waiting.push_back(input);
         }
-        // Whatever a restarted stage went on with, its first state is not recorded.
+        // The state from which a restarted stage continued is not recorded.
         let lost = is_new && life > 0 && restored.is_none();
         if let Some((state, seen)) = restored {
             waiting.retain(|input| replay.place(input) > seen);
@@ -143,7 +143,7 @@ pub fn compare<R: Replay>(
                 sure &= !gap;
                 step = Some(after);
             }
-            // The state before it was known, and so is the one after it.
+            // The state before it was certain, and therefore the state after it too.
             Err((field, after)) if !gap && sure => {
                 result.first_difference.get_or_insert((place.1, field));
                 step = Some(after);
@@ -154,8 +154,8 @@ pub fn compare<R: Replay>(
     result
 }
 
-/// The state after the recorded answer: that of the first case that leads to it. `Err`: where no case
-/// does, the field that differs and the state if nothing is missing.
+/// The state after the recorded answer: that of the first case that reproduces it. `Err` if no case
+/// does: the field that differs, and the state if no sample is missing.
 fn explain<R: Replay>(
     replay: &R,
     before: R::Step,
@@ -171,7 +171,7 @@ fn explain<R: Replay>(
         let field = answer.map_or(Some("type"), |a| replay.difference(&a, recorded));
         (field, step)
     };
-    // None of them reached the stage; all did; the oldest were lost before it.
+    // Cases: none of the waiting samples reached the stage; all did; the oldest were lost before it.
     let n = waiting.len();
     let cases = [n].into_iter().chain(0..n);
     let mut first = None;
@@ -188,7 +188,7 @@ fn explain<R: Replay>(
 mod tests {
     use super::*;
 
-    /// Adds up what it reads: every sample that it did or did not see shows in all later answers.
+    /// Sums its inputs: every sample that it saw or missed shows in all later answers.
     struct Sum;
 
     type Answer = (Place, u32, u64);
@@ -269,12 +269,12 @@ mod tests {
         let seen: Vec<_> = inputs.iter().copied().filter(|s| recorded(s.1)).collect();
         let every_50: Vec<_> = logged.iter().step_by(50).map(state).collect();
         let compared = check_with(&seen, &logged, &every_50);
-        // From 400, itself unknown, whose state is recorded.
+        // From 400 on: that answer cannot be checked itself, but its state is recorded.
         assert_eq!((compared.identical, compared.unknown), (899, 1));
         let late: Vec<_> = logged.iter().skip(10).step_by(50).map(state).collect();
         let compared = check_with(&seen, &logged, &late);
         assert_eq!((compared.identical, compared.unknown), (889, 11));
-        // States that do not fit help nobody, and harm nobody.
+        // Unfit states neither help nor harm.
         let foreign = Snapshot::default();
         let compared = check_with(&seen, &logged, &[foreign]);
         assert_eq!((compared.identical, compared.unknown), (300, 600));
@@ -284,7 +284,7 @@ mod tests {
     fn a_stage_that_went_on_from_an_earlier_state_is_followed() {
         let inputs = samples(400);
         let mut all = answers(&inputs[..200], |_| true, &[]);
-        // It died after 199, came back at 220 with its state of 150, and says so before its first answer.
+        // It died after 199, restarted at 220 with its state of 150, and reports that before its first answer.
         let mut resumed = state(&all[150]);
         resumed.owner.restarts = 1;
         let mut step = Sum.restore(&resumed).expect("a state");
@@ -327,7 +327,7 @@ mod tests {
 
     #[test]
     fn a_stage_whose_source_was_dead_has_no_gap() {
-        // Numbers 300 to 349 were never made: neither samples nor answers are there.
+        // Numbers 300 to 349 were never generated: neither samples nor answers exist.
         let inputs: Vec<_> = samples(1000)
             .into_iter()
             .filter(|s| !(300..350).contains(&s.1))
@@ -367,7 +367,7 @@ mod tests {
         let compared = check(&inputs[..97], &all);
         let counts = (compared.identical, compared.unknown, compared.ahead);
         assert_eq!(counts, (97, 0, 3));
-        // A missing sample that others follow is a gap.
+        // A missing sample with later samples after it is a gap.
         let seen: Vec<_> = inputs[..97].iter().copied().filter(|s| s.1 != 50).collect();
         let compared = check(&seen, &all);
         let counts = (compared.identical, compared.unknown, compared.ahead);

@@ -1,6 +1,6 @@
-//! What can go wrong in a run: the words for it in the summary, and whether it costs the exit status.
+//! Faults of a run: their text in the summary, and whether they change the exit status.
 //!
-//! The table in `docs/reliability.md` says the same; a test holds them together.
+//! The table in `docs/reliability.md` states the same; a test compares them.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ pub enum Fault {
     Died {
         /// Which.
         service: &'static str,
-        /// How, as the system says it.
+        /// Exit status in the system's words.
         how: String,
     },
     /// A service died while the run was ending, and was left dead.
     DiedAtEnd {
         /// Which.
         service: &'static str,
-        /// How, as the system says it.
+        /// Exit status in the system's words.
         how: String,
     },
     /// A service gave no sign of life and was ended.
@@ -51,17 +51,17 @@ pub enum Fault {
         service: &'static str,
         /// How many.
         samples: u64,
-        /// Of how many that were measured.
+        /// Number of measured samples.
         of: u64,
     },
     /// The logger found gaps in the channels, or was away.
     Unrecorded {
-        /// Samples at least.
+        /// Least number of samples.
         samples: u64,
     },
-    /// The disk took no more of the recording.
+    /// The disk was full for the recording.
     Disk,
-    /// The recording could not be made whole.
+    /// The parts of the recording could not be joined.
     NotJoined {
         /// Why.
         why: String,
@@ -76,7 +76,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// For the summary.
+    /// Text for the summary.
     pub fn words(&self) -> String {
         match self {
             Self::Died { service, how } => format!("{service} died ({how}); it was started again"),
@@ -121,7 +121,7 @@ impl Fault {
         }
     }
 
-    /// Whether the run ends with status 1 because of it: something was lost, or nearly.
+    /// Whether the run ends with status 1: samples or the recording were lost, or may be.
     pub fn costs_the_status(&self) -> bool {
         !matches!(self, Self::Died { .. } | Self::Late { .. })
     }

@@ -8,7 +8,7 @@ use view::live::{Feed, Server, SharedLoads, serve};
 
 use crate::failure::Failure;
 
-/// Serves the page; it is there until the server is dropped.
+/// Serves the page until the server is dropped.
 pub fn start(
     address: SocketAddr,
     machine: Machine,

@@ -1,5 +1,5 @@
-//! Many inputs in one command: a process for each, as many at a time as there are processors. What is done already is
-//! not done again, so a command that was interrupted goes on where it stopped.
+//! Many inputs in one command: a process for each, as many at a time as there are processors. Results that are up to date are
+//! not computed again, so an interrupted command continues where it stopped.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -21,26 +21,26 @@ use crate::signals::{Children, end_together};
 pub struct Job {
     /// Its name.
     pub input: PathBuf,
-    /// What a process of `heft` is given.
+    /// Arguments of its process of `heft`.
     pub arguments: Vec<OsString>,
-    /// Its result is there already.
+    /// Its result exists already.
     pub is_done: bool,
 }
 
 /// How a job ended.
 pub enum Outcome {
-    /// It was done before.
+    /// The result existed.
     Kept,
-    /// It was done now.
+    /// The result was computed.
     Made,
-    /// It was, and the answer is no: why.
+    /// It was computed, and the answer is no: why.
     No(String),
-    /// It was not: why.
+    /// There is no result: why.
     Failed(String),
 }
 
 impl Outcome {
-    /// In a word, or what was said.
+    /// One word, or the message.
     pub fn word(&self) -> &str {
         match self {
             Self::Kept => "up to date",
@@ -55,7 +55,7 @@ impl Outcome {
     }
 }
 
-/// Status of the whole: that of the worst.
+/// Exit status of the command: that of the worst outcome.
 pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
     let failed = ends.iter().filter(|e| e.is_bad_input()).count();
     let no = ends.iter().filter(|e| matches!(e, Outcome::No(_))).count();
@@ -75,15 +75,15 @@ pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
     }
 }
 
-/// The recordings that are meant: files as they are, and of every folder and what is in it each recording once
-/// (not its parts), each table and each CAN log, but nothing that heft has made of them.
+/// The named recordings: files as they are, and in every folder each recording once
+/// (not its parts), each table and each CAN log, but no results of heft.
 ///
 /// # Errors
 /// There is no such file, a folder cannot be read, or nothing is found.
 pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in paths {
-        // A name like an option would be one for the process that reads it.
+        // A name like an option would be parsed as one by the process that reads it.
         let path = &match path.as_os_str().as_encoded_bytes() {
             [b'-', ..] => Path::new(".").join(path),
             _ => path.clone(),
@@ -91,7 +91,7 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
         if path.is_dir() {
             walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
         } else if recording::exists(path) {
-            // `*.csv` names what was made last time too.
+            // `*.csv` also matches earlier results.
             found.extend((!is_ours(path)).then(|| path.clone()));
         } else {
             let error = std::io::ErrorKind::NotFound.into();
@@ -130,7 +130,7 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
         let hidden = path
             .file_name()
             .is_none_or(|n| n.as_encoded_bytes()[0] == b'.');
-        // Links are not followed: they may lead in a circle.
+        // Links are not followed: they may form a cycle.
         if hidden {
             continue;
         } else if kind?.is_dir() {
@@ -146,19 +146,19 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
 }
 
 fn is_table(path: &Path) -> bool {
-    // A text of any kind may end so.
+    // A text of any kind may have such an ending.
     let is_vague = path.extension().is_some_and(|e| {
         ["txt", "dat", "tab"]
             .iter()
             .any(|v| e.eq_ignore_ascii_case(v))
     });
     let kind = Kind::by_name(path).filter(|_| !is_vague);
-    // An exported channel is the recording once more, which lies in the folder too.
+    // An exported channel duplicates the recording, which is in the folder too.
     let is_made = is_ours(path) || begins(path, &[recording::csv::is_export]);
     matches!(kind, Some(Kind::Table | Kind::Log)) && !is_made
 }
 
-/// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.
+/// Whether it is a table written by heft: estimates, loads, or a summary of inputs.
 pub fn is_ours(path: &Path) -> bool {
     let ours: [fn(&[u8]) -> bool; 3] = [
         recording::csv::is_estimates,
@@ -168,10 +168,10 @@ pub fn is_ours(path: &Path) -> bool {
     begins(path, &ours)
 }
 
-/// Whether a file begins as one of these says.
+/// Whether one of these recognizes the beginning of a file.
 fn begins(path: &Path, kinds: &[fn(&[u8]) -> bool]) -> bool {
     let mut head = Vec::new();
-    // To open a pipe waits until somebody writes it.
+    // Opening a pipe blocks until it has a writer.
     let opened = path.is_file().then(|| std::fs::File::open(path));
     let read = opened.map(|f| f.and_then(|f| f.take(4096).read_to_end(&mut head)));
     matches!(read, Some(Ok(_))) && kinds.iter().any(|is_it| is_it(&head))
@@ -180,12 +180,12 @@ fn begins(path: &Path, kinds: &[fn(&[u8]) -> bool]) -> bool {
 /// First columns of a table of results.
 pub const SUMMARY: &str = "input,result,";
 
-/// Whether a file that begins like this is a table of results.
+/// Recognizes a table of results by its first bytes.
 pub fn is_summary(head: &[u8]) -> bool {
     head.starts_with(SUMMARY.as_bytes())
 }
 
-/// A name beside each input: its own with another ending, and with its whole name where two would have the same.
+/// A result name beside each input: its name with another ending; with both endings if two inputs would have the same.
 pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
     let short: Vec<PathBuf> = inputs.iter().map(|i| i.with_extension(ending)).collect();
     let whole = |input: &PathBuf| {
@@ -204,7 +204,7 @@ pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
     inputs.iter().zip(&short).map(choose).collect()
 }
 
-/// Whether a result is there and none of its sources is newer.
+/// Whether a result exists and none of its sources is newer.
 pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
     let Some(made) = recording::changed(result) else {
         return false;
@@ -213,7 +213,7 @@ pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
     sources.iter().all(is_older)
 }
 
-/// Does all jobs; how each ended, in their order.
+/// Runs all jobs; returns their outcomes in the same order.
 pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
@@ -244,7 +244,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         }
     };
     std::thread::scope(|scope| {
-        // Where the system gives fewer threads, fewer of them do all.
+        // If the system gives fewer threads, these do all jobs.
         for _ in 1..workers {
             let _ = std::thread::Builder::new().spawn_scoped(scope, work);
         }
@@ -261,7 +261,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
         .collect()
 }
 
-/// Runs a process to its end, one of these children meanwhile.
+/// Runs a process to its end; it is one of the children meanwhile.
 fn output(job: &Job, children: &Children) -> std::io::Result<Output> {
     let mut command = image::command();
     command.args(&job.arguments);
@@ -299,10 +299,10 @@ fn one(job: &Job, children: &Children, told: &Told) -> Outcome {
     }
 }
 
-/// Notes that were passed on.
+/// Notes that were printed already.
 type Told = Mutex<BTreeSet<String>>;
 
-/// Passes on what a process said of its input; a note that is the same of several, once.
+/// Prints the messages of a process on its input; a note that several processes have in common, once.
 fn tell(input: &Path, remarks: &str, told: &Told) {
     if !remarks.is_empty() && std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");
@@ -314,7 +314,7 @@ fn tell(input: &Path, remarks: &str, told: &Told) {
     }
 }
 
-/// What a process said, and why it failed: the last failure that it reported, with all its lines.
+/// The messages of a process, and its failure: the last one that it reported, with all its lines.
 fn last_words(said: &str) -> (&str, Option<&str>) {
     const FIRST: &str = "heft: ";
     let from = match said.rfind(&format!("\n{FIRST}")) {

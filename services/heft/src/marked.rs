@@ -1,24 +1,24 @@
-//! Numbers that are exactly the same in many rows: in the place of a missing sample, far from all others, or at the end of a range.
+//! Numbers that repeat exactly in many rows: marks of missing samples, far from all others, or a limit of the range.
 
-/// So many rows have it at least.
+/// Fewest rows with a mark.
 const LEAST_ROWS: usize = 10;
 
-/// It is further from the others than this share of their range.
+/// Least distance of a mark from the other values, as a share of their range.
 const APART: f64 = 0.5;
 
-/// The end of a range is in so many rows at least, and in so large a share of them.
+/// Fewest rows at a limit of the range, and their least share.
 const LEAST_AT_END: usize = 50;
 const OFTEN_AT_END: f64 = 0.02;
 
-/// And nearer to the next value than this share of the range of all: else the signal has few values at all.
+/// Largest distance of a limit from the next value, as a share of the whole range: above it the signal has few distinct values.
 const NEAR: f64 = 0.005;
 
-/// The values of a signal, from one of their ends.
+/// The values of a signal at one of their ends.
 #[derive(Debug, Clone, Copy)]
 struct End {
     /// 1 for the least value, -1 for the largest.
     sign: f64,
-    /// The outermost value, how often it was there, and the next one, each times the sign.
+    /// The outermost value, its number of rows, and the next value; the values times the sign.
     first: f64,
     count: usize,
     next: f64,
@@ -77,8 +77,8 @@ impl Ends {
         self.rows
     }
 
-    /// Where the range of a signal seems to end, and how often it was there. A motion turns there without being twice at
-    /// exactly one value.
+    /// Limit of a signal's range and its number of rows, if the signal is cut there. A real motion that turns does not repeat exactly
+    /// one value.
     pub fn cut(&self) -> Option<(f64, usize)> {
         let width = -self.largest.first - self.least.first;
         let is_cut = |end: &End| {
@@ -91,7 +91,7 @@ impl Ends {
         found.map(|end| (end.sign * end.first, end.count))
     }
 
-    /// A value that stands for a missing sample: far from all others, and how often it was there.
+    /// A mark of missing samples and its number of rows: a repeated value far from all others.
     pub fn mark(&self) -> Option<(f64, usize)> {
         let marks = [(self.least, self.largest), (self.largest, self.least)];
         let found = marks.into_iter().find(|(end, other)| {
@@ -102,30 +102,30 @@ impl Ends {
     }
 }
 
-/// Most marks that one logger has: of each width of its numbers one.
+/// Largest number of marks of one logger: one for each width of its numbers.
 const MOST: usize = 4;
 
-/// What signals have where it is no measurement. The same number in another signal, where it could be one, is a mark there too.
+/// Marks found in any signal. The same number in another signal is a mark there too, even if it could be a measurement.
 #[derive(Debug, Clone, Default)]
 pub struct Shared {
     marks: Vec<f64>,
 }
 
 impl Shared {
-    /// Takes a value that is no measurement.
+    /// Takes a mark.
     pub fn learn(&mut self, value: f64) {
         if self.marks.len() < MOST && !self.is_mark(value) {
             self.marks.push(value);
         }
     }
 
-    /// Whether a value is one of them.
+    /// Whether a value is a mark.
     pub fn is_mark(&self, value: f64) -> bool {
         self.marks.contains(&value)
     }
 }
 
-/// How often a signal had a mark of others, and which one.
+/// Rows of a signal with a mark of another signal, and the mark.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Count {
     value: f64,
@@ -141,7 +141,7 @@ impl Count {
         }
     }
 
-    /// The mark, and in how many rows it was there.
+    /// The mark, and its number of rows.
     pub fn mark(&self) -> Option<(f64, usize)> {
         (self.rows >= LEAST_ROWS).then_some((self.value, self.rows))
     }
@@ -186,7 +186,7 @@ mod tests {
         shared.learn(-9999.0);
         (0..100).for_each(|k| count.see(torque(k), &shared));
         assert_eq!(count.mark(), Some((-9999.0, 20)));
-        // Values that are too large for another reason are no marks without end.
+        // More values than marks can be: the rest are not stored.
         (0..50).for_each(|k| shared.learn(f64::from(k)));
         assert!(!shared.is_mark(40.0));
     }

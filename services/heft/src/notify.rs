@@ -1,12 +1,12 @@
-//! What systemd is given: that the pipeline runs, that its supervisor is awake, that it ends.
+//! Notifications to systemd: the pipeline runs, its supervisor is awake, it ends.
 //!
-//! A datagram to the socket that the unit's environment names (`sd_notify(3)`); nothing without one.
+//! A datagram to the socket named by the unit's environment (`sd_notify(3)`); none without such a socket.
 
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixDatagram};
 use std::time::{Duration, Instant};
 
-/// The way to the service manager.
+/// Connection to the service manager.
 #[derive(Default)]
 pub struct Notify {
     socket: Option<(UnixDatagram, SocketAddr)>,
@@ -23,7 +23,7 @@ impl Notify {
                 None => SocketAddr::from_pathname(&name),
             };
             let socket = UnixDatagram::unbound().ok()?;
-            // A manager that does not listen must not hold up a pipeline.
+            // A manager that does not read must not block a pipeline.
             socket.set_nonblocking(true).ok()?;
             Some((socket, address.ok()?))
         });
@@ -41,14 +41,14 @@ impl Notify {
         self.socket.is_some()
     }
 
-    /// Says a word, such as `READY=1`.
+    /// Sends a message, such as `READY=1`.
     pub fn say(&self, word: &str) {
         if let Some((socket, address)) = &self.socket {
             let _ = socket.send_to_addr(word.as_bytes(), address);
         }
     }
 
-    /// Says often enough that the supervisor is awake.
+    /// Sends the watchdog message at the required rate.
     pub fn awake(&mut self) {
         let Some(period) = self.period else {
             return;

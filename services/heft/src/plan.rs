@@ -1,4 +1,4 @@
-//! The plan of a run: everything that the supervisor tells its workers, in one file.
+//! The plan of a run: all settings that the supervisor passes to its workers, in one file.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +18,7 @@ use crate::fleet_run::FleetRun;
 use crate::outputs::CanOutput;
 use crate::spin::Spinners;
 
-/// What a run does. Written to the domain by the supervisor, read by every worker.
+/// Settings of a run. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plan {
     /// Which machine.
@@ -40,30 +40,30 @@ pub struct Plan {
     pub description: String,
     /// Method of each process that has a choice, by the name of the process.
     pub methods: BTreeMap<String, String>,
-    /// Length of a simulated run \[s\]; endless where absent.
+    /// Duration of a simulated run \[s\]; endless if absent.
     pub duration: Option<f64>,
     /// Sampling rate of the simulator \[Hz\].
     pub rate: f64,
     /// Seed of the simulator.
     pub seed: u64,
-    /// As fast as the readers take it instead of real time.
+    /// As fast as the readers take the samples, instead of real time.
     pub lossless: bool,
     /// Its services are threads of the supervisor instead of processes.
     pub threads: bool,
     /// Real-time scheduling was asked for.
     pub realtime: bool,
     /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
-    /// chain; none: wherever the system puts them.
+    /// chain; empty: the system chooses.
     pub cores: Vec<usize>,
-    /// Processes that look for messages all the time, with the core of each.
+    /// Processes that poll for messages continuously, with the core of each.
     pub spinners: Spinners,
-    /// What was restored of an earlier run, in words; the description holds it.
+    /// Parameters restored from an earlier run, as text; the description contains them.
     pub restored: Option<String>,
     /// The fleet that it belongs to.
     pub fleet: Option<Fleet>,
     /// When the run began [ms since 1970], by the machine's clock.
     pub begun_ms: u64,
-    /// Which run of its machine it is, for the fleet.
+    /// Identity among the runs of its machine, for the fleet.
     #[serde(flatten)]
     pub run: FleetRun,
     /// Version of heft.
@@ -74,7 +74,7 @@ pub struct Plan {
     pub limits: LimitArgs,
     /// The group of users that may look at the run.
     pub group: Option<u32>,
-    /// Whether a process that only measures the arrival of estimates joins the chain.
+    /// File of a probe: a process in the chain that only measures the arrival of estimates.
     pub probe: Option<PathBuf>,
     /// Whether that process waits for the iceoryx2 event of its channel instead of its bell.
     pub probe_listens: bool,
@@ -103,7 +103,7 @@ impl Plan {
     /// Writes it to the domain.
     pub fn write(&self, domain: &Domain) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(self).map_err(|e| {
-            // Nothing else in a plan can be refused.
+            // Only a path that is no Unicode can be refused.
             let remedy = "rename the folder or the file: a run hands its names on as text";
             Failure::input(
                 format!("a name is not UTF-8: {e}"),
@@ -128,7 +128,7 @@ impl Plan {
         })
     }
 
-    /// What a recording of this run says of itself.
+    /// Metadata of a recording of this run.
     pub fn metadata(&self) -> Metadata {
         let mut metadata = Metadata::new();
         let mut put = |key: &str, value: String| {
@@ -203,7 +203,7 @@ pub fn method_key(process: &str) -> String {
     format!("method.{process}")
 }
 
-/// What a state of this build must fit to be continued: process, method, description.
+/// Identity that a state must have to be continued by this build: process, method, description.
 pub fn state_identity(description: &str, process: &str, method: &str) -> u64 {
     let parts = [crate::build::IDENTITY, process, method, description];
     let sum = recording::sha256(parts.join("\n"));

@@ -1,4 +1,4 @@
-//! Results that commands write: whole or not at all, and over nothing but an earlier result of the same command.
+//! Results that commands write: completely or not at all, and only over an earlier result of the same command.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 
-/// Writes a text; `is_ours` knows an earlier result by its first bytes, `doing` says what for: "write the page".
+/// Writes a text. `is_ours` recognizes an earlier result by its first bytes; `doing` names the task: "write the page".
 pub fn text(
     doing: &'static str,
     path: &Path,
@@ -20,10 +20,10 @@ pub fn text(
     Ok(out.finish()?)
 }
 
-/// Knows an earlier result by its first bytes.
+/// Recognizes an earlier result by its first bytes.
 pub type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
 
-/// Refuses to write over what is read (`taken`), over something else of value, or two results over one another.
+/// Refuses to overwrite an input (`taken`) or any other valuable file, or to write two results to one file.
 pub fn check<'a>(
     mut taken: Vec<&'a Path>,
     wanted: &[(Option<&'a Path>, IsOurs)],
@@ -44,7 +44,7 @@ pub fn check<'a>(
     Ok(())
 }
 
-/// Writes a JSON object. Its first key, `heft`, says which command made it, and `by` what; what is no object stands under
+/// Writes a JSON object. Its first key, `heft`, names the command and `by`; a value that is no object is put under
 /// `rows`.
 pub fn json(
     path: &Path,
@@ -74,7 +74,7 @@ fn signed(command: &str, by: &str, value: &Value) -> serde_json::Result<String> 
     Ok(format!("{{\n  \"heft\": {made}{comma}{rest}\n"))
 }
 
-/// Whether a file that begins like this is JSON that a command of heft made.
+/// Recognizes JSON of a command of heft by its first bytes.
 pub fn is_json_of(command: &str) -> impl Fn(&[u8]) -> bool {
     let first = format!("{{\n  \"heft\": \"heft {command} ");
     move |head| head.starts_with(first.as_bytes())

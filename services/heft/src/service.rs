@@ -1,4 +1,4 @@
-//! One service of a run, in a process or on a thread of its own.
+//! One service of a run, as a process or on a thread.
 
 use clap::Args;
 use messages::Message;
@@ -23,7 +23,7 @@ pub struct ServiceArgs {
     pub restarts: u32,
 }
 
-/// Is the service `name` of a run, in this process, until the run ends.
+/// Runs the service `name` in this process until the run ends.
 pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
     let domain = Domain::new(&args.domain)?;
     let plan = Plan::read(&domain)?;
@@ -45,7 +45,7 @@ pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
     run(stage, args.restarts, Control::of_worker()?, &domain, &plan)
 }
 
-/// Is a stage of a run, on this thread, until the run ends; the domain has been entered before.
+/// Runs a stage on this thread until the run ends; the domain has been entered before.
 pub fn run(
     stage: &'static Stage,
     restarts: u32,
@@ -76,7 +76,7 @@ pub fn run(
     }
 }
 
-/// The core of a process: they are taken in turn along the chain.
+/// The core of a process: cores are taken in turn along the chain.
 fn core(plan: &Plan, stage: &Stage) -> Option<usize> {
     let turn = plan.pipeline().hops_before(stage) % plan.cores.len().max(1);
     plan.cores.get(turn).copied()
@@ -120,7 +120,7 @@ fn serve_probe(worker: Worker, plan: &Plan, channel: &'static Channel) -> Result
     let arrivals = channel.payload.visit(Probe {
         worker,
         channel,
-        // As many as the run has samples, with some to spare; ten minutes where it has no end.
+        // Number of samples of the run with a margin; of ten minutes for an endless run.
         capacity: (plan.duration.unwrap_or(600.0) * plan.rate) as usize + 1000,
         wake: if plan.probe_listens {
             Wake::Event

@@ -1,5 +1,5 @@
-//! The story of a run: a line for each load as it is carried and dumped, and a table of them at the end. All numbers are the
-//! ledger's; only the truth stands beside them.
+//! Loads of a run as text: a line for each load when it is carried and when it is dumped, and a table at the end. All numbers are
+//! the ledger's; only the truth is added.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ use view::number;
 
 use crate::quantity;
 
-/// Loads with what was really in the bucket.
+/// Loads with their true content.
 #[derive(Debug, Default)]
 pub struct Story {
     truths: Truths,
@@ -22,14 +22,14 @@ pub struct Story {
 }
 
 impl Story {
-    /// Notes what really is in the bucket.
+    /// Stores the true content of the bucket.
     pub fn know(&mut self, truth: &Envelope) {
         if let Some(payload) = quantity::truth(truth, "payload") {
             self.truths.know(truth.stamp().time, payload);
         }
     }
 
-    /// Takes what the ledger says of a load; a line where it is new.
+    /// Takes a load of the ledger; returns a line if it is new.
     pub fn add(&mut self, machine: Machine, load: &Load) -> Option<String> {
         let truth = self.truths.of(load);
         self.ended.retain(|(known, _)| known.number != load.number);
@@ -46,7 +46,7 @@ impl Story {
         ))
     }
 
-    /// What the bucket holds now, in a line.
+    /// The present content of the bucket, as a line.
     pub fn now(&self, counter: &LoadCounter) -> String {
         let now = counter.ledger().now();
         let (value, _) = number::value_and_std(now.kg, now.std);
@@ -57,7 +57,7 @@ impl Story {
         format!("{time:5.1} s  in the bucket now: {value} kg, 95 %: {interval}{truth}")
     }
 
-    /// The loads as a table, with a line above it.
+    /// The loads as a table, with a heading.
     pub fn table(&self, machine: Machine) -> String {
         if self.ended.is_empty() {
             return "no load was carried\n".to_owned();
@@ -84,7 +84,7 @@ impl Story {
         self.heading() + &table.to_string()
     }
 
-    /// How many are trusted, and how many of their intervals hold the truth.
+    /// Number of trusted loads, and of their intervals that contain the truth.
     fn heading(&self) -> String {
         let trusted: Vec<_> = self.ended.iter().filter(|(load, _)| load.trusted).collect();
         let (reported, all) = (trusted.len(), self.ended.len());
@@ -109,7 +109,7 @@ impl Story {
     }
 }
 
-/// The last word of the ledger on each load.
+/// Takes the final loads of the ledger.
 pub fn finish(story: &mut Story, loads: &SharedLoads) {
     let mut counter = loads.lock();
     let _ = counter.finish();

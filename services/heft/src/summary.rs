@@ -1,4 +1,4 @@
-//! What is said at the end of a run.
+//! The summary at the end of a run.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::page;
 use crate::tally::Tally;
 use crate::watch::Watch;
 
-/// Columns of every terminal.
+/// Columns that every terminal has.
 const WIDTH: usize = 80;
 
 /// Writes the HTML report of a recording; `None`, with the reason printed, if that fails.
@@ -36,16 +36,16 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
     }
 }
 
-/// How much is said.
+/// Extent of the summary.
 #[derive(Debug, Clone, Copy)]
 pub struct Detail {
-    /// Loads in a table at the end, instead of the quantities one by one.
+    /// Loads as a table at the end, instead of the quantities one by one.
     pub is_story: bool,
-    /// Statistics of the processes too.
+    /// With statistics of the processes.
     pub is_verbose: bool,
 }
 
-/// What is known at the end, each quantity, the losses, and where everything is.
+/// The last estimate, each quantity, the losses, and the places of recording and report.
 pub fn text(
     machine: Machine,
     watch: &Watch,
@@ -91,14 +91,14 @@ pub fn text(
         tell_processes(watch, &mut line);
     }
     for fault in watch.faults() {
-        // Late samples of a demonstration are statistics of the host: nothing was lost.
+        // Late samples of a demonstration are statistics of the host: no sample was lost.
         let is_statistics = matches!(fault, Fault::Late { .. });
         if is_statistics && detail.is_story && !detail.is_verbose {
             continue;
         }
         line(fault.words());
     }
-    // Paths are not broken: they are copied.
+    // Paths are not wrapped: users copy them.
     let _ = writeln!(out, "  recording  {}", shown(recording));
     if let Some(report) = report {
         let _ = writeln!(out, "  report     {}", shown(report));
@@ -143,19 +143,19 @@ fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
     }
 }
 
-/// Age of the last trusted estimate, the largest over the headline quantities; `None` where one of
-/// them never was trusted \[s\].
+/// Age of the last trusted estimate, the largest over the headline quantities \[s\]; `None` if one of
+/// them never was trusted.
 pub fn trust_age(watch: &Watch) -> Option<f64> {
     let headline = watch.headline();
     let ages: Option<Vec<f64>> = headline.map(|s| Some(s.time - s.last_trusted?.0)).collect();
     ages?.into_iter().reduce(f64::max)
 }
 
-/// An estimate is judged by its last trusted value, which may be this old \[s\]: a machine that stands at the end
+/// Largest age of the last trusted value by which an estimate is judged \[s\]: a machine that stands at the end
 /// has shown its inertia while it moved.
 const TRUST_AGE: f64 = 30.0;
 
-/// What `--require-trust` asks: a trusted estimate, not too old.
+/// The condition of `--require-trust`: a trusted estimate, not too old.
 pub fn require_trust(age: Option<f64>) -> Result<(), Failure> {
     match age {
         None => Err(Failure::answer_is_no("no estimate is `trusted`")),
@@ -170,7 +170,7 @@ fn us(ns: u64) -> f64 {
     ns as f64 / 1e3
 }
 
-/// A path as the user would type it; whole where that is a service in the root of all files.
+/// A path as the user would type it; absolute for a service whose working directory is `/`.
 pub fn shown(path: &Path) -> String {
     let here = std::env::current_dir().unwrap_or_default();
     let below = path.strip_prefix(&here).ok();

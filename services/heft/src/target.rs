@@ -1,4 +1,4 @@
-//! `--target`: what a truck shall hold.
+//! `--target`: the mass that a truck shall hold.
 
 use config::Description;
 use steps::loads::{LoadCounter, Options};
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// A mass such as 24t, 24 t, 24000kg or 24000 \[kg\].
 ///
 /// # Errors
-/// It is none, or not above 0.
+/// The text is no mass, or not above 0.
 pub fn parsed(text: &str) -> Result<f64, String> {
     let text = text.trim().to_lowercase();
     let (number, factor) = in_mass_unit(&text).unwrap_or((&text, 1.0));
@@ -20,10 +20,10 @@ pub fn parsed(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a mass above 0, like 24t, 24000kg or 24000".into())
 }
 
-/// Refuses a target that the smallest load reaches: it is in another unit. `Some`: a note on one that a full bucket reaches.
+/// Refuses a target below the smallest load: it is in another unit. `Some`: a note on a target that one full bucket reaches.
 ///
 /// # Errors
-/// It is so small.
+/// The target is below the smallest load.
 pub fn doubt(target: Option<f64>, machine: &Description) -> Result<Option<String>, Failure> {
     let counter = LoadCounter::new(machine, Options::default());
     let (least, full) = (counter.smallest(), counter.ledger().rated());

@@ -1,4 +1,4 @@
-//! `heft calibrate`: the machine's own parameters from recordings, with intervals.
+//! `heft calibrate`: identifies the machine's own parameters from recordings, with intervals.
 
 pub mod args;
 mod each;
@@ -25,7 +25,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     (machines::entry(args.machine).calibrate)(args, &description)
 }
 
-/// What is known before: the machine file that is named, else that of the first recording, as `heft estimate` has it.
+/// The prior description: the machine file of the arguments, else that of the first recording, as for `heft estimate`.
 fn before(args: &CalibrateArgs) -> Result<Description, Failure> {
     let Some(first) = args.files.first() else {
         return description(Some(args.machine), &args.description);

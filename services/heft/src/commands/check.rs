@@ -88,7 +88,7 @@ fn text_of(file: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Other commands take the machine where this one takes its file.
+/// Refuses the name of a machine in the place of the file: other commands take the machine first.
 fn is_no_machine(file: &Path) -> Result<(), Failure> {
     let named = Machine::ALL
         .into_iter()
@@ -103,10 +103,10 @@ fn is_no_machine(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// A number that is so many times that of machines of its size, or less than that part of it, is in another unit, or of another machine.
+/// Ratio to the usual value of machines of this size, or its inverse, above which a number is in another unit or of another machine.
 const ODD: f64 = 2.5;
 
-/// What weighs: table, the keys without which it is not used, and that of the rod's area.
+/// Tables of weighing cylinders: name, keys without which it is unused, and key of the rod's area.
 const CYLINDERS: &[(&str, &[&str], &str)] = &[
     (
         "machine.boom_cylinder",
@@ -125,7 +125,7 @@ const CYLINDERS: &[(&str, &[&str], &str)] = &[
     ),
 ];
 
-/// What is valid, and hardly meant.
+/// Remarks on values that are valid, but implausible.
 fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
     let mut found = Vec::new();
     let mass_key = config::mass_key(description.machine());

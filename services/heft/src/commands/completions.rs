@@ -1,4 +1,4 @@
-//! `heft completions`: what a shell completes.
+//! `heft completions`: completion scripts for shells.
 
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;

@@ -1,4 +1,4 @@
-//! `heft` without a command: both machines at work in real time, each a pipeline of processes.
+//! `heft` without a command: a demonstration of both machines in real time, each a pipeline of processes.
 
 use std::io::{BufRead, BufReader, IsTerminal, Write};
 use std::path::Path;
@@ -15,9 +15,9 @@ use crate::machines;
 use crate::signals::Signals;
 use crate::watch::{LIVE, STORY};
 
-/// Length of the demonstration \[s\].
+/// Duration of the demonstration \[s\].
 const DURATION: &str = "28";
-/// Pause between two drawings of the live lines.
+/// Period of the live lines.
 const REDRAWN: Duration = Duration::from_millis(250);
 
 /// A line of one of the two runs; `None` at its end.
@@ -41,7 +41,7 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
         match start(machine, &folder, index, is_verbose, sender.clone()) {
             Ok(run) => runs.push(run),
             Err(failure) => {
-                // Nobody would read what the others say.
+                // Without this reader no output of the other runs would be read.
                 for run in &mut runs {
                     let _ = run.kill();
                     let _ = run.wait();
@@ -131,7 +131,7 @@ fn start(
     Ok(child)
 }
 
-/// What was printed for good, and below it on a terminal a live line per machine, redrawn in place.
+/// Lines printed for good; on a terminal, a live line per machine below them, redrawn in place.
 #[derive(Default)]
 struct Screen {
     lines: [String; Machine::ALL.len()],
@@ -149,7 +149,7 @@ impl Screen {
         }
     }
 
-    /// A line that stays.
+    /// Prints a line that stays.
     fn tell(&mut self, index: usize, event: &str) {
         let event = named(index, event) + "\n";
         if std::io::stdout().is_terminal() {
@@ -160,7 +160,7 @@ impl Screen {
         }
     }
 
-    /// Draws the live lines again, with `above` before them.
+    /// Redraws the live lines, with `above` before them.
     fn draw(&mut self, above: &str) {
         self.shown = Some(Instant::now());
         let mut text = self.erased();
@@ -174,7 +174,7 @@ impl Screen {
         self.drawn = true;
     }
 
-    /// What takes the live lines away.
+    /// The control characters that erase the live lines.
     fn erased(&self) -> String {
         if self.drawn {
             format!("\x1b[{}A\x1b[J", self.lines.len())

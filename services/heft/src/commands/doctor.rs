@@ -1,4 +1,4 @@
-//! `heft doctor`: what this host lacks for real-time work, and what killed runs left behind.
+//! `heft doctor`: reports what this host lacks for real-time work, and remains of killed runs.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use rustix::process::{Resource, getrlimit};
 
 use crate::failure::Failure;
 
-/// One thing that was looked at.
+/// Result of one check.
 struct Finding {
     good: bool,
     what: String,
@@ -122,7 +122,7 @@ fn domains() -> Vec<Finding> {
     findings
 }
 
-/// Recordings that a crash left in parts or cut off, where runs record by default and where the unit does.
+/// Recordings in parts or cut off by a crash, in the default folders of runs and of the unit.
 fn recordings() -> Vec<Finding> {
     let mut folders = vec![PathBuf::from(".")];
     for home in ["runs", "/var/lib/heft"] {

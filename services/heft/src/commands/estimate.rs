@@ -40,7 +40,7 @@ fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
     let description = described(args.machine, &args.with.description, file)?;
     let end = (machines::entry(description.machine()).estimate)(args, file, output, &description);
-    // Of what cannot be read nothing is taken for anything.
+    // For an input that cannot be read no assumption is reported.
     if end.as_ref().err().is_none_or(|failure| failure.status == 1)
         && let Some(note) = size::assumed(&description, &args.with.description, file)?
     {
@@ -49,7 +49,7 @@ fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     end
 }
 
-/// Refuses to write over what is read, or over something else of value.
+/// Refuses to overwrite an input or any other valuable file.
 fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     let config = args.with.description.config.as_deref();
     let inputs = [Some(file), args.with.map.as_deref(), config];

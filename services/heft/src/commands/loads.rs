@@ -1,4 +1,4 @@
-//! `heft loads`: recordings as people count them, one row a load.
+//! `heft loads`: the loads of recordings, one row each.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -87,7 +87,7 @@ pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
     judge(ends)
 }
 
-/// Of one input its own failure; of many, how many failed: each was named.
+/// The failure of a single input; of many inputs, their number: each was named before.
 fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
     if ends.len() == 1 {
         return ends.remove(0);
@@ -109,7 +109,7 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
     }
 }
 
-/// The loads of an input, and whether all of it could be read; a note that is among these has been told.
+/// The loads of an input, and whether it was read completely; `notes`: those that were printed already.
 fn count(
     args: &LoadsArgs,
     input: &Path,
@@ -134,7 +134,7 @@ fn count(
         }
         trucks.extend(counter.see(message).truck);
     });
-    // Of a damaged recording what is whole counts, and so does what is found in data that are in doubt.
+    // The whole part of a damaged recording counts, and so do the results of doubtful data.
     let read = match read {
         Err(failure) if failure.status != 1 => return Err(failure),
         read => read,
@@ -171,7 +171,7 @@ fn tell_why_none(account: &Account) {
     );
 }
 
-/// The truth of a simulated load stands behind its interval.
+/// Column of the truth of a simulated load, after its interval.
 const TRUTH_AT: usize = 5;
 
 fn print(account: &Account) {
@@ -244,7 +244,7 @@ fn print(account: &Account) {
             println!("{line}");
         }
     }
-    // Of nothing there is no sum, and no interval of it.
+    // A sum of no loads has no interval.
     if account.trucks.len() > 1 {
         println!("all: {}", loads::total_words(&account.all));
     }

@@ -43,7 +43,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     match &args.output {
         None => print!("{text}"),
         Some(path) => {
-            // Somebody may have worked on an earlier one.
+            // An existing map may have been edited: it is never overwritten.
             results::text("write the map", path, &[&args.file], |_| false, text)?;
             println!(
                 "{}: read every line of it, then give it with --map",
@@ -86,7 +86,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The DBC files, whose paths in a map begin at its folder.
+/// The DBC files, with paths relative to the map's folder.
 fn dbc(args: &MapArgs) -> Result<Vec<PathBuf>, Failure> {
     let folder = args.output.as_deref().and_then(Path::parent);
     if folder.is_none_or(|folder| folder.as_os_str().is_empty()) {

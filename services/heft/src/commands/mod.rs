@@ -1,4 +1,4 @@
-//! The command line, and every command: its file, which holds its arguments and what it does, and a row here, which is its help.
+//! The command line. Every command has a file with its arguments and code, and a row here with its help.
 
 use clap::{Parser, Subcommand};
 
@@ -57,7 +57,7 @@ macro_rules! commands {
         }
 
         impl Command {
-            /// Does it.
+            /// Runs it.
             pub fn run(&self) -> Result<(), Failure> {
                 match self {
                     $( Self::$name(args) => $run(args), )+

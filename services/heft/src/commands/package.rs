@@ -1,4 +1,4 @@
-//! `heft package`: what a package installs beside the binary.
+//! `heft package`: the files that a package installs beside the binary.
 
 use std::path::PathBuf;
 

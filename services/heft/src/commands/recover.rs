@@ -1,5 +1,5 @@
 //! `heft recover`: writes a whole copy of a recording that was cut off, damaged or left in parts.
-//! Commands that read a recording read what is whole of it by themselves, and write nothing.
+//! Commands that read a recording read its whole part themselves, and write nothing.
 
 use std::path::PathBuf;
 

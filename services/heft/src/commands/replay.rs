@@ -1,4 +1,4 @@
-//! `heft replay`: recomputes every estimate of a recording from what its process read, see
+//! `heft replay`: recomputes every estimate of a recording from the recorded inputs of its process, see
 //! [`crate::compare`].
 
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let states = pieces.filter_map(|piece| collector.take(&piece));
         let mut result = compare(&replay, inputs, recorded, states);
         if !reader.is_being_written() {
-            // Nobody will write the samples any more.
+            // The recording is finished: the samples will not be written any more.
             result.unknown += std::mem::take(&mut result.ahead);
         }
         if result.answers > 0 {
@@ -120,7 +120,7 @@ fn line(channel: &str, result: &Compared) -> String {
     text
 }
 
-/// The description that the recording carries; a change since then is named.
+/// The description in the recording; prints a note if it was changed after the run.
 fn description(metadata: &Metadata, file: &Path) -> Result<Description, Failure> {
     let name = metadata.get("machine");
     let machine = name.and_then(|name| Machine::from_name(name));
@@ -146,12 +146,12 @@ fn missing(key: &str, file: &Path) -> Failure {
     )
 }
 
-/// Method of a stage, as the recording tells it: empty where there is no choice.
+/// Method of a stage by the recording; empty where there is no choice.
 fn method<'a>(metadata: &'a Metadata, stage: &Stage, file: &Path) -> Result<&'a str, Failure> {
     if stage.methods().is_empty() {
         return Ok("");
     }
-    // What recordings of version 0.1 call the methods of the two estimating processes.
+    // Names of the methods of both estimating processes in recordings of version 0.1.
     let old = if stage.name == "ukf" {
         "second_method"
     } else {
@@ -169,11 +169,11 @@ fn names(reader: &Reader, channel: &str) -> Vec<String> {
 
 /// A stage under comparison.
 struct OfRow {
-    /// What a recorded state must fit.
+    /// Identity that a recorded state must have.
     fits: u64,
     fresh: Box<dyn AnyStep>,
     hop: Hop,
-    /// Names of the fields that the recording has: another version may know more.
+    /// Names of the recorded fields: another version may have more.
     recorded: Vec<String>,
 }
 
@@ -208,7 +208,7 @@ impl Replay for OfRow {
         (self.place(answer), answer.hops().restarts(self.hop))
     }
 
-    /// Of the fields of the message itself, as far as they were recorded.
+    /// Compares the fields of the message itself, as far as they were recorded.
     fn difference(&self, a: &Envelope, b: &Envelope) -> Option<&'static str> {
         let same = |i: usize| match (a.get(i), b.get(i)) {
             (Some(a), Some(b)) => a.same_bits(b),

@@ -73,7 +73,7 @@ fn each(args: &ReportArgs) -> Result<(), Failure> {
         Job {
             input: input.clone(),
             arguments: arguments.into(),
-            // What is damaged is said again, as often as somebody asks.
+            // A damaged recording is read again, so that its damage is reported every time.
             is_done: !args.many.again
                 && !sources.is_empty()
                 && many::is_newer(page, &sources)
@@ -98,7 +98,7 @@ fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
     parts::tell_damage(&reader)
 }
 
-/// Recordings of the same machine compared, beside the first of them.
+/// Compares recordings of the same machine on a page beside the first of them.
 fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure> {
     let readers = files.iter().map(|file| parts::open(file));
     let readers = readers.collect::<Result<Vec<_>, _>>()?;
@@ -116,7 +116,7 @@ fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure>
     readers.iter().try_for_each(parts::tell_damage)
 }
 
-/// Only recordings of the same machine can be compared.
+/// Refuses recordings of different machines.
 fn are_of_one_machine(files: &[PathBuf], readers: &[Reader]) -> Result<(), Failure> {
     let machines = readers.iter().filter_map(|r| r.metadata().get("machine"));
     let distinct: std::collections::BTreeSet<&String> = machines.collect();

@@ -43,7 +43,7 @@ fn remember(file: &Path, plan: &mut Plan) -> Result<Memory, Failure> {
     Ok(memory)
 }
 
-/// Keeps this process, and those that it starts, to one core.
+/// Restricts this process, and those that it starts, to one core.
 fn keep_to(core: usize) -> Result<(), Failure> {
     let cores = realtime::cores();
     let kept = if cores.contains(&core) {
@@ -78,7 +78,7 @@ fn show(args: &RunArgs) -> Show {
     }
 }
 
-/// What is watched of a run, and the server of its page, which ends when it is dropped.
+/// The watch of a run, and the server of its page, which ends when it is dropped.
 fn watch(
     args: &RunArgs,
     machine: Machine,
@@ -89,7 +89,7 @@ fn watch(
         .map(|addr| crate::live::start(addr, machine, loads.clone()))
         .transpose()?;
     let (feed, server) = page.unzip();
-    // What the user asked for is the headline, whichever process makes it.
+    // The requested method is the headline, whichever process computes it.
     let pipeline = Pipeline::of(machine);
     let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
     let headline = asked.and_then(|stage| stage.output());
@@ -156,7 +156,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     span.record("process", "supervisor");
     span.record("machine", machine.name());
     span.record("domain", domain.name());
-    // A run that is refused before it starts is none.
+    // A run that is refused before it starts is not counted.
     if let (Some(site), Some(machine)) = (&args.fleet.site, &args.fleet.machine_id) {
         plan.run = plan.run.count(site, machine);
     }
@@ -188,7 +188,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     verdict(&end, &watch, args)
 }
 
-/// What was carried, where anything was.
+/// Prints the loads, if any.
 fn tell_loads(loads: &SharedLoads) {
     let mut counter = loads.lock();
     let last = counter.finish().truck;

@@ -1,4 +1,4 @@
-//! `heft schema`: the messages in other languages, from their one table.
+//! `heft schema`: the messages in other languages, generated from one table.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -120,7 +120,7 @@ struct Table {
 }
 
 impl Table {
-    /// Names of its bits and codes.
+    /// The names of its bits and codes.
     fn enumerations(&self) -> impl Iterator<Item = Enumeration> {
         Enumeration::all(self.name, self.words)
     }
@@ -313,7 +313,7 @@ mod tests {
 
     use super::*;
 
-    /// Skipped where there is no such compiler.
+    /// Skipped without such a compiler.
     fn compiles(compiler: &str, standard: &str, file: &str, main: &str) {
         let dir = tempfile::tempdir().expect("a folder");
         let source = dir.path().join(file);

@@ -17,7 +17,7 @@ use crate::commands::loads::positive;
 use crate::failure::Failure;
 use crate::signals::Signals;
 
-/// Longest wait before the channel is looked at again.
+/// Longest wait between two reads of the channel.
 const NAP: Duration = Duration::from_millis(5);
 
 /// How a sample is written.
@@ -58,9 +58,9 @@ pub struct TailArgs {
 struct Writer {
     format: Format,
     frames: Outgoing,
-    /// Begin of a line of InfluxDB after the name of the measurement: what is the same in all lines.
+    /// First part of a line of InfluxDB, after the name of the measurement: the same in all lines.
     tags: String,
-    /// Least time between two samples \[s\], and that of the last.
+    /// Least time between two samples, and time of the last one \[s\].
     period: f64,
     last: f64,
     has_header: bool,
@@ -104,7 +104,7 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     };
     let stop = Signals::catch()?;
     loop {
-        // What was sent before the end is still there.
+        // Messages sent before the end are still in the channel.
         let is_over = stop.came() || !run.is_alive();
         run.drain(&mut writer);
         writer
@@ -124,7 +124,7 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
 impl Sink for Writer {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let time = message.stamp().time;
-        // A little early counts as due: the times of samples are sums of rounded steps.
+        // A sample slightly before its due time is taken: times are sums of rounded steps.
         let is_early = time - self.last < self.period * 0.999 && time >= self.last;
         if is_early {
             return;
@@ -201,7 +201,7 @@ fn join(
     }
 }
 
-/// As JSON has it, and the line protocol, which leaves out what is missing; the words are names without quotes in them.
+/// A value for JSON and the line protocol, which omits missing ones; words are names without quotes in them.
 fn put_said(out: &mut String, value: Said) {
     match value {
         Said::Number(value) => put(out, value),

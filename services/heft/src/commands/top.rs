@@ -16,12 +16,12 @@ use crate::signals::Signals;
 
 /// Time between two pictures.
 const PERIOD: Duration = Duration::from_millis(100);
-/// How long one picture as text looks at the channels first.
+/// Time for which a single picture as text reads the channels first.
 const ONCE: Duration = Duration::from_millis(1500);
 /// Size of that picture.
 const ONCE_SIZE: (u16, u16) = (110, 36);
 
-/// What the dashboard sees.
+/// State of the dashboard.
 struct Screen(TopState);
 
 impl Sink for Screen {
@@ -81,7 +81,7 @@ fn print_once(run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failu
 }
 
 fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failure> {
-    // A signal leaves the terminal as it was, too.
+    // A signal also restores the terminal.
     let stop = Signals::catch()?;
     let mut terminal = ratatui::try_init().map_err(|e| {
         Failure::input(
@@ -113,7 +113,7 @@ fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(),
     result
 }
 
-/// A key that ends it, or a terminal that is gone.
+/// Whether the user wants to quit, or the terminal is gone.
 fn wants_to_quit() -> bool {
     match event::poll(PERIOD) {
         Ok(false) => return false,

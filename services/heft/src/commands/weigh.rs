@@ -1,4 +1,4 @@
-//! `heft weigh`: the static reference, from axle weights on level and tilted ground.
+//! `heft weigh`: the static reference of the centre of gravity, from axle weights on level and tilted ground.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -54,10 +54,10 @@ pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Relative standard deviation of a wheelbase by the mass alone.
+/// Relative standard deviation of a wheelbase that is estimated from the mass.
 const GUESSED: f64 = 0.05;
 
-/// Widens what hangs on a wheelbase that nobody states, and says so.
+/// Adds the uncertainty of a wheelbase that is not stated, with a note.
 fn guess_wheelbase(found: &mut Reference, wheelbase: f64) {
     let mass = found.load / GRAVITY / 1000.0;
     eprintln!(
@@ -69,7 +69,7 @@ fn guess_wheelbase(found: &mut Reference, wheelbase: f64) {
     found.cg_height = found.cg_height.map(widened);
 }
 
-/// With the doubt of a guessed wheelbase, which it grows with.
+/// Adds the uncertainty of the assumed wheelbase, to which the quantity is proportional.
 fn widened(q: Quantity) -> Quantity {
     let guessed = GUESSED * q.value;
     Quantity {
@@ -78,10 +78,10 @@ fn widened(q: Quantity) -> Quantity {
     }
 }
 
-/// Axle loads that are such a share of the described mass as kilograms, and so a tenth of it as newtons, are in kilograms.
+/// Ratio of the axle loads' sum to the described mass \[kg\] that means kilograms: newtons give about 9.81.
 const AS_KILOGRAMS: RangeInclusive<f64> = 0.6..=1.7;
 
-/// What the scales of a file say.
+/// The reference by the weighings in a file.
 pub fn reference(file: &Path, described: &config::Loader) -> Result<Reference, Failure> {
     let refused = |e: estimation::loader::weigh::WeighError| {
         Failure::input(

@@ -1,4 +1,4 @@
-//! Many machines in one command: every folder holds the recordings of one, its result lies beside them, and a table compares them.
+//! Many machines in one command: every folder contains the recordings of one, gets its result, and a table compares them.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -20,7 +20,7 @@ use crate::results;
 const DESCRIPTION: &str = "calibrated.toml";
 const PAGE: &str = "calibrated.html";
 
-/// Each machine in a process of its own.
+/// Calibrates each machine in a process of its own.
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
@@ -73,7 +73,7 @@ fn job(args: &CalibrateArgs, folder: &Path) -> Result<Job, Failure> {
     })
 }
 
-/// What is asked for a machine. A name with a folder is of that machine only, a bare one of every machine.
+/// The options of a machine. A name with a folder applies to that machine only, a name without to every machine.
 fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     let is_meant = |file: &str| {
         let parent = Path::new(file).parent().unwrap_or(Path::new(""));
@@ -88,7 +88,7 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     let mut all = inputs::options(args);
     for (name, stated) in [("--payload", &args.payload), ("--mass", &args.mass)] {
         let here: Vec<String> = stated.iter().filter(is_here).map(|t| file(t)).collect();
-        // What is stated of this machine's file is meant instead of what is stated of all files of its name.
+        // A statement on this machine's file replaces one on all files of that name.
         let is_said_closer = |text: &&String| {
             let (name, mut here) = (file(text), here.iter());
             here.any(|other| other.len() > name.len() && Path::new(other).ends_with(&name))
@@ -97,7 +97,7 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
         own.retain(|text| !is_said_closer(text));
         all.extend(own.iter().map(|text| format!("{name}={text}")));
     }
-    // Scales of this name in the folder of the machine, or else the file that is named.
+    // Scales of this name in the folder of the machine, else the named file.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
         let (file, named) = scales(text);
         let own = folder.join(named);
@@ -111,7 +111,7 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     all
 }
 
-/// What came out for a machine.
+/// Result of a machine.
 struct Machine {
     folder: PathBuf,
     end: String,
@@ -122,7 +122,7 @@ impl Machine {
     fn of((folder, end): (&PathBuf, &Outcome)) -> Self {
         let text = match end {
             Outcome::Kept | Outcome::Made => std::fs::read_to_string(folder.join(DESCRIPTION)).ok(),
-            // What lies there is of an earlier run.
+            // The file in the folder is of an earlier run.
             Outcome::No(_) | Outcome::Failed(_) => None,
         };
         Self {
@@ -139,7 +139,7 @@ fn keys(machines: &[Machine]) -> Vec<&str> {
     distinct.into_iter().map(String::as_str).collect()
 }
 
-/// The result of each machine, then each parameter over all of them, and which machine stands out.
+/// The result of each machine, then each parameter over all of them, and the outliers.
 fn terminal(machines: &[Machine]) -> String {
     let mut results = Table::new(&["machine", "result"]);
     for m in machines {
@@ -162,7 +162,7 @@ fn terminal(machines: &[Machine]) -> String {
     format!("{results}{parameters}")
 }
 
-/// The machines that are not of a kind with the others.
+/// The machines that are outliers.
 fn odd(machines: &[(&Machine, &Quantity)]) -> String {
     let values: Vec<_> = machines.iter().map(|(_, q)| (q.value, q.std)).collect();
     let Some(standing) = statistics::standing(&values) else {
@@ -177,7 +177,7 @@ fn odd(machines: &[(&Machine, &Quantity)]) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// One line a machine; a parameter has its value and its standard deviation.
+/// One line per machine; a parameter has its value and its standard deviation.
 fn csv(machines: &[Machine]) -> String {
     let keys = keys(machines);
     let columns: Vec<String> = keys.iter().map(|k| format!("{k},{k}_std")).collect();

@@ -1,4 +1,4 @@
-//! The recordings of a calibration: what they are called, and how the result names them.
+//! The recordings of a calibration: their samples, their names, and their hashes in the result.
 
 use std::path::{Path, PathBuf};
 
@@ -15,17 +15,17 @@ fn is_recording(file: &Path) -> bool {
     recording::Kind::by_name(file) == Some(recording::Kind::Recording)
 }
 
-/// A recording of heft takes no signal map.
+/// The signal map of a recording; one of heft needs none.
 fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
     map.filter(|_| !is_of_heft(file))
 }
 
-/// Beyond this nothing is a time \[s\], since 1970 or since a start: 30 000 years.
+/// Largest number that is a time, since 1970 or since a start \[s\]: 30 000 years.
 const DATABLE: f64 = 1e12;
-/// Rows that are further apart show no motion \[s\].
+/// Largest time between two rows: above it they do not show the motion \[s\].
 const FARTHEST: f64 = 2.0;
 
-/// The samples of a recording, without what no sensor of a machine says.
+/// The samples of a recording, without values beyond the range of any sensor.
 ///
 /// # Errors
 /// It cannot be read, or its rows are too far apart.
@@ -46,7 +46,7 @@ pub fn samples<S: Sensors>(
     Ok(samples)
 }
 
-/// Takes out what no sensor says; how many numbers that were.
+/// Removes values beyond the range of any sensor; returns their number.
 fn leave_out<S: Sensors>(sample: &mut S, measured: &[Measured]) -> usize {
     let beyond = measurable::beyond(sample, measured);
     if let Some(index) = S::index("valid") {
@@ -61,7 +61,7 @@ fn leave_out<S: Sensors>(sample: &mut S, measured: &[Measured]) -> usize {
     beyond.count_ones() as usize + usize::from(!is_timed)
 }
 
-/// Refuses rows between which a machine does whatever it likes.
+/// Refuses rows so far apart that the motion between them is unknown.
 fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), Failure> {
     let times: Vec<f64> = samples.iter().map(|s| s.stamp().time).collect();
     let Some(step) = recording::usual_step(&times).filter(|step| *step > FARTHEST) else {
@@ -77,7 +77,7 @@ fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), 
     ))
 }
 
-/// Refuses a recording that is named twice: it would count as two that agree, and narrow the intervals.
+/// Refuses a recording that is named twice: it would count as two consistent ones, and narrow the intervals.
 pub fn check_distinct(files: &[PathBuf]) -> Result<(), Failure> {
     let mut seen = std::collections::BTreeSet::new();
     let mut places = files
@@ -93,7 +93,7 @@ pub fn check_distinct(files: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// What the recordings are called in sentences: the ends of their paths, as long as it takes to tell them apart.
+/// Names of the recordings in sentences: the ends of their paths, as long as needed to distinguish them.
 pub fn names(files: &[PathBuf]) -> Vec<String> {
     let end = |file: &PathBuf, parts: usize| -> String {
         let all: Vec<_> = file.components().collect();
@@ -111,7 +111,7 @@ pub fn names(files: &[PathBuf]) -> Vec<String> {
     tried.find(is_clear).unwrap_or_else(|| called(longest))
 }
 
-/// Where the numbers come from: version, date, files with their hashes.
+/// Origin of the numbers: version, date, files with their hashes.
 pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
     let mut lines = vec![format!(
         "Calibrated by heft {IDENTITY} on {} from",
@@ -150,10 +150,10 @@ fn hashes(files: &[PathBuf]) -> Result<Vec<String>, Failure> {
     Ok(lines)
 }
 
-/// Between a recording and its hash in a result.
+/// Text between a recording and its hash in a result.
 const HASH: &str = "  sha256 ";
 
-/// Whether a result is what this version makes of these recordings with these options.
+/// Whether a result is of this version, these recordings and these options.
 pub(super) fn is_result_of(result: &str, files: &[PathBuf], options: &[String]) -> bool {
     let Ok(hashes) = hashes(files) else {
         return false;
@@ -170,7 +170,7 @@ pub(super) fn is_result_of(result: &str, files: &[PathBuf], options: &[String]) 
         && said.iter().any(|line| line.contains(IDENTITY))
 }
 
-/// Options that decide what comes out, beside what is stated of the recordings.
+/// Options that change the result, beside statements on the recordings.
 pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
     let map = args
         .map
@@ -183,7 +183,7 @@ pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
     map.chain(described).chain(free).chain(accept).collect()
 }
 
-/// A line of the result that says what was asked for.
+/// The line of the result that contains the options.
 pub(super) fn asked(options: &[String]) -> String {
     format!("  asked: {}", options.join(" "))
 }

@@ -1,4 +1,4 @@
-//! What a calibration found: printed, and written where it may be believed.
+//! Prints the result of a calibration, and writes it if it is accepted.
 
 use std::io::Read;
 use std::os::unix::net::UnixStream;
@@ -23,7 +23,7 @@ pub fn unknown_key(e: String) -> Failure {
     )
 }
 
-/// Set by the first interruption; a second one ends the command where it is: one step of a long recording lasts minutes.
+/// Set by the first interruption; a second one ends the command at once: one step of a long recording lasts minutes.
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let (mut hears, rings) = UnixStream::pair().map_err(Failure::internal)?;
@@ -58,7 +58,7 @@ pub fn tell_progress(progress: Progress) {
 }
 
 const DOING: &str = "write the machine file";
-/// How the first line of a calibrated description begins.
+/// First words of a calibrated description.
 const FIRST_WORDS: &str = "# Calibrated by heft ";
 
 fn is_ours(head: &[u8]) -> bool {
@@ -76,7 +76,7 @@ fn output_of(args: &CalibrateArgs) -> Result<&Path, Failure> {
     args.output.as_deref().ok_or_else(missing)
 }
 
-/// What is read, and must not be written over.
+/// The inputs, which must not be overwritten.
 fn taken(args: &CalibrateArgs) -> Vec<&Path> {
     let scales = args.weigh.iter().map(|w| stated::scales(w).1);
     let files = args.files.iter().map(PathBuf::as_path);
@@ -87,7 +87,7 @@ fn taken(args: &CalibrateArgs) -> Vec<&Path> {
         .collect()
 }
 
-/// Refuses before the work what could not be written after it.
+/// Refuses, before the calibration, outputs that could not be written after it.
 pub(super) fn check_outputs(args: &CalibrateArgs) -> Result<(), Failure> {
     let mut taken = taken(args);
     let description = output_of(args)?;
@@ -106,13 +106,13 @@ pub(super) fn check_outputs(args: &CalibrateArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells what was found, and writes the description where it may be believed, or the user insists.
+/// Prints the result, and writes the description if it is accepted or the user insists.
 pub fn finish(
     args: &CalibrateArgs,
     summary: &Summary<'_>,
     written: Option<String>,
 ) -> Result<(), Failure> {
-    // Files first: whoever reads the terminal may leave early.
+    // Files first: the reader of the terminal may leave early.
     let files = write(args, summary, written);
     print!("{}{}", text(summary), files.as_deref().unwrap_or_default());
     files?;
@@ -127,7 +127,7 @@ pub fn finish(
     )))
 }
 
-/// Writes what was asked for; where it is.
+/// Writes the requested files; returns their places.
 fn write(
     args: &CalibrateArgs,
     summary: &Summary<'_>,
@@ -151,7 +151,7 @@ fn write(
     Ok(places)
 }
 
-/// What a terminal shows of the result.
+/// The result as text for a terminal.
 fn text(summary: &Summary<'_>) -> String {
     let mut out = String::new();
     for remark in summary.remarks {

@@ -1,5 +1,5 @@
 //! The page of a calibration: values with intervals, residuals, slices of the likelihood, correlations,
-//! and what each recording contributed.
+//! and the contribution of each recording.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ pub fn figure(q: Quantity, unit: &str) -> String {
     number::with_std(q.value, q.std, &number::unit(unit))
 }
 
-/// Whether a file that begins like this is such a page.
+/// Recognizes such a page by its first bytes.
 pub fn is_ours(head: &[u8]) -> bool {
     String::from_utf8_lossy(head).contains("<title>heft calibration")
 }
@@ -70,7 +70,7 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
 
 fn table(body: &mut String, title: &str, note: &str, head: &[&str], rows: &[Vec<String>]) {
     const WIDE: usize = 12;
-    // What a narrow screen cuts must not be what was found.
+    // A narrow screen must not cut the found values.
     let class = match head {
         ["", "before", ..] => "found",
         head if head.len() > WIDE => "dense",
@@ -176,7 +176,7 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     );
 }
 
-/// Normalised innovations of a recording with the found values, block after block.
+/// Normalised innovations of a recording at the found values, over all blocks.
 fn normalised(summary: &Summary<'_>, found: &FitResult, recording: usize) -> Vec<f64> {
     let values = calibrate::fit::values(summary.model, &found.fit.place);
     let mut innovations = Vec::new();
@@ -297,7 +297,7 @@ fn correlations(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     table(body, "Correlations of the errors", "", &head, &rows);
 }
 
-/// Share of each recording in what the data say about a parameter.
+/// Share of each recording in the information on a parameter.
 fn contributions(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let mut head = vec!["".to_owned()];
     head.extend(summary.recordings.iter().map(|name| format!("{name}, %")));

@@ -1,4 +1,4 @@
-//! What a user tells of the recordings: masses, and what axle scales said.
+//! Statements of the user on the recordings: masses, and readings of axle scales.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub fn stated(
     Ok(loads)
 }
 
-/// The recordings of each way there and back: `FILE,FILE`.
+/// The pairs of recordings out and back: `FILE,FILE`.
 pub fn ways(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
     const OPTION: &str = "--out-and-back";
     let pair = |text: &String| {
@@ -66,7 +66,7 @@ pub fn ways(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
     args.there_and_back.iter().map(pair).collect()
 }
 
-/// Which recording is meant: by its name, by the end of its path, or by the folder of its run.
+/// Index of a recording, by its name, by the end of its path, or by the folder of its run.
 pub fn position(
     args: &CalibrateArgs,
     file: &str,
@@ -97,7 +97,7 @@ pub fn position(
     }
 }
 
-/// A mass with its accuracy, both not negative.
+/// A mass with its standard deviation, both not negative.
 fn quantity(text: &str) -> Option<Quantity> {
     let (value, std) = text
         .split_once('±')

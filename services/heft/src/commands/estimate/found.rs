@@ -1,4 +1,4 @@
-//! What the estimates of one input say in sum, as JSON: what a table of many inputs is made of.
+//! Summary of the estimates of one input as JSON: the source of a table of many inputs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,22 +10,22 @@ use view::estimate::Estimate;
 use crate::failure::Failure;
 use crate::results;
 
-/// Below this share of trusted rows it is said why.
+/// Share of trusted rows below which the reason is reported.
 const FEW: f64 = 0.9;
 
-/// What is reported of one quantity.
+/// Summary of one quantity.
 #[derive(Clone)]
 struct HeadlineTally<E> {
-    /// Rows that were trusted; of those in motion.
+    /// Trusted rows, and those of them in motion.
     trusted: [usize; 2],
-    /// Time \[s\], value and standard deviation of the last that was trusted.
+    /// Time \[s\], value and standard deviation of the last trusted row.
     last: Option<[f64; 3]>,
-    /// Rows in motion that were not, by reason and flags, each with the latest of them.
+    /// Rows in motion that were not trusted, by reason and flags, each with the latest estimate.
     doubts: BTreeMap<[u32; 2], (usize, E)>,
 }
 
 impl<E: Estimate> HeadlineTally<E> {
-    /// What is said of the most rows in motion that are not trusted; `i`: place of the quantity among the headlines.
+    /// Judgement of the most frequent kind of rows in motion without trust; `i`: index of the quantity among the headlines.
     fn main_doubt(&self, i: usize) -> Option<Judgement> {
         let most = self.doubts.values().max_by_key(|(rows, _)| *rows);
         most.map(|(_, latest)| latest.judgements().swap_remove(i))
@@ -36,11 +36,11 @@ fn share(part: usize, of: usize) -> Option<f64> {
     (of > 0).then(|| part as f64 / of as f64)
 }
 
-/// Counts while estimates are made.
+/// Accumulates the estimates of an input.
 pub struct InputSummary<E: Estimate> {
     rows: usize,
     moving: usize,
-    /// Time that has passed; none does where a clock is set back \[s\].
+    /// Elapsed time \[s\]; a clock that is set back adds none.
     seconds: f64,
     last: E,
     tally: Vec<HeadlineTally<E>>,
@@ -79,7 +79,7 @@ impl<E: Estimate> InputSummary<E> {
                 tally.last = Some([time, p.value(estimate), p.std(estimate)]);
             } else if moves {
                 let codes = estimate.codes();
-                // A reason says all; without one it is the conditions that do not hold.
+                // A reason is sufficient; without one the conditions that do not hold are reported.
                 let all = E::CONDITIONS.iter().fold(0, |all, (_, bit)| all | bit);
                 let flags = if codes.reason == 0 {
                     codes.flags & all
@@ -93,7 +93,7 @@ impl<E: Estimate> InputSummary<E> {
         }
     }
 
-    /// Of each quantity the share of the motion that was trusted; where that is small, why not the rest, and what to do.
+    /// Of each quantity the share of the motion that was trusted; if it is small, the reason for the rest and the remedy.
     pub fn in_words(&self) -> Vec<String> {
         let words = self.tally.iter().zip(E::headlines()).enumerate();
         let words = words.map(|(i, (tally, p))| {
@@ -117,8 +117,8 @@ impl<E: Estimate> InputSummary<E> {
         words.map(|words| words.trim_end().to_owned()).collect()
     }
 
-    /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same,
-    /// `guessed` what makes all loads wide, and `doubt` why the result is no good one.
+    /// Writes the summary. A number that does not exist is null. `made_by` identifies the computation, so that it is not repeated;
+    /// `guessed` is the cause of wide intervals of all loads, `doubt` the reason why the result is doubtful.
     pub fn write(
         &self,
         path: &Path,

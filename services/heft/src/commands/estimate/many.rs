@@ -15,7 +15,7 @@ use crate::many::{self, Job, Outcome};
 use crate::results;
 use crate::way::{method, way};
 
-/// What the result depends on beside the input: program, method, signal map, description.
+/// Identity of the result beside its input: program, method, signal map, description.
 pub fn identity(args: &EstimateArgs, description: &Description, map: Option<&Path>) -> String {
     let smooth = if args.smooth { " --smooth" } else { "" };
     let trust = if args.require_trust {
@@ -35,10 +35,10 @@ pub fn identity(args: &EstimateArgs, description: &Description, map: Option<&Pat
     )
 }
 
-/// Each input in a process of its own.
+/// Estimates each input in a process of its own.
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     if let Some(machine) = args.machine {
-        // What is wrong with the arguments is said once.
+        // Errors in the arguments are reported once.
         let description = description(Some(machine), &args.with.description)?;
         way(&description, method(machine, args.with.method.as_deref()))?;
     }
@@ -73,7 +73,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 }
 
 fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> bool {
-    // Its own process says what is wrong with an input.
+    // The process of an input reports its errors.
     let Ok(description) = described(args.machine, &args.with.description, input) else {
         return false;
     };
@@ -85,7 +85,7 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
     sources.extend(map);
-    // A result that is in doubt is made again, so that it is said again.
+    // A doubtful result is computed again, so that its doubt is reported again.
     let is_same = read(summary).is_some_and(|s| {
         let made_by = s.get("heft").and_then(Value::as_str);
         let is_doubtful = s.get("doubt").is_some_and(|doubt| !doubt.is_null());
@@ -131,7 +131,7 @@ fn read(summary: &Path) -> Option<Value> {
     serde_json::from_slice(&std::fs::read(summary).ok()?).ok()
 }
 
-/// What the table says of an input.
+/// The row of an input in the table.
 struct Row {
     input: PathBuf,
     end: String,
@@ -143,7 +143,7 @@ impl Row {
         Self {
             input: input.to_owned(),
             end: end.word().into(),
-            // A summary of an earlier run says nothing of a run that failed; one without trust is new.
+            // Of a failed run the file may be the summary of an earlier run. A run without trust writes a new one.
             found: read(summary).filter(|_| !end.is_bad_input()),
         }
     }
@@ -174,7 +174,7 @@ fn text<'a>(quantity: &'a Value, key: &str) -> &'a str {
         .unwrap_or_default()
 }
 
-/// Value and standard deviation of what was trusted last, else of the last.
+/// Value and standard deviation of the last trusted estimate, else of the last one.
 fn last_value(quantity: &Value) -> (Option<[f64; 2]>, bool) {
     let trusted = quantity.get("last_trusted").filter(|t| !t.is_null());
     let number = |key| trusted.unwrap_or(quantity).get(key)?.as_f64();
@@ -184,7 +184,7 @@ fn last_value(quantity: &Value) -> (Option<[f64; 2]>, bool) {
     )
 }
 
-/// A table for each machine; inputs without a result stand in the first.
+/// A table for each machine; inputs without a result are in the first.
 fn terminal(rows: &[Row]) -> String {
     let mut kinds: Vec<Vec<&str>> = Vec::new();
     for row in rows {
@@ -240,7 +240,7 @@ fn terminal_of(labels: &[&str], rows: &[&Row]) -> String {
     table.to_string()
 }
 
-/// One line an input; a quantity has its value, its standard deviation, whether it ever was trusted, and for how large a share of the
+/// One line per input; a quantity has its value, its standard deviation, whether it was trusted at all, and for which share of the
 /// motion.
 fn csv(rows: &[Row]) -> String {
     let mut keys: Vec<&str> = Vec::new();

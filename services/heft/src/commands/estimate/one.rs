@@ -21,8 +21,8 @@ use crate::failure::Failure;
 use crate::way::{Way, method, way};
 use crate::{page, parts, signals, summary};
 
-/// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
-/// row's estimate what later rows know.
+/// Passes samples through the stages one by one, so that memory does not grow with the data; `put` may replace a
+/// row's estimate by one that uses later rows.
 pub fn run<S: Message, T: Message, E: Estimate>(
     args: &EstimateArgs,
     output: &Path,
@@ -53,7 +53,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
         let message = last_answer(&mut way, message, notes.as_mut(), |e| put(rows - 1, e))?;
         let estimate = E::inside(&message);
         doubts.add(&sample, estimate.is_some_and(E::is_refused));
-        // The answer to a row that was refused repeats the one before, at a time that may be none.
+        // The answer to a refused row repeats the estimate before, at a time that may be invalid.
         if let Some(estimate) = estimate.filter(|e| !e.is_refused()) {
             writer.write(estimate)?;
             found.add(estimate);
@@ -96,13 +96,13 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     judged
 }
 
-/// The latest trusted estimate, and the time that has passed since \[s\].
+/// The latest trusted estimate, and the time since \[s\].
 struct Latest<E> {
     trusted: Option<(E, f64)>,
 }
 
 impl<E: Estimate> Latest<E> {
-    /// Takes an estimate; no time passes where a clock is set back.
+    /// Takes an estimate; a clock that is set back adds no time.
     fn add(&mut self, estimate: &E, before: Option<&E>) {
         let since = before.map_or(0.0, |e| estimate.stamp().time - e.stamp().time);
         self.trusted = match (estimate.trusted(), self.trusted) {
@@ -112,7 +112,7 @@ impl<E: Estimate> Latest<E> {
     }
 }
 
-/// Takes a sample through the stages, and notes what each answers.
+/// Passes a sample through the stages, and records the answer of each.
 fn last_answer<E: Estimate>(
     way: &mut Way,
     mut message: Envelope,
@@ -135,8 +135,8 @@ fn last_answer<E: Estimate>(
     Ok(message)
 }
 
-/// The last trusted estimate with its age, where it is not the last of all; then what is said of the last row, which need not
-/// be what is said of the others.
+/// The last trusted estimate with its age, if it is not the last of all; then the verdicts of the last row, which may differ
+/// from it.
 fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
     match trusted.filter(|(_, age)| *age > 0.0) {
         None if last.trusted() => vec![view::words::verdict(last)],
@@ -151,7 +151,7 @@ fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
     }
 }
 
-/// Value and verdict; what to do is said of the motion.
+/// Value and verdict of the last row; remedies are reported for the motion.
 fn of_the_last_row<E: Estimate>(last: &E) -> String {
     let said = last.judgements();
     let said: Vec<_> = said
@@ -161,13 +161,13 @@ fn of_the_last_row<E: Estimate>(last: &E) -> String {
     format!("In the last row: {}", said.join(" "))
 }
 
-/// Whether a truth says anything.
+/// Whether a truth has any known field.
 fn is_known<T: Message>(truth: &T) -> bool {
     truth.bits_of("known") != 0
 }
 
 fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, words: &[String]) {
-    // With the estimates on standard output, words would be rows among them.
+    // With the estimates on standard output, messages would be rows among them.
     let say = |line: &str| match recording::output::is_standard_output(output) {
         true => eprintln!("{line}"),
         false => println!("{line}"),
@@ -213,7 +213,7 @@ fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
     metadata
 }
 
-/// A report is made from a recording, here from one that exists only for it.
+/// A report needs a recording: this one exists only for it.
 struct Notes {
     writer: Writer,
     file: Beside,
@@ -241,7 +241,7 @@ impl Notes {
         message.open(Write(&mut self.writer, channel))
     }
 
-    /// A sample and, where it is known, the truth.
+    /// Writes a sample and, if known, the truth.
     fn add_sample<T: Message>(
         &mut self,
         description: &Description,

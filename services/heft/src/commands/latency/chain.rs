@@ -1,13 +1,13 @@
-//! The processes that a sample passes on its way to whoever uses the estimate, as the table of processes tells.
+//! The processes that a sample passes on its path to a user of the estimate, by the table of processes.
 
 use messages::{Hop, Machine};
 use runtime::Arrival;
 use steps::stages::{Pipeline, Role, Stage};
 
-/// A chain: the source, some steps, the user in whose place the probe stands.
+/// A chain: the source, some steps, and the probe in the place of a user.
 #[derive(Debug, Clone)]
 pub struct Chain {
-    /// Whose.
+    /// Machine of the chain.
     pub machine: Machine,
     source: &'static str,
     steps: Vec<(&'static str, Hop)>,
@@ -33,12 +33,12 @@ impl Chain {
         }
     }
 
-    /// How many processes, the user among them.
+    /// Number of processes, including the probe.
     pub fn processes(&self) -> usize {
         self.steps.len() + 2
     }
 
-    /// What each hop is called.
+    /// Names of the hops.
     pub fn hops(&self) -> Vec<String> {
         let steps = self.steps.iter().map(|(name, _)| *name);
         let names: Vec<&str> = [self.source].into_iter().chain(steps).collect();

@@ -1,4 +1,4 @@
-//! Under which conditions the chain is measured.
+//! Conditions of a latency measurement.
 
 use std::process::{Child, Command};
 
@@ -16,14 +16,14 @@ pub struct Conditions {
     pub realtime: bool,
     /// Cores of the processes, in turn along the chain; none without SCHED_FIFO: nothing is pinned.
     pub pinned: Vec<usize>,
-    /// A spinner occupies every core.
+    /// A busy process occupies every core.
     pub loaded: bool,
     /// Processes that spin instead of sleeping, as `--spin` names them.
     pub spin: Option<String>,
 }
 
 impl Conditions {
-    /// How many cores the processes may run on.
+    /// Number of cores that the processes may use.
     pub fn cores(&self) -> usize {
         if self.realtime {
             self.pinned.len()
@@ -33,7 +33,7 @@ impl Conditions {
     }
 }
 
-/// Every set of conditions that the arguments ask for, the quiet ones first, for a chain of so many processes.
+/// All sets of conditions of the arguments, those without load first, for a chain of this many processes.
 pub fn conditions(
     args: &LatencyArgs,
     permitted: bool,
@@ -85,7 +85,7 @@ fn last_cores(wanted: usize, processes: usize) -> Result<Vec<usize>, Failure> {
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// A spinner for every core.
+    /// Starts a busy process for every core.
     pub fn start() -> Result<Self, Failure> {
         let spin = || {
             Command::new("sh")

@@ -1,4 +1,4 @@
-//! The numbers as JSON.
+//! Measured latencies as JSON.
 
 use std::path::Path;
 
@@ -72,7 +72,7 @@ pub fn record(m: &Measured) -> Value {
     })
 }
 
-/// The first measurement at the top, all of them below it.
+/// Writes the first measurement at the top, and all of them below it.
 pub fn write(file: &Path, all: &[Value]) -> Result<(), Failure> {
     let mut top = all.first().cloned().unwrap_or_else(|| json!({}));
     if let Some(object) = top.as_object_mut() {

@@ -1,4 +1,4 @@
-//! Measures the real chain and the bare ones in turn.
+//! Measures the real chain and the bare chains in turn.
 
 use std::fs;
 use std::os::unix::fs::DirBuilderExt;
@@ -30,13 +30,13 @@ pub struct Passage {
 
 /// Latencies under one set of conditions \[ns\].
 pub struct Measured {
-    /// Under which.
+    /// The conditions.
     pub conditions: Conditions,
-    /// Of which processes.
+    /// The chain of processes.
     pub chain: Chain,
-    /// As the conditions say.
+    /// The real chain under the conditions.
     pub ours: Passage,
-    /// The same woken by bells, where the conditions say that processes spin.
+    /// The real chain woken by bells, if the conditions say that processes spin.
     pub by_bell: Passage,
     /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
     pub by_event: Histogram<u64>,
@@ -54,7 +54,7 @@ impl Passage {
         })
     }
 
-    /// What a probe noted of a round of so many samples.
+    /// Adds the notes of a probe for a round of this many samples.
     fn add(&mut self, chain: &Chain, text: &str, samples: u64) {
         let mut expected = 0;
         for arrival in arrivals(text) {
@@ -88,7 +88,7 @@ impl Measured {
         })
     }
 
-    /// What a bare chain took, where it was measured.
+    /// Latencies of a bare chain, if it was measured.
     pub fn limit(&self, kind: Primitive) -> Option<&Histogram<u64>> {
         self.limits
             .iter()
@@ -96,7 +96,7 @@ impl Measured {
             .map(|(_, h)| h)
     }
 
-    /// Ours over the chain of bare futexes.
+    /// Ratio of the real chain to the chain of bare futexes.
     pub fn ratio(&self, quantile: f64) -> Option<f64> {
         let futex = us(self.limit(Primitive::Futex)?, quantile);
         (futex > 0.0).then(|| us(&self.ours.end_to_end, quantile) / futex)
@@ -162,7 +162,7 @@ fn run_pipeline(
 ) -> Result<String, Failure> {
     let folder = std::env::temp_dir().join(format!("heft-latency-{}-{round}", std::process::id()));
     let probe = folder.join("probe.csv");
-    // A new folder or none: anybody may put a link under this name.
+    // Must be a new folder: another user may have put a link under this name.
     let made = fs::DirBuilder::new().mode(0o700).create(&folder);
     made.map_err(|e| Failure::folder(&folder, &e))?;
     let mut command = image::command();
@@ -216,7 +216,7 @@ fn add_limit(
     seconds: f64,
     histogram: &mut Histogram<u64>,
 ) -> Result<(), Failure> {
-    // A chain of spinners needs a core each; two processes show the cache line itself.
+    // A chain of spinning processes needs a core each; two processes show the cache line itself.
     let (stages, fifo) = if kind == Primitive::Spin {
         (2, false)
     } else {

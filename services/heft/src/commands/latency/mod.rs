@@ -1,9 +1,9 @@
 //! `heft latency`: the latency of the real processes, next to the machine's own limits.
 //!
-//! The chain leads from the sensor to a probe in the place of whoever uses the estimate (excavator: sensor, kalman,
-//! rls, probe, three hops), with the real steps inside. Beside it, interleaved in the same run, the
+//! The chain leads from the sensor to a probe in the place of a user of the estimate (excavator: sensor, kalman,
+//! rls, probe, three hops), with the real steps inside. Interleaved in the same run, the
 //! same number of processes pass a message over bare futexes, pipes and a spinning cache line,
-//! with no work in between. The last hop is measured twice: to a reader with a bell, and to one that
+//! without work in between. The last hop is measured twice: to a reader with a bell, and to one that
 //! waits for the iceoryx2 event, as a program must that the supervisor did not start. With `--spin` the chain is
 //! measured twice, in turn: with processes that spin, and by bells.
 
@@ -27,7 +27,7 @@ use conditions::{Load, conditions};
 use measure::measure;
 use steps::stages::Pipeline;
 
-/// Rounds per measurement: ours and the limits take turns, so that a noisy minute hits all.
+/// Rounds per measurement: the real chain and the bare chains take turns, so that a disturbance of the host affects all.
 const ROUNDS: usize = 3;
 
 /// `heft latency`
@@ -78,7 +78,7 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
     }
     let chain = Chain::of(args.machine);
     if let Some(wanted) = &args.spin {
-        // What cannot work is said once, here.
+        // An impossible choice is reported once, here.
         spin::spinners(Pipeline::of(args.machine), wanted, true)?;
     }
     let conditions = conditions(args, permitted, chain.processes())?;

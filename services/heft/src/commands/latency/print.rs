@@ -1,4 +1,4 @@
-//! The numbers as tables.
+//! Measured latencies as tables.
 
 use hdrhistogram::Histogram;
 use limits::Primitive;
@@ -8,7 +8,7 @@ use super::chain::Chain;
 use super::conditions::Conditions;
 use super::measure::{Measured, Passage, max_us, us};
 
-/// What was measured on, and how.
+/// The host and the chain.
 pub fn machine(chain: &Chain) {
     let system = rustix::system::uname();
     println!(

@@ -12,7 +12,7 @@ pub struct WorkerArgs {
     pub args: Vec<String>,
 }
 
-/// Is that link until the chain ends.
+/// Runs that link until the chain ends.
 pub fn worker(args: &WorkerArgs) -> Result<(), Failure> {
     std::process::exit(limits::worker_main(&args.args))
 }

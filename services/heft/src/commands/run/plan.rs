@@ -48,7 +48,7 @@ pub(super) fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
-/// Says what is taken for the size of the machine whose data come in.
+/// Reports the assumed size of the machine whose data are the input.
 pub(super) fn tell_size(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
     if let Some(input) = &args.input
         && let Some(note) = size::assumed(&plan.description()?, &args.description, input)?
@@ -58,7 +58,7 @@ pub(super) fn tell_size(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What describes the machine of a run. Where nobody describes a simulated one, its cylinders are described as they are.
+/// The description arguments of a run. Without a description, the true cylinders of a simulated machine are described.
 pub(super) fn described(args: &RunArgs, pressures: bool) -> DescriptionArgs {
     let given = &args.description;
     let is_simulated = args.input.is_none() && given.config.is_none() && given.class.is_none();
@@ -133,7 +133,7 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     (machines::entry(plan.machine).check_source)(plan)
 }
 
-/// The input of a run: a file, or a live source as it was named.
+/// The input of a run: a file, or a live source under its given name.
 fn input(path: &Path) -> Result<PathBuf, Failure> {
     match LiveInput::of(path) {
         Some(_) => Ok(path.to_owned()),
@@ -152,7 +152,7 @@ pub(super) fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     std::path::absolute(path).map_err(|e| Failure::file("find", path, &e))
 }
 
-/// Cores for the stages: those that were named, or the last one; none without `--rt`.
+/// Cores for the stages: the named ones, or the last one; none without `--rt`.
 fn cores(args: &RunArgs) -> Vec<usize> {
     let mut cores: Vec<usize> = args.core.iter().chain(&args.spread).copied().collect();
     if args.rt && cores.is_empty() {
