@@ -1,4 +1,4 @@
-//! Files as recordings need them: read at any place without holding them in memory, locked while
+//! Files of recordings: read at any place without loading them into memory, locked while
 //! they are written.
 
 use std::fs::{File, OpenOptions, TryLockError};
@@ -7,10 +7,10 @@ use std::os::unix::fs::FileExt;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// No record that is taken into memory is longer than this, whatever its length field says.
+/// Longest record that is read into memory [bytes], whatever its length field states.
 pub(crate) const LIMIT: u64 = 64 << 20;
 
-/// Opens a file that can be read more than once. To open a pipe waits until somebody writes it.
+/// Opens a file that can be read more than once. Opening a pipe would block until it has a writer.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     let about = std::fs::metadata(path)?;
     if about.is_dir() {
@@ -22,8 +22,8 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// A file that is read at any place. Its length is that of the moment when it was opened, so that
-/// a file that still grows reads as one thing.
+/// A file that is read at any place. Its length is that at the time of opening, so that
+/// a growing file is read consistently.
 #[derive(Debug)]
 pub(crate) struct Bytes {
     file: File,
@@ -38,14 +38,14 @@ impl Bytes {
         Ok(Self { file, len })
     }
 
-    /// Fills `out` from `at` on; `None` where the file or the disk does not give it.
+    /// Fills `out` from `at` on; `None` if the file ends or the disk fails.
     pub(crate) fn fill(&self, at: u64, out: &mut [u8]) -> Option<()> {
         let end = at.checked_add(out.len() as u64)?;
         (end <= self.len).then_some(())?;
         self.file.read_exact_at(out, at).ok()
     }
 
-    /// The bytes from `at` to `end`; `None` also where there are more than [`LIMIT`].
+    /// The bytes from `at` to `end`; `None` also for more than [`LIMIT`].
     pub(crate) fn range(&self, at: u64, end: u64) -> Option<Vec<u8>> {
         let length = end.checked_sub(at)?;
         (end <= self.len && length <= LIMIT).then_some(())?;
@@ -54,7 +54,7 @@ impl Bytes {
         Some(bytes)
     }
 
-    /// Whether somebody writes the file at this moment.
+    /// Whether a writer has the file open.
     pub(crate) fn is_being_written(&self) -> bool {
         let locked = matches!(self.file.try_lock_shared(), Err(TryLockError::WouldBlock));
         let _ = self.file.unlock();
@@ -62,19 +62,19 @@ impl Bytes {
     }
 }
 
-/// Why a file could not be taken for writing.
+/// Why a file could not be opened for writing.
 pub(crate) enum ClaimError {
-    /// There is something in it, or somebody else writes it.
+    /// It is not empty, or has a writer.
     Exists,
     /// The system refused.
     System(io::Error),
 }
 
-/// A reader looks whether a file is locked by locking it for a moment; a writer waits that long.
+/// Time for which a writer waits for a lock: readers test it by locking the file for a moment.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Takes `path` for writing: a new file, or an empty one that was reserved. Nothing that exists is
-/// cut off. The lock lasts as long as the file is open, so also no longer than the process.
+/// Opens `path` for writing: a new file, or an empty one that was reserved. An existing file is never
+/// truncated. The lock lasts as long as the file is open, so at most as long as the process.
 pub(crate) fn take(path: &Path) -> Result<File, ClaimError> {
     let mut options = OpenOptions::new();
     let file = options.write(true).create(true).truncate(false).open(path);
@@ -87,7 +87,7 @@ pub(crate) fn take(path: &Path) -> Result<File, ClaimError> {
                 return Err(ClaimError::Exists);
             }
             Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
-            // A file system without locks: then there are none.
+            // A file system without locks: the file stays unlocked.
             Err(TryLockError::Error(_)) => break,
         }
     }

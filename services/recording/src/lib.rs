@@ -5,7 +5,7 @@
 //! | a run of heft | [`Writer`], [`Reader`], [`recover()`] |
 //! | a table with a header | [`csv::read`], with a [`Map`] |
 //! | a CAN log | [`load()`], with a [`Map`] that names a DBC file |
-//! | an MCAP file of others | [`load()`], with a [`Map`] that names topics and fields |
+//! | an MCAP file of another program | [`load()`], with a [`Map`] that names topics and fields |
 //!
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 

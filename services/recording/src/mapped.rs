@@ -1,16 +1,16 @@
-//! Rows of samples of values that come one by one, each at its time: what a signal map makes of a bus, and of topics.
+//! Rows of samples from values that arrive one by one, each with its time: a signal map applied to a bus or to topics.
 
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Rows as When, Term, hint};
 use crate::sampling::{RowTime, Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors, Signal};
 
-/// Where a term of a signal comes from.
+/// Origin of a term of a signal.
 #[derive(Debug)]
 pub(crate) enum Source {
-    /// It is always this.
+    /// A constant.
     Constant(f64),
-    /// Values that come, and what is made of each.
+    /// A series of values, and their conversion.
     Series(Series, Conversion),
 }
 
@@ -24,25 +24,25 @@ struct Line {
 #[derive(Debug)]
 enum Part {
     Constant(f64),
-    /// Which series.
+    /// Index of the series.
     Series(usize, Conversion),
 }
 
-/// The signals of a map, made into rows.
+/// The signals of a map, combined into rows.
 #[derive(Debug)]
 pub(crate) struct MappedRows<S: Sensors> {
     lines: Vec<Line>,
     series: Vec<Series>,
     rows: Rows,
-    /// The series that makes rows: that of the master's first term.
+    /// The series whose values make rows: that of the master's first term.
     master: Option<usize>,
     builder: Builder<S>,
     values: Vec<f64>,
 }
 
 impl<S: Sensors> MappedRows<S> {
-    /// For these entries, with a row when `when` says; `origin` names what values come from. `source` says it of each term: series
-    /// are numbered in the order in which they are asked for.
+    /// For these entries, with rows at the times of `when`; `origin` names the kind of origin. `source` gives the origin of each term:
+    /// series are numbered in the order of these calls.
     pub(crate) fn new<'a>(
         map: &Map,
         entries: &'a [Entry],
@@ -88,13 +88,13 @@ impl<S: Sensors> MappedRows<S> {
         self.rows.begin_at(ns);
     }
 
-    /// It is `time`: what was complete before becomes rows. `absolute` is a time on the clock of the values.
+    /// The clock is at `time`: rows that are complete are built. `absolute` converts a time to the clock of the values.
     pub(crate) fn pass(&mut self, time: i64, absolute: impl Fn(i64) -> u64) {
         self.rows.pass(time);
         self.build(false, absolute);
     }
 
-    /// A value of a series comes at `time`.
+    /// Takes a value of a series that arrives at `time`.
     pub(crate) fn push(&mut self, series: usize, time: i64, value: f64) {
         self.series[series].push(time, value);
         if self.master == Some(series) {
@@ -102,13 +102,13 @@ impl<S: Sensors> MappedRows<S> {
         }
     }
 
-    /// All that comes at `time`, at least one value, is here.
+    /// All values of `time`, at least one, have arrived.
     pub(crate) fn hear(&mut self, time: i64, absolute: impl Fn(i64) -> u64) {
         self.rows.hear(time);
         self.build(false, absolute);
     }
 
-    /// Nothing will come any more: the rows that wait are complete.
+    /// No value will come any more: the waiting rows are complete.
     pub(crate) fn finish(&mut self, absolute: impl Fn(i64) -> u64) {
         self.build(true, absolute);
         self.builder.finish();

@@ -1,4 +1,4 @@
-//! Numbers that no sensor of a machine says.
+//! Numbers beyond the range of any sensor.
 
 use crate::Sensors;
 use messages::Value;
@@ -6,17 +6,17 @@ use messages::Value;
 /// Index and bit of a signal, and its largest value that is a measurement.
 pub type Measured = (usize, u32, f64);
 
-/// Beyond this, in SI units, nothing is a measurement: five times the largest pressure.
+/// Largest measurement of any signal, in SI units: five times the largest pressure.
 const LIMIT: f64 = 1e9;
 
-/// What is said of a signal that was too large to be measured in so many rows.
+/// Message on a signal with this number of rows beyond its range.
 pub fn words(signal: &str, count: usize) -> String {
     format!(
         "{signal} is larger than any measurement in {count} rows, where it counts as missing: check its unit and scale, and what the logger writes where a sample is missing"
     )
 }
 
-/// The signals of a machine that are numbers; `largest` says where one's estimators take a larger value for missing.
+/// The measured signals of a machine; `largest` gives the limit above which the estimators take a value for missing.
 pub fn measured<S: Sensors>(largest: impl Fn(&str) -> Option<f64>) -> Vec<Measured> {
     let measured = crate::measured::<S>().map(|(index, bit)| {
         let limit = largest(S::FIELDS[index].name).map_or(LIMIT, |limit| limit.min(LIMIT));

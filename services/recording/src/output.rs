@@ -1,5 +1,5 @@
-//! Files that a command writes: they appear under their name when they are complete, and never in
-//! the place of something that heft did not make.
+//! Files that a command writes: they get their name when they are complete, and never replace
+//! a file that heft did not write.
 
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
@@ -10,13 +10,13 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::Error;
 
-/// The files in the making, for one who ends without an end of their own.
+/// The unfinished files, for a process that ends without dropping its values.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes every file that is in the making, and then does what ends the process: for a command that a signal ends, in which nothing
-/// is dropped.
+/// Removes every unfinished file, and then calls `end`, which ends the process: for a command that is ended by a signal, in which
+/// no value is dropped.
 pub fn abandon(end: impl FnOnce()) {
-    // None is begun behind their back: whoever begins one waits for this.
+    // The lock is also taken to create a file: none is created while the list is read.
     let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.iter() {
         let _ = std::fs::remove_file(path);
@@ -24,24 +24,24 @@ pub fn abandon(end: impl FnOnce()) {
     end();
 }
 
-/// A file in the making. It is written beside its place and moved there by [`Output::finish`]; one
-/// that was not finished leaves nothing behind.
+/// An unfinished file. It is written beside its place and moved there by [`Output::finish`]; without
+/// that call it is removed.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
-    /// What it holds: "write the estimates" fails, or does not.
+    /// Its purpose for error messages: "write the estimates".
     doing: &'static str,
-    /// Where it is written until then; none where the name is that of a device or a pipe.
+    /// The unfinished file; none for a device or a pipe.
     beside: Option<Beside>,
     out: BufWriter<File>,
 }
 
 impl Output {
-    /// Begins the file `path` (`doing` says what for, "write the page"), which must not be one of `inputs`, nor hold anything but an
-    /// earlier result of the same kind: `is_ours` is shown its first bytes.
+    /// Begins the file `path`. `doing` states its purpose, such as "write the page". The path must not be one of `inputs`; an existing file
+    /// must be an earlier result of the same kind, which `is_ours` recognizes by its first bytes.
     ///
     /// # Errors
-    /// It would destroy something, or cannot be created.
+    /// It would overwrite a file of value, or cannot be created.
     pub fn create(
         doing: &'static str,
         path: &Path,
@@ -70,7 +70,7 @@ impl Output {
     /// Gives the file its name.
     ///
     /// # Errors
-    /// The file cannot be written; nothing is then left behind.
+    /// The file cannot be written; it is then removed.
     pub fn finish(mut self) -> Result<(), Error> {
         let fail = |e| Error::system(self.doing, &self.path, &e);
         self.out.flush().map_err(fail)?;
@@ -91,12 +91,12 @@ impl Output {
     }
 }
 
-/// A file that is removed when this ends, or when a signal ends the process, unless it is kept.
+/// A file that is removed when this is dropped, or when a signal ends the process, unless it is kept.
 #[derive(Debug)]
 pub(crate) struct Unfinished(PathBuf);
 
 impl Unfinished {
-    /// A file of this name, which `make` creates.
+    /// Registers a file of this name, which `make` creates.
     pub(crate) fn create<F, E>(
         path: PathBuf,
         make: impl FnOnce(&Path) -> Result<F, E>,
@@ -107,7 +107,7 @@ impl Unfinished {
         Ok((Self(path), file))
     }
 
-    /// It is whole.
+    /// Keeps the complete file.
     pub(crate) fn keep(self) {
         self.forget();
         std::mem::forget(self);
@@ -126,12 +126,12 @@ impl Drop for Unfinished {
     }
 }
 
-/// A file beside a result, for as long as this lives.
+/// A temporary file beside a result, for as long as this lives.
 #[derive(Debug)]
 pub struct Beside(Unfinished);
 
 impl Beside {
-    /// A new one, empty, beside `result`.
+    /// Creates an empty one beside `result`.
     ///
     /// # Errors
     /// It cannot be created.
@@ -153,14 +153,14 @@ impl Beside {
     }
 }
 
-/// Whether a result goes to standard output, which then holds nothing else.
+/// Whether a result goes to standard output, which then gets no other text.
 pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
         .map(Path::new)
         .contains(&path)
 }
 
-/// Whether nothing can take the place of what is there: a device, a pipe, or a name that stands for an open file.
+/// Whether a file cannot be replaced: a device, a pipe, or the name of an open file.
 fn is_device(path: &Path) -> bool {
     let is_open_file = ["/dev", "/proc"].iter().any(|top| path.starts_with(top));
     path.exists() && (is_open_file && !path.starts_with("/dev/shm") || !path.is_file())

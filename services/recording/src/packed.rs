@@ -1,4 +1,4 @@
-//! Files that may be packed by gzip, or be text in UTF-16.
+//! Files that may be compressed by gzip, or text in UTF-16.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -8,10 +8,10 @@ use flate2::bufread::GzDecoder;
 
 use crate::wide;
 
-/// First bytes of what gzip packs.
+/// First bytes of a gzip file.
 pub(crate) const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// The content of a file, unpacked and in UTF-8 as it is read.
+/// The content of a file, decompressed and converted to UTF-8 while it is read.
 pub(crate) struct Content {
     read: Box<dyn Read>,
     /// Whether it is packed.
@@ -44,7 +44,7 @@ pub(crate) fn open(path: &Path) -> io::Result<Content> {
     })
 }
 
-/// Several texts packed one after the other are one, as `cat` makes of them. Zeros behind the last fill up a block of a disk.
+/// Several gzip members in sequence are one text, as `cat` joins them. Zeros after the last one fill up a block of a disk.
 struct Members(Option<GzDecoder<BufReader<File>>>);
 
 impl Read for Members {
@@ -61,7 +61,7 @@ impl Read for Members {
     }
 }
 
-/// The next member, if anything but zeros follows.
+/// The next member, if the input has other bytes than zeros.
 fn behind_zeros(mut file: BufReader<File>) -> io::Result<Option<GzDecoder<BufReader<File>>>> {
     loop {
         let bytes = file.fill_buf()?;

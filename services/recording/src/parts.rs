@@ -1,6 +1,6 @@
-//! Recordings in parts. A run records to `run.mcap`; what comes after a restart of its logger, or
-//! behind a split, is in `run.part2.mcap`, `run.part3.mcap`... Each part is a whole recording by
-//! itself, and whoever reads the first one reads all of them. A second run into the same folder
+//! Recordings in parts. A run records to `run.mcap`; data after a restart of its logger, or
+//! after a split, are in `run.part2.mcap`, `run.part3.mcap`... Each part is a complete recording by
+//! itself, and a reader of the first one reads all of them. A second run into the same folder
 //! is `run-2.mcap`.
 
 use std::path::{Path, PathBuf};
@@ -9,9 +9,9 @@ use std::time::SystemTime;
 use crate::Error;
 use crate::file::Bytes;
 
-/// Key under which a part says its number.
+/// Metadata key of a part's number.
 pub const PART: &str = "part";
-/// Key under which a joined recording names the parts that it was made of.
+/// Metadata key of a joined recording that lists its former parts.
 pub(crate) const JOINED: &str = "joined";
 
 /// The name of a recording without `.partN.mcap`, and N where there is one.
@@ -52,8 +52,8 @@ fn folder_of(path: &Path) -> impl Iterator<Item = PathBuf> + use<> {
 }
 
 /// Reserves a name for the recording of a new run in `folder`: `run.mcap`, or the next
-/// `run-N.mcap` that no recording uses. The file is there then, and empty, so that two runs
-/// that start at once do not choose the same.
+/// `run-N.mcap` that no recording uses. An empty file is created, so that two runs
+/// that start at once do not choose the same name.
 ///
 /// # Errors
 /// The folder cannot be written.
@@ -63,7 +63,7 @@ pub fn reserve(folder: &Path) -> Result<PathBuf, Error> {
             1 => "run.mcap".to_owned(),
             n => format!("run-{n}.mcap"),
         });
-        // Parts without their first file are a recording too.
+        // Parts without their first file are a recording too: their name is taken.
         if next_part(&file) != file {
             continue;
         }
@@ -105,7 +105,7 @@ pub fn files_by_age(folder: &Path) -> Vec<(PathBuf, SystemTime, u64)> {
     found
 }
 
-/// Whether somebody writes the file at this moment.
+/// Whether a writer has the file open.
 pub fn is_being_written(file: &Path) -> bool {
     Bytes::open(file).is_ok_and(|bytes| bytes.is_being_written())
 }
@@ -136,8 +136,8 @@ pub fn recordings(folder: &Path) -> Vec<PathBuf> {
     found.into_iter().map(|(_, file)| file).collect()
 }
 
-/// The files of the recording that `path` names: a folder stands for the newest recording in it,
-/// the first part for all, another part for itself.
+/// The files of the recording that `path` names: a folder means the newest recording in it,
+/// the first part means all parts, another part only itself.
 ///
 /// # Errors
 /// The folder holds no recording.
@@ -157,7 +157,7 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
         return Ok(vec![first]);
     };
     let siblings = folder_of(&first).filter_map(|file| Some((name(&file)?, file)));
-    // Versions before this one put the first part aside as `run.part1.mcap`.
+    // Older versions renamed the first part to `run.part1.mcap`.
     let mut parts: Vec<(u32, PathBuf)> = siblings
         .filter(|((its, _), _)| *its == stem)
         .filter_map(|((_, n), file)| Some((n?, file)))
@@ -170,19 +170,19 @@ pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(files)
 }
 
-/// Whether there is something to read under this name: of a recording the first part may have been removed for its age.
+/// Whether a recording or any other file has this name: the first part of a recording may have been removed for its age.
 pub fn exists(path: &Path) -> bool {
     path.exists() || changed(path).is_some()
 }
 
-/// When the latest of the files that this name stands for was written.
+/// Time of the last write to the files of this name.
 pub fn changed(path: &Path) -> Option<SystemTime> {
     let files = files(path).unwrap_or_default();
     let written = |file: &PathBuf| std::fs::metadata(file).and_then(|m| m.modified()).ok();
     files.iter().filter_map(written).max()
 }
 
-/// Parts between the first and the last of a recording's files that are not there, in words. The oldest may have been removed
+/// Names of missing parts between the first and the last file of a recording. The oldest parts may have been removed
 /// for their age.
 pub(crate) fn missing(files: &[PathBuf]) -> Vec<String> {
     let mut numbers: Vec<u32> = files.iter().map(|file| part_number(file)).collect();

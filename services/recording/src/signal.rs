@@ -1,4 +1,4 @@
-//! The signals of each machine: what a column, a map entry or a CAN signal can become.
+//! The signals of each machine: the targets of columns, map entries and CAN signals.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use sheet::Presence;
 
 /// The sensors of a machine whose samples can be read.
 pub trait Sensors: Message {
-    /// The truth behind them.
+    /// Their truth.
     type Truth: Message;
     /// Which machine.
     const MACHINE: Machine;
@@ -17,17 +17,17 @@ pub trait Sensors: Message {
     const SENSORS: &'static ChannelOf<Self>;
     /// Channel of the truth.
     const TRUTH: &'static ChannelOf<Self::Truth>;
-    /// Of each group, the source must have one.
+    /// The source must have one signal of each group.
     const REQUIRED: &'static [&'static [&'static str]];
     /// Its signals.
     const SIGNALS: &'static [sheet::Signal];
     /// Sensors that count as present only if a value comes within the first second.
     const OPTIONAL: u32 = sheet::bits(Self::SIGNALS, Presence::Observed) | Self::ONE_OF;
-    /// Of these, those of the header count as present where none has an early value.
+    /// Of these, those of the header count as present if none has an early value.
     const ONE_OF: u32 = sheet::bits(Self::SIGNALS, Presence::OneOf);
 }
 
-/// Where a signal goes.
+/// Destination of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Slot {
     /// Time of the sample.
@@ -51,7 +51,7 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
-    /// A whole turn, after which an angle is the same; infinite for what is none.
+    /// A whole turn of an angle, after which it is the same; infinite for other signals.
     pub(crate) fn turn(&self) -> f64 {
         match self.unit {
             "rad" => core::f64::consts::TAU,
@@ -59,12 +59,12 @@ impl Signal {
         }
     }
 
-    /// Whether it is on or off.
+    /// Whether it is a switch, on or off.
     pub(crate) fn is_switch(&self) -> bool {
         matches!(self.slot, Slot::Flag(_))
     }
 
-    /// Whether it is a number that a sensor gives.
+    /// Whether it is a number measured by a sensor.
     pub(crate) fn is_measured(&self) -> bool {
         matches!(self.slot, Slot::Sensor(..))
     }
@@ -102,7 +102,7 @@ pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
 
 macro_rules! signals_of {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The same of a machine that the program is given.
+        /// The same for a machine that is known at run time only.
         pub(crate) fn signals_of(machine: Machine) -> Vec<Signal> {
             match machine {
                 $( Machine::$machine => signals::<messages::$sensors>(), )*
@@ -129,7 +129,7 @@ pub fn measured<S: Sensors>() -> impl Iterator<Item = (usize, u32)> {
 /// A row of samples with the truth behind it.
 pub type Row<S> = (S, <S as Sensors>::Truth);
 
-/// Rows after which the columns are settled even if no time ever passes.
+/// Number of rows after which the columns are settled even if the time never advances.
 const MOST_UNSETTLED: usize = 100_000;
 
 /// Makes messages of rows of values.
@@ -140,17 +140,17 @@ pub(crate) struct Builder<S: Sensors> {
     valid: Option<usize>,
     known: Option<usize>,
     has: Option<usize>,
-    /// Rows that nobody took yet.
+    /// Rows that were not taken yet.
     rows: VecDeque<Row<S>>,
     count: u64,
-    /// Bits of the signals that the source has, once that is settled.
+    /// Bits of the signals of the source, once they are settled.
     columns: Option<u32>,
     /// Time of the first row that has one.
     start: Option<f64>,
 }
 
 impl<S: Sensors> Builder<S> {
-    /// Rows will have the values of these signals, in this order. Which of them the source has is
+    /// For rows with the values of these signals, in this order. The signals that the source really has are
     /// settled by the first second.
     pub(crate) fn new<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
         Self {
@@ -165,19 +165,19 @@ impl<S: Sensors> Builder<S> {
         }
     }
 
-    /// As [`Builder::new`]; the source has all of these signals, be they silent at first.
+    /// As [`Builder::new`]; all of these signals count as present, even if they have no values at first.
     pub(crate) fn with_all<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
         let mut builder = Self::new(signals);
         builder.columns = Some(builder.header());
         builder
     }
 
-    /// Rows so far.
+    /// Number of rows up to now.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Goes on counting rows from here.
+    /// Continues to count rows from this number.
     pub(crate) fn go_on_from(&mut self, count: u64) {
         self.count = count;
     }
@@ -228,7 +228,7 @@ impl<S: Sensors> Builder<S> {
         self.rows.pop_front()
     }
 
-    /// No more rows will come: those that wait can be taken.
+    /// No more rows will come: the waiting ones can be taken.
     pub(crate) fn finish(&mut self) {
         if self.columns.is_none() {
             self.settle_now();
@@ -247,7 +247,7 @@ impl<S: Sensors> Builder<S> {
         }
     }
 
-    /// The columns are those that had a value so far, and those that need none.
+    /// The columns with a value up to now, and those that need none.
     fn settle_now(&mut self) {
         let seen = |bits, (sensors, _): &Row<S>| bits | sensors.bits_of("valid");
         let early = self.rows.iter().fold(0, seen);

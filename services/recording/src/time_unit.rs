@@ -1,16 +1,16 @@
-//! Times that are in another unit than seconds.
+//! Detects times in another unit than seconds.
 
 use crate::unit;
 
-/// Units that others give times in.
+/// Units in which foreign files give times.
 const UNITS: [&str; 7] = ["ms", "us", "100ns", "ns", "min", "h", "day"];
 
-/// The usual step of these times \[s\] and the unit that they seem to be in: the rows are as much further apart, or closer,
-/// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
+/// The usual step of these times \[s\] and the unit that they seem to have: the step differs from the sensors' period (`rate` \[Hz\])
+/// by the ratio of this unit to a second.
 pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let step = middle(times)?;
     let apart = step * rate;
-    // Sensors of a third to three times the described rate.
+    // The sensors have a third to three times the described rate.
     let unit = UNITS
         .into_iter()
         .filter_map(unit::find)
@@ -18,10 +18,10 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     Some((rounded(step), unit.name))
 }
 
-/// Of rows that are further apart \[s\] nothing is trusted, of either machine: at 0.33 s something still is, at 0.5 s nothing.
+/// Step of the rows above which no estimate is trusted, of either machine \[s\]: at 0.33 s some are, at 0.5 s none.
 const FARTHEST: f64 = 0.4;
 
-/// What is said of rows between which a machine turns and lifts unseen, where their times are in seconds.
+/// Message on rows so far apart that turning and lifting between them is not measured, for times in seconds.
 pub fn too_slow(times: &[f64], rate: f64) -> Option<String> {
     let is_other = time_unit(times, rate).is_some();
     let step = usual_step(times).filter(|step| *step > FARTHEST && !is_other)?;

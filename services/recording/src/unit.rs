@@ -1,15 +1,15 @@
-//! Units that a signal map may name, and how others write them.
+//! Units for signal maps, and their spellings in foreign files.
 
 use core::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
-/// A unit: name, the SI unit of the same dimension, and its size in that.
+/// A unit: name, the SI unit of the same dimension, and its value in that.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Unit {
     pub name: &'static str,
     pub si: &'static str,
     pub factor: f64,
-    /// Other ways to write it, in small letters, as [`bare`] leaves them, blanks between.
+    /// Other spellings, in small letters, as [`bare`] leaves them, separated by blanks.
     aliases: &'static str,
 }
 
@@ -113,12 +113,12 @@ pub(crate) fn find(name: &str) -> Option<&'static Unit> {
 }
 
 /// The unit that a DBC file or a column's header writes as `text`: by its name, by its name in
-/// other capitals (a `G` is no gram, an `NM` no nautical mile, on a machine), or by an alias.
+/// other capitals (on a machine a `G` is not a gram, an `NM` not a nautical mile), or by an alias.
 pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
     guesses(text).next()
 }
 
-/// All that it may be: `kn` is kN in other capitals, or knots.
+/// All units that it may mean: `kn` is kN in other capitals, or knots.
 fn guesses(text: &str) -> impl Iterator<Item = &'static Unit> {
     let all = known(text);
     let all = if all.is_empty() {
@@ -137,14 +137,14 @@ fn known(text: &str) -> Vec<&'static Unit> {
         spellings.map(|spelling| spelling.unit).collect::<Vec<_>>()
     };
     let mut all: Vec<&Unit> = find(text.trim()).into_iter().collect();
-    // An mNm is no MNm.
+    // An mNm is not an MNm: exact capitals come first.
     all.extend(such(&|spelling| spelling.bare == written));
     all.extend(such(&|spelling| spelling.plain == wanted));
     all.extend(such(&|spelling| spelling.aliases.contains(&&*wanted)));
     all
 }
 
-/// How a unit is written. Made once: each name of a table is compared with all of them.
+/// The spellings of a unit. Computed once: each name of a table is compared with all of them.
 struct Spelling {
     unit: &'static Unit,
     bare: String,
@@ -162,7 +162,7 @@ static SPELLINGS: LazyLock<Vec<Spelling>> = LazyLock::new(|| {
     UNITS.iter().map(spelling).collect()
 });
 
-/// The symbols of units, and their words, in English and elsewhere, blanks between.
+/// The symbols of units, and their words in English and other languages, separated by blanks.
 const SYMBOLS: &[(&str, &str)] = &[
     ("/", "per"),
     ("2", "squared"),
@@ -201,7 +201,7 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("us", "мкс 微秒"),
 ];
 
-/// A unit that is written in words (`degrees per second`, `度/秒`), in symbols.
+/// A unit in words (`degrees per second`, `度/秒`), converted to symbols.
 fn in_symbols(text: &str) -> String {
     let word = |c: &char| c.is_alphabetic();
     let mut out = String::new();
@@ -218,12 +218,12 @@ fn in_symbols(text: &str) -> String {
     out
 }
 
-/// How the sign of a degree looks in a page, in LaTeX, and where its encoding was taken for another, once or twice.
+/// Degree signs as HTML, as LaTeX, and after one or two conversions with the wrong encoding.
 const DEGREES: [&str; 7] = ["Ã‚Â°", "ã‚â°", "Â°", "â°", "&deg;", "&deg", "$^\\circ$"];
-/// What it becomes alone or before a stroke, where it was written in code page 850 or on a Macintosh, or was lost.
+/// Degree signs, alone or before a slash, of code page 850 or a Macintosh, or lost.
 const LOST_DEGREE: [char; 3] = ['ø', '¡', '\u{fffd}'];
 
-/// A text whose signs of degrees are what they were.
+/// A text with its degree signs restored.
 fn with_degrees(text: &str) -> String {
     let lost = text.trim().strip_prefix(LOST_DEGREE);
     match lost.filter(|rest| rest.is_empty() || rest.starts_with('/')) {
@@ -234,7 +234,7 @@ fn with_degrees(text: &str) -> String {
     }
 }
 
-/// A unit without blanks, carets, and the dots between its parts.
+/// A unit without blanks, carets, and dots between its factors.
 fn bare(text: &str) -> String {
     let text = with_degrees(text);
     let kept = text.chars().filter(|c| !" .^_*·・･⋅∙•×".contains(*c));
@@ -249,8 +249,8 @@ fn bare(text: &str) -> String {
     kept.map(one_of).collect()
 }
 
-/// The unit that a name tells of what is measured in `si`: in brackets, or by the words behind it (`boom_deg`, `gyro.z_deg_s`,
-/// `BoomAngleDeg`). The degrees of an angular velocity are degrees a second.
+/// The unit of a quantity in `si` that a name contains: in brackets, or as its last words (`boom_deg`, `gyro.z_deg_s`,
+/// `BoomAngleDeg`). Degrees of an angular velocity are degrees per second.
 pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
     units_of(name).into_iter().find_map(|unit| {
         let a_second = || find(&format!("{}/s", unit.name)).filter(|_| unit.si == "rad");
@@ -260,22 +260,22 @@ pub(crate) fn of_name(name: &str, si: &str) -> Option<&'static Unit> {
     })
 }
 
-/// A way to write a unit that others use for another one of the same dimension.
+/// A spelling of a unit that is also used for another unit of the same dimension.
 #[derive(Debug)]
 pub(crate) struct Ambiguous {
     unit: &'static str,
-    /// It stands in the name, in small letters.
+    /// The name contains this text, in small letters.
     written: &'static str,
-    /// And this does not.
+    /// The name does not contain this text.
     but: Option<&'static str>,
-    /// What is said of it in a map.
+    /// Note in a map.
     pub note: &'static str,
-    /// A user must say which one it is.
+    /// The user must choose the unit.
     pub is_asked: bool,
 }
 
 const AMBIGUOUS: [Ambiguous; 2] = [
-    // In America the word alone means it.
+    // In America the word alone means the short ton.
     Ambiguous {
         unit: "t",
         written: "ton",
@@ -292,7 +292,7 @@ const AMBIGUOUS: [Ambiguous; 2] = [
     },
 ];
 
-/// What a name, of which `unit` was read, may mean beside it.
+/// The other meaning of a name of which `unit` was read.
 pub(crate) fn ambiguous(name: &str, unit: &Unit) -> Option<&'static Ambiguous> {
     let name = name.to_lowercase();
     let is_written = |a: &&Ambiguous| {
@@ -302,7 +302,7 @@ pub(crate) fn ambiguous(name: &str, unit: &Unit) -> Option<&'static Ambiguous> {
     AMBIGUOUS.iter().find(is_written)
 }
 
-/// The unit that a name tells, where that is of something else than `si`. A letter alone may mean anything.
+/// The unit in a name, if it is of another dimension than `si`. A single letter may have any meaning.
 pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     let is_bracketed = !units_in_brackets(name).is_empty();
     let tells = |unit: &&Unit| is_bracketed || unit.name.len() > 1 || unit.name == "%";
@@ -310,7 +310,7 @@ pub(crate) fn foreign(name: &str, si: &str) -> Option<&'static str> {
     of_name(name, si).is_none().then_some(unit.name)
 }
 
-/// Whether what a name tells may be a unit of this dimension.
+/// Whether the unit in a name may be of this dimension.
 pub(crate) fn is_of(name: &str, si: &str) -> bool {
     units_of(name).iter().any(|unit| unit.si == si)
 }
@@ -326,7 +326,7 @@ pub(crate) const BRACKETS: [(char, char); 7] = [
     ('【', '】'),
 ];
 
-/// What stands in the last brackets of a name.
+/// The text in the last brackets of a name.
 pub(crate) fn bracketed(name: &str) -> Option<&str> {
     BRACKETS.iter().find_map(|(open, close)| {
         let (_, text) = name.rsplit_once(*open)?;
@@ -340,16 +340,16 @@ fn units_of(name: &str) -> Vec<&'static Unit> {
     if !units.is_empty() {
         return units;
     }
-    // What is no unit in brackets stands behind it (`torque, Nm (left)`).
+    // Text in brackets that is no unit may follow one (`torque, Nm (left)`).
     let words = words(before_brackets(name));
-    // A name is more than its unit.
+    // A name is longer than its unit.
     let lengths = (1..words.len().min(4)).rev();
     lengths
         .flat_map(|length| joined(&words[words.len() - length..]))
         .collect()
 }
 
-/// What stands before the first brackets of a name.
+/// The text before the first brackets of a name.
 pub(crate) fn before_brackets(name: &str) -> &str {
     let open = BRACKETS.map(|(open, _)| open);
     name.split(open).next().unwrap_or(name)
@@ -368,7 +368,7 @@ fn joined(words: &[&str]) -> Vec<&'static Unit> {
     ways.iter().flat_map(|text| guesses(text)).collect()
 }
 
-/// A name without the unit that it tells: `torque [Nm]`, `torque/Nm` and `omega_rad_s` are more than their units.
+/// A name without the unit in it: `torque [Nm]`, `torque/Nm` and `omega_rad_s` are longer than their units.
 pub(crate) fn without(name: &str) -> &str {
     let signs = |c: char| is_sign(c) || c.is_whitespace();
     let before = before_brackets(name);
@@ -382,12 +382,12 @@ pub(crate) fn without(name: &str) -> &str {
     before[..end].trim_matches(signs)
 }
 
-/// Whether this stands between the words of a name.
+/// Whether this character separates the words of a name.
 fn is_sign(c: char) -> bool {
     matches!(c, '_' | '.' | '-' | ' ' | ':' | '/' | ',' | '|')
 }
 
-/// The words of a name: between signs and blanks, and where a capital begins one, of which a `k` may be a part (`TorquekNm`).
+/// The words of a name: separated by signs and blanks, and before a capital, with a `k` that may be a part of the unit (`TorquekNm`).
 pub(crate) fn words(name: &str) -> Vec<&str> {
     let (mut words, mut begin, mut before) = (Vec::new(), 0, ' ');
     for (at, c) in name.char_indices() {
@@ -404,7 +404,7 @@ pub(crate) fn words(name: &str) -> Vec<&str> {
     words
 }
 
-/// The units of a dimension, each once.
+/// The units of a dimension, without duplicates.
 pub(crate) fn of(si: &str) -> String {
     let mut all: Vec<&Unit> = Vec::new();
     for unit in UNITS.iter().filter(|unit| unit.si == si) {

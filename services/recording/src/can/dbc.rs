@@ -21,7 +21,7 @@ pub(crate) struct Message {
     pub id: u32,
     pub extended: bool,
     /// A parameter group of SAE J1939: frames match by their group, whatever their priority, source
-    /// and destination, and the topmost values of a signal mean that there is none.
+    /// and destination, and the largest values of a signal mean "not available".
     pub j1939: bool,
     /// Bytes, as the file states them.
     pub length: u32,
@@ -35,33 +35,33 @@ pub(crate) struct Signal {
     pub layout: Layout,
     /// Unit as the file writes it.
     pub unit: String,
-    /// Range as the file writes it; 0, 0 where it says nothing.
+    /// Range as the file writes it; 0, 0 if it states none.
     pub range: (f64, f64),
     /// Whether other signals depend on the value of this one.
     multiplexor: bool,
-    /// The frame carries the signal only if this one has a value within one of the ranges.
+    /// The frame contains the signal only if this multiplexor has a value within one of the ranges.
     only_if: Option<Condition>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Condition {
-    /// Name of the multiplexor; none: the one that the message has.
+    /// Name of the multiplexor; none: the only one of the message.
     multiplexor: Option<String>,
     values: Vec<(u64, u64)>,
 }
 
-/// What a frame says of a signal.
+/// Content of a frame for a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Reading {
-    /// The frame does not carry it.
+    /// The frame does not contain it.
     Absent,
-    /// The frame says that there is no value.
+    /// The frame contains "not available".
     Missing,
     /// The value in the DBC's unit.
     Value(f64),
 }
 
-/// A signal together with what decides whether a frame carries it.
+/// A signal with the conditions on which a frame contains it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Place {
     layout: Layout,
@@ -95,7 +95,7 @@ impl Dbc {
 impl Message {
     /// Whether a classic frame cannot hold it.
     pub(crate) fn is_long(&self) -> bool {
-        // Nothing is read from a frame that is too short.
+        // A frame that is too short gives no value.
         self.length > 8 || self.signals.iter().any(|s| s.layout.raw(&[0; 8]).is_none())
     }
 
@@ -116,8 +116,8 @@ impl Message {
         })
     }
 
-    /// Where a signal lies. A multiplexor may itself be multiplexed; one that is not there, or
-    /// depends on itself, is nowhere.
+    /// Place of a signal. A multiplexor may itself be multiplexed; without its multiplexor, or with one that
+    /// depends on itself, a signal has no place.
     pub(crate) fn place(&self, signal: &Signal) -> Option<Place> {
         let mut conditions = Vec::new();
         let mut dependent = signal;
@@ -140,7 +140,7 @@ impl Message {
 }
 
 impl Place {
-    /// What a frame says of the signal.
+    /// The reading of the signal in a frame.
     pub(crate) fn read(&self, data: &[u8]) -> Reading {
         let carried = self.conditions.iter().all(|(multiplexor, values)| {
             let selected = multiplexor.raw(data);
@@ -182,7 +182,7 @@ mod tests {
         Dbc::parse(text, Path::new("x.dbc")).expect("a DBC")
     }
 
-    /// What a frame says of the last signal of the first message.
+    /// The reading of the last signal of the first message in a frame.
     fn last(text: &str, data: &[u8]) -> Reading {
         let dbc = parse(text);
         let message = &dbc.messages[0];

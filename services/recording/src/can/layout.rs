@@ -1,6 +1,6 @@
-//! Where a number lies in a frame, and what it means.
+//! Place of a number in a frame, and its interpretation.
 
-/// How the bits of a signal are read.
+/// Type of a signal's bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Number {
     /// Without a sign.
@@ -37,7 +37,7 @@ impl Layout {
                 raw |= value << i;
                 bit += 1;
             } else {
-                // The start is the most significant bit; bits fall within a byte, then go on at
+                // The start is the most significant bit; bits go down within a byte, then continue at
                 // the top of the next.
                 raw = raw << 1 | value;
                 bit = if bit.is_multiple_of(8) {
@@ -50,7 +50,7 @@ impl Layout {
         Some(raw)
     }
 
-    /// The value in the DBC's unit; not finite where a float says so.
+    /// The value in the DBC's unit; not finite if a float contains that.
     pub(crate) fn physical(&self, raw: u64) -> f64 {
         let unused = 64 - self.length as u32;
         let number = match self.number {
@@ -62,8 +62,8 @@ impl Layout {
         number * self.scale + self.offset
     }
 
-    /// SAE J1939-71, tables 1 and 2: the topmost values say "error" and "not available". Of whole
-    /// bytes everything from 0xFB.. is no measurement, of other lengths above a byte what begins
+    /// SAE J1939-71, tables 1 and 2: the largest values mean "error" and "not available". Of whole
+    /// bytes all values from 0xFB.. are no measurements, of other lengths above a byte those that begin
     /// with 0xFE or 0xFF, of a few bits the last two values. Signed numbers have no such values.
     pub(crate) fn is_unavailable(&self, raw: u64) -> bool {
         let top = |bits: usize| raw >> (self.length - bits);

@@ -9,7 +9,7 @@ use crate::packed::{self, Content};
 use crate::signal::{Row, Sensors};
 use crate::{Error, Lacks, MAX_LINE};
 
-/// The rows of a log, one after the other.
+/// The rows of a log, in order.
 pub(crate) struct Log<S: Sensors> {
     path: PathBuf,
     file: BufReader<Content>,
@@ -20,12 +20,12 @@ pub(crate) struct Log<S: Sensors> {
     pub read: u64,
     has_ended: bool,
     left_out: LeftOut,
-    /// What of the log cannot be given, once it was read.
+    /// Parts of the log that could not be read, complete at its end.
     pub lacks: Lacks,
 }
 
 impl<S: Sensors> Log<S> {
-    /// Opens a log, to be read as the map says.
+    /// Opens a log, to be read with the map.
     pub(crate) fn open(path: &Path, map: &Map) -> Result<Self, Error> {
         let failed = |e| Error::system("read the CAN log", path, &e);
         Ok(Self {
@@ -41,7 +41,7 @@ impl<S: Sensors> Log<S> {
         })
     }
 
-    /// The next row; nothing at the end.
+    /// The next row; none at the end.
     pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
             if let Some(row) = self.decoder.row() {
@@ -78,7 +78,7 @@ impl<S: Sensors> Log<S> {
         let line = parse(&text);
         let log = self.path.display();
         if line.is_none() && !text.ends_with('\n') && self.line.len() < MAX_LINE {
-            // Its writer was switched off.
+            // The logger was switched off.
             let number = self.number;
             self.lacks.cut_off = Some(format!(
                 "{log}:{number}: the last line was cut off; it is left out"

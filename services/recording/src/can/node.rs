@@ -1,13 +1,13 @@
 //! A node of J1939: its NAME, the claim to an address, and answers to requests (SAE J1939-81, J1939-21).
 //!
-//! Knows no socket and no clock: frames and times go in, frames come out. Nothing but claims is sent without an
-//! address. A commanded address (65240) is not obeyed.
+//! Uses no socket and no clock: frames and times go in, frames come out. Without an address only claims are
+//! sent. A commanded address (65240) is ignored.
 
 use std::collections::VecDeque;
 
-/// To everybody.
+/// The global address.
 const GLOBAL: u8 = 0xff;
-/// The address of those who have none.
+/// The null address, of nodes without one.
 const NULL: u8 = 0xfe;
 /// Address claimed, and request: upper byte of the parameter group.
 const CLAIM: u8 = 0xee;
@@ -17,14 +17,14 @@ const ACKNOWLEDGEMENT: u8 = 0xe8;
 const CLAIM_GROUP: u32 = 60928;
 /// Priority of these groups.
 const PRIORITY: u32 = 6;
-/// From a claim until the address may be used, unless somebody objects [ns] (J1939-81, 4.4.2.1).
+/// Time from a claim until the address may be used, without objection [ns] (J1939-81, 4.4.2.1).
 const WAIT: u64 = 250_000_000;
-/// "Cannot claim" waits for a time of its own, at most 153 ms, so that two nodes do not speak at once [ns].
+/// "Cannot claim" is delayed by an individual time, at most 153 ms, so that two nodes do not send at once [ns].
 const MOST_DELAY: u64 = 153_000_000;
-/// Addresses from which a node may choose (J1939-81, table A2).
+/// Addresses that a node may choose itself (J1939-81, table A2).
 const FREE: std::ops::RangeInclusive<u8> = 128..=247;
 
-/// Which frames a node must hear: identifier and mask, both of 29 bits.
+/// Frames that a node must receive: identifier and mask, both of 29 bits.
 pub const HEARS: [(u32, u32); 2] = [
     ((CLAIM as u32) << 16, 0x00ff_0000),
     ((REQUEST as u32) << 16, 0x00ff_0000),
@@ -35,26 +35,26 @@ pub const HEARS: [(u32, u32); 2] = [
 pub struct Name {
     /// Number of this unit among those of its maker, 21 bits.
     pub identity: u32,
-    /// Who made it, 11 bits; 2047 says nothing.
+    /// Manufacturer code, 11 bits; 2047: not available.
     pub manufacturer: u32,
-    /// Which of several electronic control units, 3 bits.
+    /// Instance of the electronic control unit, 3 bits.
     pub ecu_instance: u32,
-    /// Which of several with this function, 5 bits.
+    /// Instance of the function, 5 bits.
     pub function_instance: u32,
-    /// What it does, 8 bits; 255 says nothing.
+    /// Function, 8 bits; 255: not available.
     pub function: u32,
-    /// Part of the vehicle, 7 bits; 127 says nothing.
+    /// Vehicle system, 7 bits; 127: not available.
     pub vehicle_system: u32,
-    /// Which of several, 4 bits.
+    /// Instance of the vehicle system, 4 bits.
     pub vehicle_system_instance: u32,
-    /// Kind of machines, 3 bits; 3 is construction.
+    /// Industry group, 3 bits; 3 is construction.
     pub industry_group: u32,
-    /// Whether it takes another address where it loses one.
+    /// Arbitrary address capable: it claims another address after it has lost one.
     pub arbitrary_address: bool,
 }
 
 impl Name {
-    /// Its 64 bits; of two nodes the one with the smaller number wins.
+    /// Its 64 bits; of two nodes the one with the smaller number keeps the address.
     pub const fn bits(&self) -> u64 {
         (self.identity as u64 & 0x1f_ffff)
             | (self.manufacturer as u64 & 0x7ff) << 21
@@ -84,16 +84,16 @@ impl Default for Name {
     }
 }
 
-/// Where the claim stands.
+/// State of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     /// Nothing was claimed yet.
     Silent,
-    /// Claimed; it is the node's if nobody objects until then [ns].
+    /// Claimed; it is the node's without objection until this time [ns].
     Waiting(u8, u64),
     /// The node has it.
     Has(u8),
-    /// There is none for it.
+    /// No address is available.
     Lost,
 }
 
@@ -114,12 +114,12 @@ pub struct Node {
     name: Name,
     preferred: u8,
     state: State,
-    /// Addresses that others have claimed, by their numbers.
+    /// Addresses claimed by other nodes, with their NAMEs.
     taken: [Option<u64>; 256],
     say: VecDeque<Said>,
-    /// Another node claims with the NAME of this one: no claim can part the two.
+    /// Another node claims with the same NAME: arbitration cannot separate the two.
     has_double: bool,
-    /// Groups that somebody asked for and that this node sends.
+    /// Groups sent by this node that were requested.
     asked: Vec<u32>,
     groups: Vec<u32>,
 }
@@ -139,14 +139,14 @@ impl Node {
         }
     }
 
-    /// Claims, from the beginning: what others have is not known.
+    /// Claims from the start: the addresses of other nodes are unknown.
     pub fn begin(&mut self, now: u64) {
         self.taken = [None; 256];
         self.say.clear();
         self.claim(self.preferred, now);
     }
 
-    /// The address that may be used now.
+    /// The address that may be used at this time.
     pub fn address(&mut self, now: u64) -> Option<u8> {
         match self.state {
             State::Waiting(address, until) if now >= until => {
@@ -158,7 +158,7 @@ impl Node {
         }
     }
 
-    /// Whether it looked for an address and found none.
+    /// Whether no address is available to it.
     pub fn has_lost(&self) -> bool {
         self.state == State::Lost
     }
@@ -176,7 +176,7 @@ impl Node {
             .then(|| self.say.pop_front())?
     }
 
-    /// The groups that were asked for since.
+    /// The groups that were requested since the last call.
     pub fn take_asked(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.asked)
     }
@@ -212,7 +212,7 @@ impl Node {
             return;
         }
         if mine < name {
-            // Defended: the other must go.
+            // Arbitration won: the other node must release the address.
             self.taken[usize::from(address)] = None;
             self.speak(CLAIM, GLOBAL, own, mine.to_le_bytes(), now);
             return;
@@ -246,7 +246,7 @@ impl Node {
                         self.asked.push(group);
                     }
                 } else if to == own {
-                    // Not acknowledged: only where this node alone was asked.
+                    // A negative acknowledgement, only to a request that is addressed to this node alone.
                     let [low, middle, high, _] = group.to_le_bytes();
                     let data = [1, GLOBAL, GLOBAL, GLOBAL, from, low, middle, high];
                     self.speak(ACKNOWLEDGEMENT, GLOBAL, own, data, now);
@@ -277,7 +277,7 @@ impl Node {
     }
 }
 
-/// Frames that wait: a bus that asks without end is not answered without end.
+/// Largest number of waiting frames: endless requests do not get endless answers.
 const MOST_WAITING: usize = 16;
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
-//! Estimates and loads as CAN frames: one frame per quantity with its standard deviation, and one of flags for each
-//! of both. What is not trusted is sent as "not available", so that a receiver cannot use it by mistake; what the
-//! bucket holds is always sent, its deviation covers what is not known.
+//! Estimates and loads as CAN frames: one frame per quantity with its standard deviation, and a frame of flags for
+//! estimates and for loads. A quantity that is not trusted is sent as "not available", so that a receiver cannot use it by mistake. The
+//! content of the bucket is always sent: its standard deviation covers all uncertainty.
 //!
 //! | bytes of a quantity | meaning |
 //! |---|---|
 //! | 0-3 | value, 32 bits, least significant byte first, in the resolution of the table |
-//! | 4-7 | its standard deviation, alike, without an offset |
+//! | 4-7 | its standard deviation, in the same form, without an offset |
 //!
-//! A flag has two bits, as J1939 has them: 0 no, 1 yes; behind them are whole numbers, last the code of the reason.
+//! A flag has two bits, as in J1939: 0 no, 1 yes. Whole numbers follow the flags, last the code of the reason.
 
 mod dbc;
 mod map;
@@ -28,10 +28,10 @@ use crate::{Error, machines};
 
 /// "Not available" (J1939-71) in every byte.
 const NOT_AVAILABLE: u32 = u32::MAX;
-/// Largest number that is a value: above are error and "not available".
+/// Largest valid value: the larger ones mean "error" and "not available".
 const LARGEST: f64 = 0xfaff_ffff_u32 as f64;
 
-/// The frames of a machine's estimates, as an output map says.
+/// The frames of a machine's estimates, by an output map.
 ///
 /// ```toml
 /// [can]
@@ -54,7 +54,7 @@ pub struct Outgoing {
     pub period: f64,
     /// The address that is claimed.
     source: u8,
-    /// The NAME; without an identity where the map says none.
+    /// The NAME; without an identity if the map gives none.
     name: (Name, Option<u32>),
     kinds: Vec<Kind>,
 }
@@ -63,7 +63,7 @@ pub struct Outgoing {
 #[derive(Debug, Clone)]
 struct Kind {
     name: &'static str,
-    /// What it is made of.
+    /// The channel of its content.
     channel: &'static Channel,
     id: u32,
     extended: bool,
@@ -92,16 +92,15 @@ impl Visitor for Position {
 }
 
 fn position(channel: &Channel, field: &'static str) -> usize {
-    // A field that is not there reads as nothing: "not available".
+    // A missing field reads as "not available".
     channel.payload.visit(Position(field)).unwrap_or(usize::MAX)
 }
 
 impl Outgoing {
-    /// The frames of `machine`, all of them in proprietary B ten times a second unless the map says
-    /// otherwise.
+    /// The frames of `machine`, all of them in proprietary B ten times a second without a map.
     ///
     /// # Errors
-    /// The map cannot be read, or names what there is not.
+    /// The map cannot be read, or names a frame or channel that does not exist.
     pub fn new(machine: Machine, map: Option<&Path>) -> Result<Self, Error> {
         let table = machines::of(machine).frames;
         let Some(path) = map else {
@@ -112,7 +111,7 @@ impl Outgoing {
         Parser::new(table, &text, path).outgoing()
     }
 
-    /// The channels that frames are made of.
+    /// The channels of the frames' contents.
     pub fn channels(&self) -> Vec<&'static Channel> {
         let mut all: Vec<&'static Channel> = Vec::new();
         for channel in self.kinds.iter().map(|k| k.channel) {
@@ -139,8 +138,8 @@ impl Outgoing {
         })
     }
 
-    /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. Where the map gives no
-    /// identity, it follows from the name of the `computer` and the machine.
+    /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. If the map gives no
+    /// identity, it is derived from the name of the `computer` and the machine.
     pub fn node(&self, computer: &[u8]) -> Option<Node> {
         let (name, own) = self.name;
         let identity = own.unwrap_or_else(|| identity(computer, self.machine));
@@ -159,7 +158,7 @@ impl Outgoing {
     }
 }
 
-/// A number of 21 bits that another node hardly has (FNV-1a).
+/// A number of 21 bits that no other node is likely to have (FNV-1a).
 fn identity(computer: &[u8], machine: Machine) -> u32 {
     let bytes = computer.iter().chain(machine.name().as_bytes());
     let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
@@ -207,7 +206,7 @@ impl Content {
 }
 
 impl Kind {
-    /// A DBC marks identifiers of 29 bits with the topmost one.
+    /// Identifier in a DBC, which marks 29 bits by the topmost bit.
     fn dbc_id(&self) -> u32 {
         self.id | if self.extended { 1 << 31 } else { 0 }
     }
@@ -218,7 +217,7 @@ impl Kind {
     }
 }
 
-/// The nearest number of 32 bits; `None` if it has none that is a value.
+/// The nearest number of 32 bits; `None` if that is no valid value.
 fn raw(value: f64) -> Option<u32> {
     (0.0..=LARGEST)
         .contains(&value.round())
@@ -259,7 +258,7 @@ mod tests {
         }
     }
 
-    /// What our own reader of DBC files makes of the frames of an estimate.
+    /// The frames of an estimate as our own reader of DBC files decodes them.
     fn read_back(outgoing: &Outgoing, estimate: &Envelope) -> Vec<(String, Reading, f64)> {
         let dbc = Dbc::parse(
             &Outgoing::dbc(std::slice::from_ref(outgoing)),
@@ -312,7 +311,7 @@ mod tests {
                 let (Reading::Value(got), half) = value(&found, name) else {
                     panic!("{name} is not there");
                 };
-                // And the rounding of a double near the offset.
+                // With the rounding of a double near the offset.
                 assert!(
                     (got - wanted).abs() <= half * 1.000_001,
                     "{name}: {got} for {wanted}"

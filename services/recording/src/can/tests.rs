@@ -1,4 +1,4 @@
-//! The database against cantools, and every reader against what nobody would write.
+//! Compares the database with cantools, and tests every reader with malformed input.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ fn random_frames_are_read_as_cantools_reads_them() {
         };
         let dbc = Dbc::open(&folder().join(file)).expect("a DBC");
         let mut message = dbc.find(message).expect("a message").clone();
-        // cantools knows no "not available".
+        // cantools does not decode "not available".
         message.j1939 = false;
         let signal = message.find(signal).expect("a signal");
         let log = format!("(0.0) x 1##0{data}");
@@ -53,7 +53,7 @@ impl Random {
         (self.0 % bound as u64) as usize
     }
 
-    /// `text` with a few pieces taken out, doubled, swapped or replaced.
+    /// `text` with a few pieces removed, doubled, swapped or replaced.
     fn damage(&mut self, text: &[u8]) -> Vec<u8> {
         const PIECES: &[&[u8]] = &[
             b"",
@@ -98,7 +98,7 @@ const LOG: &str = "(1397165409.000000) can0 0CF00400#FFFFD82003FFFFFF\n (000.005
 const MAP: &str = "[can]\ndbc = \"d.dbc\"\nrate = 1000\n[can.signals]\nswing_velocity = { message = \"Extended\", signal = \"Deep\", unit = \"rad/s\", delay = 0.1, interpolate = true, max_age = 2 }\nswing_torque = { terms = [{ message = \"Floats\", signal = \"Single\" }, { constant = 1.0 }], scale = 2.0 }\n[columns]\nt = { column = \"Zeit\", unit = \"ms\" }\nswing_velocity = { column = \"n\", delay = 0.2 }\n";
 const TABLE: &str = "sep=;\nt;swing_velocity;swing_torque\n2026-11-21T16:00:00,5;0,5;\n2026-11-21T16:00:00,6;\"1,5\";2000\n";
 
-/// Any input: an answer or an error, in bounded time, never a panic.
+/// Any input gives an answer or an error, in bounded time, and never a panic.
 #[test]
 fn no_input_is_answered_by_a_panic() {
     let begun = Instant::now();

@@ -3,15 +3,15 @@
 /// A word, a text in quotes, or a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Letters, digits and what numbers are written with.
+    /// Letters, digits and the characters of numbers.
     Word,
-    /// What stands between quotes, without them.
+    /// The text between quotes, without them.
     Text,
     /// One of `: ; , | @ ( ) [ ]`.
     Sign,
 }
 
-/// A token and where it stands.
+/// A token and its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token<'a> {
     pub kind: Kind,
@@ -70,7 +70,7 @@ impl<'a> Iterator for Tokens<'a> {
 }
 
 impl<'a> Tokens<'a> {
-    /// Goes on by `bytes`, and counts the lines.
+    /// Advances by `bytes`, and counts the lines.
     fn advance(&mut self, bytes: usize) -> &'a str {
         let (passed, rest) = self.rest.split_at(bytes);
         let lines = passed.matches('\n').count();
@@ -81,7 +81,7 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// Where the closing quote stands; a quote behind a backslash does not close. The end of the file
+/// Position of the closing quote; a quote after a backslash does not close. The end of the file
 /// closes too.
 fn end_of_text(text: &str) -> usize {
     let bytes = text.as_bytes();

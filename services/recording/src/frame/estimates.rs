@@ -1,4 +1,4 @@
-//! Estimates as columns, and as cells.
+//! Estimates as columns and as cells.
 
 use crate::csv::{Cell, Codes, Column, Estimate, EstimateValues};
 
@@ -9,7 +9,7 @@ pub enum Values {
     Numbers(Vec<f64>),
     /// Flags.
     Flags(Vec<bool>),
-    /// Words by their code, which is their place in the list.
+    /// Words, as indices into the list.
     Words(Vec<u8>, Vec<&'static str>),
 }
 
@@ -25,12 +25,12 @@ pub struct Table<E: Estimate> {
     methods: Vec<u8>,
     reasons: Vec<u8>,
     rows: u32,
-    /// Places of the rows that were refused.
+    /// Indices of the refused rows.
     refused: Vec<u32>,
 }
 
 impl<E: Estimate> Table<E> {
-    /// An empty table with room for so many rows.
+    /// An empty table with capacity for this number of rows.
     pub fn with_capacity(rows: usize) -> Self {
         let column = |c: &Column| match c {
             Column::Flag(..) => Values::Flags(Vec::with_capacity(rows)),
@@ -47,7 +47,7 @@ impl<E: Estimate> Table<E> {
         }
     }
 
-    /// Adds a row; one that was refused is noted as such.
+    /// Adds a row; a refused one is only counted as such.
     pub fn push(&mut self, estimate: &E) {
         self.rows += 1;
         if estimate.is_refused() {
@@ -67,7 +67,7 @@ impl<E: Estimate> Table<E> {
         self.reasons.push(u8::try_from(reason).unwrap_or(u8::MAX));
     }
 
-    /// Places of the rows that were refused.
+    /// Indices of the refused rows.
     pub fn refused(&self) -> &[u32] {
         &self.refused
     }
@@ -88,7 +88,7 @@ impl<E: Estimate> Table<E> {
     }
 }
 
-/// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
+/// Name, unit and kind of every column of an estimate: time, quantities, flags, whether
 /// the row was refused, method and reason.
 pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
     let column = |c: &Column| {
@@ -105,7 +105,7 @@ pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
     all
 }
 
-/// What a column holds.
+/// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Numbers.
@@ -118,7 +118,7 @@ pub enum Kind {
     Reason,
 }
 
-/// Takes estimates apart into the cells of [`header`].
+/// Splits estimates into the cells of [`header`].
 #[derive(Debug)]
 pub struct Cells<E: Estimate>(EstimateValues<E>);
 

@@ -1,4 +1,4 @@
-//! What a recording holds, as columns.
+//! Columns of a recording.
 
 use messages::channels::{self, Visitor};
 use messages::{Message, Value, Words};
@@ -13,7 +13,7 @@ use crate::{Error, Reader};
 pub struct RecordedColumn {
     /// Name, unit, type.
     pub field: RecordedField,
-    /// What it means, as this version knows it; "" for a field of another.
+    /// Its meaning in this version; "" for an unknown field.
     pub meaning: &'static str,
     /// One value per message; NaN for a number that was not measured, or is not estimated.
     pub values: Vec<Value>,
@@ -51,12 +51,12 @@ pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Er
         .collect())
 }
 
-/// A column of words or flags that is no field of its own.
+/// A column of words or flags derived from a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedWords {
-    /// Name; where it is that of a field, it stands in its place.
+    /// Name; it replaces a field of the same name.
     pub name: String,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
     /// Flags or words.
     pub values: Values,
@@ -79,7 +79,7 @@ impl Visitor for Verdict<'_> {
             let (column, Words::Codes(entries)) = (column(field)?, words) else {
                 return None;
             };
-            // Codes are places in the list; one that is not known is the place behind them.
+            // Codes are indices into the list; an unknown code is the index after the last.
             let mut names: Vec<&'static str> = entries.iter().map(|e| e.name).collect();
             names.push(messages::words::UNKNOWN);
             let last = u32::try_from(entries.len()).unwrap_or_default();
@@ -104,7 +104,7 @@ impl Visitor for Verdict<'_> {
     }
 }
 
-/// What the field of this name means.
+/// The meaning of a field by its name.
 struct Meaning<'a>(&'a str);
 
 impl Visitor for Meaning<'_> {

@@ -6,11 +6,11 @@ use crate::Error;
 use crate::map::hint;
 use crate::signal::{self, Builder, Row, Sensors, Signal};
 
-/// The samples of a machine from columns of the names of its CSV, one after the other; columns of other names are
-/// left out, a value that is not finite is a missing sample.
+/// The samples of a machine from columns with the names of its CSV, in order; columns of other names are
+/// ignored, a value that is not finite is a missing sample.
 ///
 /// # Errors
-/// A column that is needed is missing, or the columns differ in length.
+/// A required column is missing, or the columns differ in length.
 pub fn rows<'a, S: Sensors>(
     columns: &'a [(&str, Vec<f64>)],
 ) -> Result<impl Iterator<Item = Row<S>> + 'a, Error> {
@@ -53,7 +53,7 @@ pub fn rows<'a, S: Sensors>(
 
 const TABLE: &str = "the table";
 
-/// Refuses signals among which one that the machine needs is missing.
+/// Refuses signals without one that the machine needs.
 fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
     let time: &[&str] = &["t"];
     let mut groups = [time].into_iter().chain(S::REQUIRED.iter().copied());
@@ -65,17 +65,17 @@ fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
     })
 }
 
-/// Makes samples one by one, as they come; the source has all signals that were named, be they silent at first.
+/// Makes samples one by one; every named signal counts as present, even if it has no values at first.
 #[derive(Debug)]
 pub struct Feed<S: Sensors> {
     builder: Builder<S>,
 }
 
 impl<S: Sensors> Feed<S> {
-    /// Rows will have the values of these signals, in this order; the time is one of them.
+    /// For rows with the values of these signals, in this order, including the time.
     ///
     /// # Errors
-    /// A signal is not known or named twice, or one that is needed is missing.
+    /// A signal is unknown or named twice, or a required one is missing.
     pub fn new(names: &[&str]) -> Result<Self, Error> {
         let all = signal::signals::<S>();
         let known = |name: &str| all.iter().find(|s| s.name == name);
@@ -106,18 +106,18 @@ impl<S: Sensors> Feed<S> {
             .map_or_else(S::default, |(sample, _)| sample)
     }
 
-    /// How many samples were made.
+    /// Number of samples made.
     pub fn count(&self) -> u64 {
         self.builder.count()
     }
 
-    /// Goes on counting from here.
+    /// Continues to count from this number.
     pub fn go_on_from(&mut self, count: u64) {
         self.builder.go_on_from(count);
     }
 }
 
-/// Names of the columns that samples of the machine can have; nothing for another machine.
+/// Names of the possible columns of a machine's samples.
 pub fn signals_of(machine: Machine) -> Vec<String> {
     signal::signals_of(machine)
         .into_iter()

@@ -32,8 +32,8 @@ impl Dbc {
     }
 }
 
-/// Where the statement that begins at `at` ends: before the next line that begins with a keyword.
-/// The list of new symbols (`NS_`) names keywords at the beginning of lines: it ends at `BS_`.
+/// End of the statement that begins at `at`: before the next line that begins with a keyword.
+/// The list of new symbols (`NS_`) has keywords at the beginning of lines: it ends at `BS_`.
 fn statement_end(tokens: &[Token], at: usize) -> usize {
     let in_list = tokens[at].text == "NS_";
     let is_end = |t: &Token| {
@@ -46,11 +46,11 @@ fn statement_end(tokens: &[Token], at: usize) -> usize {
         .map_or(tokens.len(), |n| at + 1 + n)
 }
 
-/// What has been read so far; attributes stand behind the messages that they are about.
+/// The statements read up to now; attributes follow the messages that they belong to.
 #[derive(Default)]
 struct Parser {
     messages: Vec<Message>,
-    /// Where each message stands, by its identifier in the file.
+    /// Index of each message by its identifier in the file.
     index: HashMap<u32, usize>,
     /// Names of the values of the attribute `VFrameFormat`.
     formats: Vec<String>,
@@ -58,12 +58,12 @@ struct Parser {
     format: HashMap<u32, String>,
     default_protocol: Option<String>,
     protocol: Option<String>,
-    /// Names of more than 32 letters, kept beside the file's own: message, signal if it is one's.
+    /// Names of more than 32 letters, stored beside the file's own: message, signal if it is that of one.
     long_names: Vec<(u32, Option<String>, String)>,
 }
 
 impl Parser {
-    /// Takes a statement; `None` if it says something that cannot be.
+    /// Takes a statement; `None` if it is not valid.
     fn statement(&mut self, tokens: &[Token]) -> Option<()> {
         let mut words = Words(tokens);
         match words.word()? {
@@ -76,7 +76,7 @@ impl Parser {
             "SIG_VALTYPE_" => self.value_type(words),
             "SG_MUL_VAL_" => self.extended_multiplexing(words),
             "BA_DEF_" | "BA_DEF_DEF_" | "BA_" => {
-                // What is not understood of an attribute is of no concern here.
+                // Attributes that are not understood are ignored.
                 let _ = self.attribute(tokens[0].text, words);
                 Some(())
             }
@@ -102,7 +102,7 @@ impl Parser {
         Some(())
     }
 
-    /// The signal that a statement is about; none where the file has no such signal.
+    /// The signal that a statement belongs to; none if the file has no such signal.
     fn signal_of(&mut self, words: &mut Words) -> Option<&mut Signal> {
         let id: u32 = words.number()?;
         let name = words.word()?;
@@ -145,7 +145,7 @@ impl Parser {
     }
 
     /// `BA_DEF_ BO_ "VFrameFormat" ENUM "a","b";`, `BA_DEF_DEF_ "VFrameFormat" "a";`,
-    /// `BA_ "VFrameFormat" BO_ id 3;`, and the same of `ProtocolType`, which is one of the file.
+    /// `BA_ "VFrameFormat" BO_ id 3;`, and the same of `ProtocolType`, which belongs to the whole file.
     fn attribute(&mut self, keyword: &str, mut words: Words) -> Option<()> {
         let name = words.0.iter().find(|t| t.kind == Kind::Text)?.text;
         let behind = words.0.iter().position(|t| t.kind == Kind::Text)? + 1;

@@ -7,7 +7,7 @@ use messages::{Carries, Machine};
 use super::{Content, Kind, LARGEST, NOT_AVAILABLE, Outgoing};
 use crate::machines;
 
-/// Says that extended frames are J1939's.
+/// Attributes that mark extended frames as J1939.
 const ATTRIBUTES: &str = r#"
 BA_DEF_ "ProtocolType" STRING ;
 BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
@@ -19,7 +19,7 @@ BA_DEF_DEF_ "ProtocolType" "";
 BA_DEF_DEF_ "VFrameFormat" "J1939PG";
 BA_ "ProtocolType" "J1939";
 "#;
-/// The two bits of a flag.
+/// Values of the two bits of a flag.
 const WORDS: &str = r#"0 "no" 1 "yes" 2 "error" 3 "not available""#;
 
 impl Outgoing {
@@ -60,11 +60,11 @@ impl Outgoing {
     }
 }
 
-/// Codes of reasons that a byte of J1939 can carry.
+/// Number of reason codes that fit a byte of J1939.
 const MOST_REASONS: usize = 0xfb;
 
 impl Kind {
-    /// What its flags are of.
+    /// Subject of its flags.
     fn transmitted(&self) -> &'static str {
         match self.channel.payload.carries() {
             Carries::Estimate => "the estimates",
@@ -72,7 +72,7 @@ impl Kind {
         }
     }
 
-    /// What frame and signals mean.
+    /// Comments on frame and signals.
     fn comments(&self, machine: Machine, out: &mut String) {
         let id = self.dbc_id();
         match &self.content {
@@ -102,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// What single values mean.
+    /// Names of single values.
     fn words(&self, machine: Machine, out: &mut String) {
         let id = self.dbc_id();
         match &self.content {

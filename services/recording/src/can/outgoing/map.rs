@@ -1,4 +1,4 @@
-//! An output map: which frames are sent, and as what.
+//! An output map: the frames that are sent, with their identifiers.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::Error;
 use crate::can::node::Name;
 use crate::map::hint;
 
-/// J1939 proprietary B: parameter groups whose meaning their maker decides.
+/// J1939 proprietary B: parameter groups defined by manufacturers.
 const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
 const VERDICT: &str = "verdict";
 const STATUS: &str = "loads";
@@ -124,7 +124,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// The NAME of J1939, and its identity where the map says one.
+    /// The NAME of J1939, and its identity if the map gives one.
     fn name(&self, item: Option<&toml_edit::Item>) -> Result<(Name, Option<u32>), Error> {
         let mut name = Name::default();
         let Some(item) = item else {
@@ -167,7 +167,7 @@ impl<'a> Parser<'a> {
         Ok((name, identity))
     }
 
-    /// All frames, with their usual groups.
+    /// All frames, with their default groups.
     fn kinds(&self, channel: &'static Channel, base: u32) -> Vec<Kind> {
         let table = self.table;
         let kind = |name, channel, group: u16, content| Kind {

@@ -1,11 +1,11 @@
-//! The frames as a table of a page.
+//! The frames as a table in Markdown.
 
 use std::fmt::Write;
 
 use super::{Content, Kind, Outgoing};
 
 impl Outgoing {
-    /// A row a frame, in Markdown: parameter group, name, what stands in its bytes and bits.
+    /// A row per frame, in Markdown: parameter group, name, content of its bytes and bits.
     pub fn markdown(&self) -> String {
         let mut out = format!(
             "\n### Frames of the {}\n\n| group | frame | content |\n|---|---|---|\n",

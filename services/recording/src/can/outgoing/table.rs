@@ -12,14 +12,14 @@ pub(crate) struct Quantity {
     pub field: &'static str,
     pub std_field: &'static str,
     pub unit: &'static str,
-    /// Of one bit.
+    /// Value of one bit.
     pub scale: f64,
-    /// Of the value 0.
+    /// Value of the raw number 0.
     pub offset: f64,
-    /// Bits that say that the method estimates it, and that it may be believed; 0: always.
+    /// Bits that must be set: the method estimates the quantity; it is trusted. 0: always.
     pub estimated: u32,
     pub trusted: u32,
-    /// Its usual parameter group.
+    /// Its default parameter group.
     pub group: u16,
 }
 
@@ -29,7 +29,7 @@ impl std::fmt::Debug for Quantity {
     }
 }
 
-/// What the frames of one machine are.
+/// The frames of one machine.
 pub(crate) struct FrameTable {
     pub machine: Machine,
     /// Its channels of estimates, the main one first.
@@ -37,15 +37,15 @@ pub(crate) struct FrameTable {
     pub quantities: &'static [Quantity],
     /// Flags of the verdict, in the order of their places.
     pub flags: &'static [(&'static str, u32)],
-    /// Usual parameter group of the verdict.
+    /// Default parameter group of the verdict.
     pub verdict: u16,
     /// The channel of its loads.
     pub loads: &'static Channel,
-    /// First usual parameter group of their frames.
+    /// First default parameter group of their frames.
     pub loads_group: u16,
 }
 
-/// What is reported of loads, the same for every machine; groups count from the machine's first one.
+/// Quantities of loads, the same for every machine; groups count from the machine's first one.
 pub(crate) const LOADS: &[Quantity] =
     &quantities::<{ count_framed(loads::QUANTITIES) }>(loads::QUANTITIES);
 
@@ -63,16 +63,16 @@ pub(crate) const LOADS_FLAGS: &[(&str, u32)] = &flags::<{ count_framed_flags(loa
 pub(crate) struct Number {
     /// Name of its signal in the DBC and of its field in the message.
     pub field: &'static str,
-    /// First bit, and how many.
+    /// First bit, and number of bits.
     pub at: u32,
     pub bits: u32,
     pub unit: &'static str,
-    /// What it is; nothing where values have names.
+    /// Its meaning; empty if its values have names.
     pub doc: &'static str,
 }
 
 impl Number {
-    /// Largest number that is a value (J1939-71): above are error and "not available".
+    /// Largest valid number (J1939-71): the larger ones mean "error" and "not available".
     pub(crate) const fn largest(&self) -> u64 {
         (0xfa << (self.bits - 8)) | ((1 << (self.bits - 8)) - 1)
     }
