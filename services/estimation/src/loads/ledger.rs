@@ -226,7 +226,8 @@ impl Ledger {
         self.take_leaving(level, row, row.time);
     }
 
-    /// Handles a load suspended since `since` and set down where the machine stopped. A load that is held, or left after `since`, is the same.
+    /// Handles a load suspended since `since` and set down where the machine stopped. A load that is held, or left after `since`, is
+    /// the same.
     fn set_down(&mut self, row: &Row, since: f64, stopped: f64, events: &mut Events) {
         let is_it = |held: Held| held.leaving.is_none_or(|left| left >= since);
         if self.held.is_some_and(is_it) {
