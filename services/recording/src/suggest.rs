@@ -1,5 +1,5 @@
-//! A first signal map for a file: columns and CAN signals guessed by name, unit and range, each
-//! line with its reason. A guess is written as such; what was not found is left to be filled in.
+//! Proposes a signal map for a file: columns and CAN signals are assigned by name, unit and range, each
+//! line with its reason. Guesses are marked as such; missing signals are left to be filled in.
 
 mod absolute;
 mod languages;
@@ -30,11 +30,11 @@ pub use suggestion::Suggestion;
 use suggestion::{LINKS, missing};
 pub use table::STEEPEST;
 
-/// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
+/// A first map for the table, CAN log or foreign MCAP file `path`; a log needs its DBC files. Without
 /// a machine, the one whose signals fit best.
 ///
 /// # Errors
-/// A file cannot be read, or is neither a table nor a log; or its names do not tell the machine.
+/// A file cannot be read, or is neither a table nor a log; or its names do not identify the machine.
 pub fn suggest(
     path: &Path,
     dbc: &[PathBuf],
@@ -85,7 +85,7 @@ pub fn suggest(
     Ok(guesses.swap_remove(0))
 }
 
-/// A folder whose files are tables or logs: a map is of one of them.
+/// The error for a folder of tables or logs: a map belongs to one of them.
 fn of_folder(path: &Path) -> Error {
     let files = path.read_dir().into_iter().flatten().flatten();
     let files = files.map(|entry| entry.path());
@@ -107,10 +107,10 @@ fn of_folder(path: &Path) -> Error {
     )
 }
 
-/// What a file that heft did not write holds.
+/// Kind of a file that heft did not write.
 enum Foreign<'a> {
     Table,
-    /// With its DBC files.
+    /// A CAN log with its DBC files.
     Log(&'a [PathBuf]),
     Topics(Box<Reader>),
 }
@@ -130,12 +130,12 @@ macro_rules! guesses {
 
 messages::machines!(guesses);
 
-/// A text within a comment: what could end the comment, or cannot stand in one, becomes a mark.
+/// A text within a comment: characters that could end the comment, or are not allowed in one, are replaced.
 fn shown(text: &str) -> String {
     text.replace(steers, "\u{fffd}")
 }
 
-/// The first lines of a map: what it is and how to use it.
+/// The first lines of a map: purpose and use.
 fn opening<S: Sensors>(path: &Path) -> String {
     let (file, machine) = (shown(&path.display().to_string()), S::MACHINE);
     format!(
@@ -144,7 +144,7 @@ fn opening<S: Sensors>(path: &Path) -> String {
     )
 }
 
-/// How many frames of each identifier (and whether it is an extended one) a log has.
+/// Number of frames in a log by identifier and whether it is extended.
 type Frames = BTreeMap<(u32, bool), u32>;
 
 fn frames(path: &Path) -> Result<Frames, Error> {
@@ -278,7 +278,7 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     })
 }
 
-/// What was not found: lines to be filled in for what the machine needs, what `blank` says behind each name, and the rest by name.
+/// The missing signals: lines to be filled in for the required ones, with the text of `blank` after each name, and the rest by name.
 fn lacking<S: Sensors>(
     found: &[String],
     missing: &[&[&str]],

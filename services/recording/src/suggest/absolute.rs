@@ -1,24 +1,24 @@
-//! Does a link's sensor measure its angle from the horizontal, as an inclinometer does, or from the link before?
+//! Detects whether a link's sensor measures its angle from the horizontal, as an inclinometer does, or from the link before.
 //!
-//! While a link moves and the next one does not, a joint angle of the next one stays, and an angle from the horizontal moves along.
-//! Joints that are moved together have any ratio of rates: where 1 is chance, ratios beside it are as frequent (as in
-//! `estimation`'s `plausible`, which looks at what a map made of the angles).
-//! Names tell too, where the data do not say otherwise: all links may move at once.
+//! While a link moves and the next one does not, the joint angle of the next one stays, and its angle from the horizontal changes equally.
+//! Joints that move together have any ratio of rates: if a ratio of 1 is chance, ratios near 1 are as frequent (as in
+//! `estimation`'s `plausible`, which checks the mapped angles).
+//! Names decide if the data do not contradict: all links may move at once.
 
-/// A link that has moved by this much has moved [rad]; the next one moves along within this share of it.
+/// Least motion of a link [rad], and share of it within which the next one moves equally.
 const MOVES: f64 = 0.1;
 const ALONG: f64 = 0.15;
-/// Off by up to this share it moves at a rate beside the link's.
+/// Share of it up to which the next one moves at a rate near the link's.
 const BESIDE: f64 = 2.0 * ALONG;
-/// So many rows at most for one motion: a link that is slower counts as standing.
+/// Largest number of rows of one motion: a slower link counts as standing.
 const LONGEST: usize = 200;
-/// Motions that tell something, and how many times more of one kind than of the other.
+/// Fewest motions for a verdict, and least ratio of one kind to the other.
 const ENOUGH: usize = 5;
 const RATHER: usize = 3;
-/// Words in the names of sensors that measure from the horizontal.
+/// Words in names of sensors that measure from the horizontal.
 const NAMES: [&str; 7] = ["incl", "imu", "abs", "tilt", "neigung", "傾斜", "倾角"];
 
-/// Whether the angles `next` are from the horizontal, by those of the link before, both in rad, or else by the name.
+/// Whether the angles `next` are from the horizontal, by those of the link before, both in rad, or else by the name; returns the reason.
 pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'static str> {
     let (mut along, mut alone, mut beside, mut from) = (0, 0, 0, 0);
     for at in 1..before.len().min(next.len()) {
@@ -43,7 +43,7 @@ pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'
     }
 }
 
-/// Why, where only the name tells.
+/// The reason if only the name decides.
 pub(super) const BY_NAME: &str = "an inclinometer by its name";
 
 /// Whether the name is that of a sensor that measures from the horizontal.
@@ -60,7 +60,7 @@ mod tests {
     fn joints_that_a_program_moves_together_are_no_absolute_angles() {
         let turned = |k: u32| 0.4 * (1.0 - (0.02 * f64::from(k)).cos());
         let arm: Vec<f64> = (0..4000).map(|k| -1.4 + turned(k)).collect();
-        // The bucket curls with the arm, in each motion at another ratio about 1.
+        // The bucket curls with the arm, with another ratio near 1 in each motion.
         let ratio = |k: u32| 0.76 + 0.04 * f64::from(k / 314);
         let bucket: Vec<f64> = (0..4000).map(|k| -1.0 + ratio(k) * turned(k)).collect();
         assert_eq!(is_absolute("bucket", &arm, &bucket), None);
@@ -71,7 +71,7 @@ mod tests {
         let boom: Vec<f64> = (0..3000)
             .map(|k| 0.4 * (0.01 * f64::from(k)).sin())
             .collect();
-        // The next joint moves in other seconds.
+        // The next joint moves at other times.
         let joint: Vec<f64> = (0..3000)
             .map(|k| {
                 -1.0 + if k % 900 < 600 {
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(is_absolute("arm", &boom, &joint), None);
         assert!(is_absolute("arm", &boom, &sum).is_some());
         assert_eq!(is_absolute("arm_imu", &boom, &joint), None);
-        // All joints move at once, and the name says what the data cannot.
+        // All joints move at once, and only the name decides.
         let joint: Vec<f64> = (0..3000)
             .map(|k| 0.5 * (0.013 * f64::from(k)).sin())
             .collect();

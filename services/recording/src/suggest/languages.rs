@@ -1,7 +1,7 @@
-//! Names of signals in other languages than English, word by word.
+//! Translation of signal names from other languages, word by word.
 
-/// A word, or the beginning of one, and what it is in the words by which signals are found; `^word` only where a word of the name
-/// begins. Longer words stand before those that they contain.
+/// A word, or the beginning of one, and its translation into the words by which signals are found. `^word` matches only at the beginning
+/// of a word in the name. Longer words come before those that they contain.
 const WORDS: &[(&str, &str)] = &[
     // German.
     ("schwenk", "swing"),
@@ -311,10 +311,10 @@ const WORDS: &[(&str, &str)] = &[
     ("時間", "time"),
     ("日時", "time"),
     ("ピッチ", "pitch"),
-    // Without its last letter it is a part of "control".
+    // Without its last letter it would match a part of "control".
     ("ロール角", "roll"),
     ("質量", "mass"),
-    // Chinese; what both write alike stands above.
+    // Chinese; words common with Japanese are above.
     ("回转", "swing"),
     ("动臂", "boom"),
     ("斗杆", "arm"),
@@ -350,7 +350,7 @@ const WORDS: &[(&str, &str)] = &[
     ("로드", "rod"),
     ("시간", "time"),
     ("암", "arm"),
-    // Sides of a cylinder, as written in full and on excavators' buses.
+    // Sides of a cylinder, as written in full and on buses of excavators.
     ("piston rod", "rod"),
     ("annulus", "rod"),
     ("^piston", "head"),
@@ -360,7 +360,7 @@ const WORDS: &[(&str, &str)] = &[
     ("^bore", "head"),
     ("^cap", "head"),
     ("prs", "press"),
-    // What swings.
+    // The upper structure.
     ("slew", "swing"),
     ("turret", "swing"),
     ("turntable", "swing"),
@@ -376,11 +376,11 @@ const WORDS: &[(&str, &str)] = &[
     ("frnt", "front"),
 ];
 
-/// A name in small letters with its words in English.
+/// A name in small letters with its words translated to English.
 pub(super) fn english(name: &str) -> String {
     let mut name = name.to_lowercase();
     for (word, meaning) in WORDS {
-        // Words of these languages stand close together; their meanings must not grow into others.
+        // Words of these languages are not separated; their translations must be.
         let meaning = || format!(" {meaning} ").replace("_ ", "_");
         match word.strip_prefix('^') {
             Some(word) => {

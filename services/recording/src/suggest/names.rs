@@ -1,4 +1,4 @@
-//! What others call heft's signals.
+//! Names of heft's signals in foreign files.
 
 use std::fmt::Write;
 
@@ -26,9 +26,9 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
     names.filter(|name| !name.starts_with("true_")).collect()
 }
 
-/// For each signal what its names have, in the order of trust; of `a + b` both. `^word` counts only where a word of the name
-/// begins, `|word` only where it is one, `=word` only where the name is no more than that and its unit, `[unit` where the name
-/// tells a unit of this dimension. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
+/// For each signal, texts in its names, in the order of trust; of `a + b` both. `^word` matches only at the beginning of a word in the
+/// name, `|word` only a whole word, `=word` only the whole name without its unit, `[unit` a unit of this dimension in the
+/// name. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
 const WORDS: &str = "
 t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum
 t: =ticks, =x_value, =ms, =msec, =millis, =sec, =seconds, =s
@@ -64,14 +64,14 @@ lift_rod_pressure: lift + |rod + press, hoist + |rod + press, boom + |rod + pres
 truck: truck + number, truck + id
 ";
 
-/// Words of what is commanded or something else than motion: a joystick measures no stick.
+/// Words of commands or of other quantities: a joystick is no stick.
 const OTHERS: &str = "joystick, lever, pilot, command, cmd, setpoint, set point, set_point, valve, flow, temper, roller";
 
-/// What is wanted, a bound, a state or a statistic: no measurement.
+/// Words of commands, bounds, states and statistics, which are no measurements.
 const NO_MEASUREMENT: &str = "target ref reference desired demand request requested req limit lim max min maximum minimum valid validity \
     status quality fault error flag alarm pedal mode std";
 
-/// Signals, by their name or its end, and words that tell another quantity than these: a boom's rate is no angle of it.
+/// Signals, by their name or its end, and words that mean another quantity: the rate of a boom is no angle of it.
 const OF_OTHERS: &[(&str, &str)] = &[
     (
         "_angle slope pitch roll articulation",
@@ -87,7 +87,7 @@ const OF_OTHERS: &[(&str, &str)] = &[
         "slope pitch roll",
         "boom arm stick dipper bucket lift blade",
     ),
-    // Of the shaft, ahead of the gear.
+    // Speeds of the shaft, before the gear.
     ("swing_velocity", "motor engine moteur pump shaft"),
     ("articulation", "wheel whl"),
     ("mass", "payload load bucket fuel air attachment"),
@@ -97,12 +97,12 @@ const OF_OTHERS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Whether a name tells that its column is no measurement of this signal.
+/// Whether the name of a column excludes a measurement of this signal.
 fn is_other(signal: &str, name: &str) -> bool {
-    // A message of the bus, or a path, may be called by its kind.
+    // The name of a bus message, or of a path, may contain such words.
     let own = unit::without(name).rsplit(['.', '/', '\\', '|']).next();
     let own = own.unwrap_or(name);
-    // At the end of a name `min` passes for a unit.
+    // At the end of a name `min` would be taken for a unit.
     let last = unit::words(unit::before_brackets(name)).pop();
     let texts = [
         own.to_owned(),
@@ -125,7 +125,7 @@ pub(super) fn may_be(signal: &str, name: &str) -> bool {
     !is_other(signal, name) && !OTHERS.split(", ").any(|word| english(name).contains(word))
 }
 
-/// Whether a name has a word of [`WORDS`]: an alarm is no arm.
+/// Whether a name contains an entry of [`WORDS`].
 fn has(name: &str, word: &str) -> bool {
     if let Some(word) = word.strip_prefix('=') {
         return unit::without(name).replace([' ', '-'], "_") == word;
@@ -143,21 +143,21 @@ fn has(name: &str, word: &str) -> bool {
     found.any(|(at, _)| !name[..at].ends_with(char::is_alphabetic))
 }
 
-/// A part of a word that tells a pressure.
+/// A part of words for a pressure.
 const PRESSURE: &str = "press";
-/// The sides of a cylinder: alone behind the name of a link they mean its pressures (`boom head`).
+/// The sides of a cylinder: after the name of a link, without another quantity, they mean its pressures (`boom head`).
 const SIDES: [&str; 2] = ["head", "rod"];
-/// What else a side of a cylinder may have.
+/// Other quantities of a side of a cylinder.
 const OF_A_SIDE: [&str; 9] = [
     "angle", "pos", "position", "stroke", "length", "force", "area", "speed", "diameter",
 ];
 
-/// A name in small letters and English, with the word for a pressure where its unit, or a side of a cylinder, says so.
+/// A name in small letters and English, with the word for a pressure if its unit, or a side of a cylinder, means one.
 fn with_pressure(name: &str) -> String {
     let english_name = english(name);
     let apart = english(&unit::words(name).join(" "));
     if english_name.contains(PRESSURE) {
-        // A side is a word of its own in `BoomHeadPressure` too.
+        // In `BoomHeadPressure` the side is a separate word too.
         return format!("{english_name} {apart}");
     }
     let words = unit::words(unit::before_brackets(&apart));
@@ -169,13 +169,13 @@ fn with_pressure(name: &str) -> String {
     }
 }
 
-/// Whether a name tells that its column is a pressure.
+/// Whether the name of a column means a pressure.
 pub(super) fn is_pressure(name: &str) -> bool {
     with_pressure(name).contains(PRESSURE)
 }
 
-/// Position of the name that fits a signal best and is not taken: heft's own name, else the first
-/// that has the words.
+/// Index of the free name that fits a signal best: heft's own name, else the first
+/// with its words.
 pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
     let free = |at: &usize| !taken.contains(at);
     let lower: Vec<String> = names.iter().map(|n| n.to_lowercase()).collect();

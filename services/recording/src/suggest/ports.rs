@@ -1,11 +1,11 @@
-//! Two pressures of the swing motor, in a table, on a bus or in topics: their difference, times its displacement, is the torque.
+//! Two pressures of the swing motor, in a table, on a bus or in topics: their difference times the displacement is the torque.
 
 use super::languages::english;
 use super::names::{is_pressure, may_be, wanted};
 use crate::signal::Sensors;
 
-/// A line of a map as a comment, where two of the `names` that are not `taken` are such pressures and nothing is the torque;
-/// `term` tells a name's place as a term of a map, with what follows in its braces.
+/// A line of a map as a comment, if two free `names` are such pressures and no signal is the torque;
+/// `term` gives a name's place as a term of a map, with this text in its braces.
 pub(crate) fn ports<S: Sensors>(
     (names, taken, found): (&[&str], &[usize], &[String]),
     term: impl Fn(usize, &str) -> String,

@@ -1,10 +1,10 @@
-//! Units by the size of the largest values: pressures and torques whose columns name none.
+//! Units by the largest values, for pressures and torques whose columns name none.
 
 use crate::unit::{self, Unit};
 
-/// Where the largest pressures of a recording lie, in the unit of the data: pumps of excavators and loaders give 20 to 40 MPa, and
-/// work needs some of it. Each up to the limit; those of the last are in Pa, and below the first nothing was measured. No machine has
-/// more than 70 MPa: relief valves open at 35 to 42.
+/// Ranges of the largest pressure of a recording, each up to the limit, with the unit of the data: pumps of excavators and loaders give
+/// 20 to 40 MPa, and work needs a part of it. Values of the last range are in Pa; below the first limit no pressure was measured. No
+/// machine has more than 70 MPa: relief valves open at 35 to 42.
 pub const LARGEST_PRESSURES: [(f64, Option<&str>); 6] = [
     (1.0, None),
     (47.0, Some("MPa")),
@@ -14,11 +14,11 @@ pub const LARGEST_PRESSURES: [(f64, Option<&str>); 6] = [
     (7e7, None),
 ];
 
-/// Largest torques of swing drives are 1.5 kN m (1 t) to 700 kN m (100 t): below the first limit a number of N m moves no machine,
-/// beyond the second one of kN m is more than any has. Between both it may be either.
+/// Largest torques of swing drives are 1.5 kN m (1 t) to 700 kN m (100 t). Below the first limit, torques in N m would move no machine;
+/// above the second one, torques in kN m exceed any machine's. Between the limits both units are possible.
 const TORQUES: [f64; 2] = [200.0, 1000.0];
 
-/// One value in so many may be a disturbance.
+/// Rows per disturbance: a share of 1/100 may be disturbed.
 const DISTURBED: usize = 100;
 
 /// The largest value that is no disturbance.
@@ -54,7 +54,7 @@ pub(super) fn torque(largest: f64) -> (Option<&'static Unit>, String) {
     }
 }
 
-/// Three digits.
+/// A number with three digits.
 fn shown(x: f64) -> f64 {
     crate::time_unit::rounded(x)
 }
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn the_largest_pressure_tells_its_unit() {
         let of = |largest: f64| pressure(largest).0.map_or("Pa", |unit| unit.name);
-        // 21 MPa, in each.
+        // 21 MPa in each unit.
         for (factor, unit) in [
             (1.0, "Pa"),
             (1e3, "kPa"),

@@ -1,8 +1,8 @@
-//! A first map, and what it lacks.
+//! A proposed map, and the signals that it lacks.
 
 use crate::signal::Sensors;
 
-/// Angles of links, each from the one before it.
+/// Angles of the links, in the order of the links.
 pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A first map of a file.
@@ -10,17 +10,17 @@ pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 pub struct Suggestion {
     /// The map.
     pub text: String,
-    /// Signals that the machine needs and nothing was found for: of each group, one.
+    /// Groups of signals of which the machine needs one and none was found.
     pub missing: Vec<&'static [&'static str]>,
-    /// Columns whose brackets hold no unit that heft knows, with what they hold.
+    /// Columns with a text in brackets that is no known unit, and that text.
     pub unknown: Vec<String>,
-    /// Columns in `1/s`, which may be radians or turns.
+    /// Columns in `1/s`, which may mean radians or turns.
     pub of_second: Vec<String>,
-    /// Columns that are in a unit of something else than the signal that they are called, with what they are in.
+    /// Columns in a unit of another dimension than the signal of their name, and that unit.
     pub of_others: Vec<String>,
-    /// Links whose angles were not found, where that of another was.
+    /// Links whose angles were not found although that of another link was.
     pub links: Vec<&'static str>,
-    /// How many signals were found.
+    /// Number of signals found.
     pub(crate) found: usize,
 }
 
@@ -30,7 +30,7 @@ pub(crate) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static st
     S::REQUIRED.iter().copied().filter(is_missing).collect()
 }
 
-/// The links of an excavator whose angles were not found, where that of another was: one without the others is no posture.
+/// The links of an excavator whose angles were not found although that of another link was: a posture needs all.
 pub(crate) fn links(found: &[String]) -> Vec<&'static str> {
     let is_found = |link: &&str| found.iter().any(|signal| signal == link);
     let (known, missing): (Vec<&str>, Vec<&str>) = LINKS.into_iter().partition(is_found);

@@ -1,4 +1,4 @@
-//! A first map of a table.
+//! Proposes a map for a table.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -15,13 +15,13 @@ use crate::signal::Sensors;
 use crate::time_unit::rounded;
 use crate::unit::{self, Unit};
 
-/// No machine drives on a steeper ground \[rad\]: 35 degrees.
+/// Steepest ground on which a machine drives \[rad\]: 35 degrees.
 pub const STEEPEST: f64 = 0.61;
 
-/// No excavator swings faster \[rpm\]: data sheets say 5 to 14. In degrees a second it swings at 30 and more.
+/// Fastest swing of an excavator \[rpm\]: data sheets state 5 to 14. In degrees per second the numbers are 30 and more.
 const FASTEST_SWING: f64 = 15.0;
 
-/// Rows that are looked at.
+/// Number of rows that are read.
 const LOOK: usize = 20_000;
 
 /// A map for a table.
@@ -64,7 +64,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     })
 }
 
-/// The names of columns below those of their groups, which stand once above the first of each: a sheet's merged cells.
+/// The names of columns prefixed by those of their groups, which stand once above the first column of each: merged cells of a sheet.
 fn grouped(look: &Look) -> Vec<String> {
     let mut group = "";
     let above = look
@@ -85,14 +85,14 @@ fn grouped(look: &Look) -> Vec<String> {
     named.collect()
 }
 
-/// The lines of a map, and of what they are made.
+/// A map in the making.
 struct Draft<'a> {
     look: &'a Look,
-    /// What the columns are called.
+    /// Names of the columns.
     labels: Vec<String>,
-    /// The same with the units that a row below the names says.
+    /// The same with the units from a row below the names.
     names: Vec<String>,
-    /// The largest pressure of the columns that name no unit of it: a logger writes all in one.
+    /// The largest pressure of the columns without a unit: a logger writes all in the same unit.
     largest_pressure: f64,
     out: String,
     found: Vec<String>,
@@ -105,7 +105,7 @@ struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
-        // Sheets and web pages have blanks at which no line may break.
+        // Sheets and web pages contain no-break spaces.
         let plain = |label: String| label.replace(char::is_whitespace, " ");
         let labels: Vec<String> = labels.into_iter().map(plain).collect();
         let named = labels
@@ -132,7 +132,7 @@ impl<'a> Draft<'a> {
         draft
     }
 
-    /// Takes for each signal that is not found yet the column that fits best of those whose name and the signal's unit are `usable`.
+    /// For each signal not found yet, takes the column that fits best, among those whose name and the signal's unit are `usable`.
     fn find<S: Sensors>(&mut self, usable: impl Fn(&str, &str) -> bool) {
         for signal in wanted::<S>() {
             let si = unit_of::<S>(&signal);
@@ -146,7 +146,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Signals that the machine needs, and nothing was found for.
+    /// Required signals that were not found.
     fn missing<S: Sensors>(&self) -> Vec<&'static [&'static str]> {
         let mut missing = missing::<S>(&self.found);
         if !self.found.iter().any(|signal| signal == "t") {
@@ -155,7 +155,7 @@ impl<'a> Draft<'a> {
         missing
     }
 
-    /// The time in two columns.
+    /// Finds a time in two columns.
     fn stamp(&mut self) {
         let names: Vec<&str> = self.labels.iter().map(String::as_str).collect();
         if let Some([whole, below]) = seconds_and_below(&names) {
@@ -221,7 +221,7 @@ impl<'a> Draft<'a> {
         self.found.push(signal);
     }
 
-    /// What may stand behind a signal that no name fits: the first column in a unit of it that is not `offered` yet.
+    /// Proposal for a signal that no name fits: the first column in a unit of it that was not `offered` yet.
     fn by_unit<S: Sensors>(&self, signal: &str, offered: &mut Vec<usize>) -> String {
         let si = unit_of::<S>(signal);
         let free: Vec<usize> = (0..self.names.len())
@@ -237,7 +237,7 @@ impl<'a> Draft<'a> {
         found.unwrap_or_else(|| "\"...\"".to_owned())
     }
 
-    /// Two pressures of the swing motor, where nothing is its torque.
+    /// Two pressures of the swing motor, if no column is its torque.
     fn ports<S: Sensors>(&self) -> String {
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
         ports::<S>((&names, &self.taken, &self.found), |at, sign| {
@@ -249,7 +249,7 @@ impl<'a> Draft<'a> {
         })
     }
 
-    /// The line of a link whose angle is from the horizontal: less that of the link before.
+    /// The line of a link whose angle is from the horizontal: minus that of the link before.
     fn difference(&self, signal: &str, column: &Column, reason: &str) -> Option<String> {
         let link = LINKS.iter().position(|link| *link == signal)?;
         let before = self.links[link.checked_sub(1)?].as_ref()?;
@@ -267,7 +267,7 @@ impl<'a> Draft<'a> {
     }
 }
 
-/// The name of a column with the unit that a row below the names says.
+/// The name of a column with the unit from a row below the names.
 fn named(label: &str, unit: &str) -> String {
     match unit {
         "" => label.to_owned(),
@@ -275,7 +275,7 @@ fn named(label: &str, unit: &str) -> String {
     }
 }
 
-/// The largest pressure of the columns that name no unit.
+/// The largest pressure of the columns without a unit.
 fn largest_pressure(look: &Look, names: &[String]) -> f64 {
     let of_none = |name: &str| is_pressure(name) && !unit::is_of(name, "Pa");
     let columns = names.iter().zip(&look.columns);
@@ -284,7 +284,7 @@ fn largest_pressure(look: &Look, names: &[String]) -> f64 {
     sizes.fold(0.0, f64::max)
 }
 
-/// The columns of seconds and of the nanoseconds beside them, as ROS has them in its headers, where they are the time.
+/// The columns of seconds and of their nanoseconds, as in the headers of ROS, if they are the time.
 fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
     const ENDS: [(&str, &str); 3] = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")];
     if fitting("t", names, &[]).is_some_and(|at| !names[at].contains("stamp")) {
@@ -303,7 +303,7 @@ fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
     })
 }
 
-/// What loggers call the milliseconds that they write beside whole seconds.
+/// Names of the milliseconds that loggers write beside whole seconds.
 const MILLISECONDS: [&str; 8] = [
     "ms",
     "msec",
@@ -315,7 +315,7 @@ const MILLISECONDS: [&str; 8] = [
     "millisekunden",
 ];
 
-/// The column of the milliseconds beside the whole seconds of column `at`: it stays below 1000, and begins anew with the next second.
+/// The column of the milliseconds beside the whole seconds of column `at`: it stays below 1000, and restarts with each second.
 fn milliseconds(at: usize, names: &[String], look: &Look) -> Option<usize> {
     if !look.is_whole_second[at] {
         return None;
@@ -326,7 +326,7 @@ fn milliseconds(at: usize, names: &[String], look: &Look) -> Option<usize> {
         let is_named = words.any(|word| MILLISECONDS.contains(&word));
         let values = &look.columns[*other];
         let begins_anew = values.windows(2).any(|w| w[1] < w[0]);
-        // A date is no number here; what counts milliseconds itself goes on in each row.
+        // A date is no number here; a counter of milliseconds would not restart with each second.
         let steps = look.columns[at].windows(2).zip(values.windows(2));
         let mut seconds = steps.filter(|(s, _)| s[1] > s[0]);
         let goes_on = seconds.all(|(_, ms)| ms[1] < ms[0]);
@@ -346,12 +346,12 @@ fn line_of(signal: &str, name: &str, unit: Option<&Unit>, si: &str, reason: &str
     format!("{signal} = {{ column = {name}, unit = \"{unit}\"{scale} }}  # {reason}\n")
 }
 
-/// Whether an angle is told as a grade.
+/// Whether the unit of an angle is that of a grade.
 fn is_grade(unit: &str, si: &str) -> bool {
     matches!(unit, "%" | "‰") && si == "rad"
 }
 
-/// The line of a column whose unit is none of the signal's dimension, and whether it makes the signal all the same.
+/// The line of a column in a unit of another dimension than the signal's, and whether it is used all the same.
 fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, bool) {
     match is_grade(unit, si) {
         true => (
@@ -367,8 +367,8 @@ fn of_another_unit(signal: &str, name: &str, unit: &str, si: &str) -> (String, b
     }
 }
 
-/// Columns of another time than that of column `at`, whose unit is so many seconds, as comments: some loggers write a time beside
-/// the signals of each rate, and the rows of these are other moments.
+/// Columns of another time than that of column `at`, whose unit has this number of seconds, as comments. Some loggers write a time
+/// for the signals of each rate, so those rows belong to other times.
 fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) -> String {
     let mut out = String::new();
     let is_time = |other: &usize| *other != at && fitting("t", &[names[*other]], &[]).is_some();
@@ -393,7 +393,7 @@ fn other_times(at: usize, seconds: f64, names: &[&str], columns: &[Vec<f64>]) ->
     out
 }
 
-/// The columns that are none of the signals, as a comment.
+/// The unused columns, as a comment.
 fn rest(names: &[String], taken: &[usize]) -> String {
     let rest: Vec<&str> = (0..names.len())
         .filter(|at| !taken.contains(at) && !names[*at].is_empty())
@@ -411,13 +411,13 @@ fn rest(names: &[String], taken: &[usize]) -> String {
 /// A column that is a signal.
 struct Column {
     at: usize,
-    /// Quoted.
+    /// Name in quotes.
     name: String,
     unit: Option<&'static Unit>,
 }
 
 impl Column {
-    /// As a term of a sum.
+    /// The column as a term of a sum.
     fn term(&self, more: &str) -> String {
         let unit = self.unit.map(|unit| format!(", unit = \"{}\"", unit.name));
         format!(
@@ -428,7 +428,7 @@ impl Column {
     }
 }
 
-/// A unit and why.
+/// A unit and the reason for it.
 struct Guess {
     unit: Option<&'static Unit>,
     reason: String,
@@ -440,8 +440,8 @@ impl From<(Option<&'static Unit>, String)> for Guess {
     }
 }
 
-/// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values; and what stands in the name's brackets where
-/// that is no unit. Pressures that name none are up to `largest_pressure`.
+/// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values; and the text in the name's brackets if
+/// it is no unit. Pressures without a unit are up to `largest_pressure`.
 fn unit(
     signal: &str,
     si: &str,
@@ -466,7 +466,7 @@ fn unit(
             guess.reason
         );
     }
-    // Dates have none.
+    // A column of dates has no numbers.
     let has_number = values.iter().any(|x| x.is_finite());
     (guess, text.filter(|_| has_number))
 }
@@ -497,7 +497,7 @@ fn by_values(signal: &str, si: &str, values: &[f64], largest_pressure: f64) -> G
             ),
         };
     }
-    // What no machine of these does in SI units: steeper hills, a turn and more for a joint, 3 rad/s of swing,
+    // Values that no machine reaches in SI units: steeper hills, a turn and more for a joint, 3 rad/s of swing,
     // 15 m/s of a loader.
     let (limit, other) = match (signal, si) {
         ("slope" | "pitch" | "roll", _) => (STEEPEST, "deg"),
@@ -538,7 +538,7 @@ fn by_values(signal: &str, si: &str, values: &[f64], largest_pressure: f64) -> G
     }
 }
 
-/// How many values are beyond a limit. One number in fewer than half of the rows, whichever sign, says that there is no sample.
+/// Number of values beyond a limit. A single number in fewer than half of the rows, of either sign, is a mark of missing samples.
 fn beyond(values: &[f64], limit: f64) -> usize {
     let mut far = values.iter().map(|x| x.abs()).filter(|x| *x > limit);
     let Some(first) = far.next() else {
@@ -555,13 +555,13 @@ fn beyond(values: &[f64], limit: f64) -> usize {
     }
 }
 
-/// Rows of days are closer than this, those of seconds are not \[day, s\].
+/// Step of the rows, as a number: in days it is below this, in seconds above.
 const SLOWEST: f64 = 1e-4;
 
-/// Who samples a machine faster than this has rather written another unit than seconds [s].
+/// Step below which the unit is probably not seconds [s]: few machines are sampled faster.
 const FASTEST: f64 = 1e-3;
 
-/// Units of times since 1970, and how large those of 2001 to 2096 are.
+/// Units of times since 1970, and the numbers of the years 2001 to 2096.
 const SINCE_1970: [(&str, Range<f64>); 4] = [
     ("s", 1e9..4e9),
     ("ms", 1e12..4e12),
@@ -569,13 +569,13 @@ const SINCE_1970: [(&str, Range<f64>); 4] = [
     ("ns", 1e18..4e18),
 ];
 
-/// Who records a machine writes no rows that are further apart, nor a thousandth of it \[s\].
+/// Least step that is not one of recorded rows \[s\]: in milliseconds the same number is plausible.
 const SLOW: f64 = 4.0;
 
-/// And keeps no file that is shorter \[s\].
+/// Least plausible duration of a recording \[s\].
 const SHORT: f64 = 10.0;
 
-/// Times by their size, and by their step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
+/// The unit of times by their size and step: a machine is sampled each 0.1 ms to 8 s. In the days of a sheet that is less than 1e-4.
 fn time(times: &[f64]) -> Guess {
     let mut steps: Vec<f64> = times
         .windows(2)
@@ -589,7 +589,7 @@ fn time(times: &[f64]) -> Guess {
             reason: "by its name; it never increases".into(),
         };
     };
-    // A counter may be as large since it was switched on: its rows would be too far apart.
+    // A counter since switch-on may have such numbers: its rows would be too far apart.
     let is_date = |(name, range): &&(&str, Range<f64>)| {
         let factor = unit::find(name).map_or(1.0, |unit| unit.factor);
         *step * factor < SLOW && times.iter().all(|t| range.contains(t))
@@ -619,10 +619,10 @@ fn time(times: &[f64]) -> Guess {
     }
 }
 
-/// Ticks of 100 ns since the year 1 or 1601, as Windows counts them: more than microseconds, fewer than nanoseconds since 1970.
+/// Ticks of 100 ns since the year 1 or 1601, as Windows counts them: larger than microseconds, smaller than nanoseconds since 1970.
 const TICKS: Range<f64> = 1e17..1e18;
 
-/// Whether these are days of 1982 to 2119: since 1900, as a sheet counts them, or since the year 0, as MATLAB does.
+/// Whether these are days of 1982 to 2119: since 1900 as in a sheet, or since the year 0 as in MATLAB.
 fn is_serial_date(times: &[f64]) -> bool {
     let within = |from: f64| move |day: &f64| (30_000.0..80_000.0).contains(&(day - from));
     times.iter().all(within(0.0)) || times.iter().all(within(693_960.0))
@@ -670,7 +670,7 @@ mod tests {
         ] {
             assert_eq!(of(first, step), unit, "{first} {step}");
         }
-        // Rows of 100 Hz, counted in minutes.
+        // Rows of 100 Hz, with times in minutes.
         let minutes = time(&[0.0, 0.01 / 60.0, 0.02 / 60.0]).reason;
         assert!(minutes.contains("in min it would be 0.01 s"), "{minutes}");
     }

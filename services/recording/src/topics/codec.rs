@@ -1,4 +1,4 @@
-//! How the messages of a topic are read.
+//! Decoders of the messages of a topic.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -10,7 +10,7 @@ use crate::file::LIMIT;
 use crate::kind::ZSTD;
 use crate::record::{Channel, Schema};
 
-/// How the messages of a topic are read.
+/// The encoding of a topic's messages.
 #[derive(Debug)]
 pub(crate) enum Codec {
     Json,
@@ -23,7 +23,7 @@ impl Codec {
     /// The codec of a channel.
     ///
     /// # Errors
-    /// heft does not read it: why.
+    /// The encoding is not supported: why.
     pub(crate) fn of(channel: &Channel, schema: Option<&Schema>) -> Result<Self, String> {
         let no_schema = || format!("{} has no schema", channel.topic);
         let definitions = |wanted: &str| {
@@ -55,7 +55,7 @@ impl Codec {
         }
     }
 
-    /// A message as a tree; `None` if it is not whole.
+    /// A message as a tree; `None` if it is malformed.
     pub(crate) fn decode(&self, message: &[u8]) -> Option<Node> {
         match self {
             Self::Json => serde_json::from_slice(message)
@@ -69,7 +69,7 @@ impl Codec {
     }
 }
 
-/// A message that rosbag2 packed alone (`--compression-mode message`), unpacked; no CDR begins as zstd does.
+/// A message that rosbag2 compressed by itself (`--compression-mode message`), decompressed; no CDR begins as zstd does.
 fn unpacked(message: &[u8]) -> Option<Cow<'_, [u8]>> {
     if !message.starts_with(ZSTD) {
         return Some(message.into());
@@ -80,7 +80,7 @@ fn unpacked(message: &[u8]) -> Option<Cow<'_, [u8]>> {
     Some(bytes.into())
 }
 
-/// JSON without the words that are none, but that Python and JavaScript libraries write for missing numbers: they become null.
+/// JSON with `NaN` and `Infinity`, which Python and JavaScript libraries write for missing numbers, replaced by null.
 fn finite(message: &[u8]) -> Vec<u8> {
     const WORDS: [&[u8]; 3] = [b"NaN", b"-Infinity", b"Infinity"];
     let (mut out, mut rest, mut is_text) = (Vec::with_capacity(message.len()), message, false);

@@ -1,4 +1,4 @@
-//! What a file of others holds: its topics with their numbers, as the first lines of a map.
+//! The topics and numbers of a foreign MCAP file, as the first lines of a map.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
@@ -16,25 +16,25 @@ use crate::suggest::suggestion::{Suggestion, links, missing};
 use crate::unit;
 use crate::{Error, Quoted};
 
-/// Numbers of a topic that are listed.
+/// Largest number of listed numbers of a topic.
 const MOST: usize = 60;
-/// So many messages of a topic are looked at.
+/// Number of messages that are read of a topic.
 const LOOKED_AT: u64 = 100;
 
 /// A topic of a file.
 struct Topic {
     kind: String,
     messages: u64,
-    /// Of those that were looked at, messages that are not whole.
+    /// Number of malformed messages among those that were read.
     broken: u64,
-    /// Why its messages cannot be read, or the numbers of the first of them: a sensor may be silent in one.
+    /// Why its messages cannot be read, or the numbers of the first ones: a sensor may be silent in one message.
     numbers: Result<Vec<(String, f64)>, String>,
     seen: HashSet<String>,
-    /// Names of places in lists of one of them.
+    /// Names of the entries of its lists, from one message.
     names: Vec<String>,
 }
 
-/// The numbers of a topic, by their paths, and the names of its places.
+/// The numbers of a topic by their paths, and the names of the entries of its lists.
 pub(crate) fn fields_of(reader: &Reader, topic: &str) -> (Vec<String>, Vec<String>) {
     let Some(topic) = topics(reader).remove(topic) else {
         return Default::default();
@@ -43,25 +43,25 @@ pub(crate) fn fields_of(reader: &Reader, topic: &str) -> (Vec<String>, Vec<Strin
     (numbers.map(|(path, _)| path).collect(), topic.names)
 }
 
-/// A number that a line of a map may name.
+/// A number for a line of a map.
 struct Place {
-    /// By which it is found: the field, or its place's name and what the list holds.
+    /// Name by which it is found: the field, or its entry's name and the content of the list.
     label: String,
-    /// The same behind the topic's name.
+    /// The same after the topic's name.
     whole: String,
-    /// Unit, where it is known.
+    /// Unit, if known.
     unit: Option<&'static str>,
     line: String,
 }
 
-/// The lists of a `sensor_msgs/JointState`, what they hold, and in which unit.
+/// The lists of a `sensor_msgs/JointState`, their content and unit.
 const JOINTS: [(&str, &str, &str); 3] = [
     ("position", "angle", "rad"),
     ("velocity", "velocity", "rad/s"),
     ("effort", "torque", "N m"),
 ];
 
-/// Parts of a path that stand beside a measurement in messages of ROS: when it was made, and how well it is known.
+/// Parts of a path in messages of ROS that are no measurements: its time and its uncertainty.
 const BESIDE: [&str; 3] = ["header", "stamp", "variance"];
 
 /// Whether a number may be a measurement, by its path.
@@ -70,7 +70,7 @@ fn is_measurement(path: &str) -> bool {
     parts.all(|part| !BESIDE.contains(&part) && !part.ends_with("covariance"))
 }
 
-/// The numbers of all topics that may be measurements, with those of joints by their names.
+/// The possible measurements of all topics, with those of joints by their names.
 fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     let mut all = Vec::new();
     for (name, topic) in topics {
@@ -90,7 +90,7 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
             all.extend(topic.names.iter().filter(|_| is_there).map(of_joint));
         }
         let by_field = |(path, _): &(String, f64)| {
-            // Quotes are of the path, not of the name.
+            // Quotes belong to the path, not to the name.
             place(None, path.replace('"', ""), path, String::new())
         };
         let measured = numbers.iter().filter(|(path, _)| is_measurement(path));
@@ -99,7 +99,7 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     all
 }
 
-/// A file of others; what it lacks is told.
+/// Opens a foreign file; notes what it lacks.
 pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
     let reader = Reader::open(path)?;
     for lack in reader.lacks().all() {
@@ -108,8 +108,8 @@ pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
     Ok(reader)
 }
 
-/// The beginning of a map for a file of others: its topics and numbers as comments, and a line for each signal, filled in where a
-/// number's name fits.
+/// The beginning of a map for a foreign file: its topics and numbers as comments, and a line for each signal, filled in if the
+/// name of a number fits.
 pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
     let machine = S::MACHINE;
     let file = path.display().to_string().replace(steers, "\u{fffd}");
@@ -259,7 +259,7 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
     topics
 }
 
-/// The texts of the lists of texts of a message.
+/// The entries of the lists of texts in a message.
 fn names(node: &Node) -> Vec<String> {
     let Node::Record(fields) = node else {
         return Vec::new();
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn the_pressure_of_a_topic_is_no_time_stamp_and_no_variance() {
-        // sensor_msgs/FluidPressure, and a covariance of sensor_msgs/Imu: the topic's name says what is measured.
+        // sensor_msgs/FluidPressure, and a covariance of sensor_msgs/Imu: the topic's name gives the quantity.
         let paths = [
             "header.stamp.sec",
             "header.stamp.nanosec",

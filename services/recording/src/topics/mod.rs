@@ -1,4 +1,4 @@
-//! MCAP files of others (ROS 2, Foxglove, own loggers): numbers by topic and field, as a map says.
+//! MCAP files of other programs (ROS 2, Foxglove, own loggers): numbers by topic and field, by a map.
 
 pub(crate) mod codec;
 pub(crate) mod list;
@@ -22,19 +22,19 @@ use crate::sampling::Series;
 use crate::scan::{Damage, Unpacked};
 use crate::signal::{self, Row, Sensors};
 
-/// The rows of a file of others.
+/// The rows of a foreign file.
 pub(crate) struct TopicRows<S: Sensors> {
     rows: MappedRows<S>,
-    /// What was read, latest first: time since the first [ns], series, value.
+    /// Values that were read, latest first: time since the first [ns], series, value.
     waiting: Vec<(i64, usize, f64)>,
     /// Time of the first value [ns].
     start: i64,
     has_ended: bool,
-    /// What of the file cannot be read.
+    /// Parts of the file that could not be read.
     pub lacks: Lacks,
 }
 
-/// A number that is looked for in the messages of a topic.
+/// A number of the map in the messages of a topic.
 struct Wanted<'a> {
     entry: &'a Entry,
     name: &'a TopicName,
@@ -88,7 +88,7 @@ impl<S: Sensors> TopicRows<S> {
         })
     }
 
-    /// The next row; nothing at the end.
+    /// The next row; none at the end.
     pub(crate) fn row(&mut self) -> Option<Row<S>> {
         loop {
             if let Some(row) = self.rows.row() {
@@ -107,9 +107,9 @@ impl<S: Sensors> TopicRows<S> {
         }
     }
 
-    /// Takes all that comes at one time: it belongs to the same row.
+    /// Takes all values of one time: they belong to the same row.
     fn take(&mut self, time: i64) {
-        // What was complete before is not its business.
+        // Rows that were complete before do not include these values.
         self.rows.pass(time, absolute(self.start));
         while let Some((_, series, value)) = self.waiting.pop_if(|next| next.0 == time) {
             self.rows.push(series, time, value);
@@ -118,7 +118,7 @@ impl<S: Sensors> TopicRows<S> {
     }
 }
 
-/// Times on the clock of the file, of those since its first value [ns].
+/// Converts times since the first value to the clock of the file [ns].
 fn absolute(start: i64) -> impl Fn(i64) -> u64 {
     move |ns| u64::try_from(start.saturating_add(ns)).unwrap_or(0)
 }
@@ -139,10 +139,10 @@ fn wanted_of<'a>(map: &Map, entry: &'a Entry, name: &'a TopicName) -> Result<Wan
     })
 }
 
-/// Time [ns], which, value.
+/// Time [ns], index of the number, value.
 type Values = Vec<(i64, usize, f64)>;
 
-/// Every value that is wanted, and what of the file cannot be read.
+/// All values of the map's numbers, and the parts of the file that could not be read.
 fn values(
     file: &Path,
     map: &Map,
@@ -183,7 +183,7 @@ fn values(
     Ok((values, reader.lacks()))
 }
 
-/// Whether values of one number came at different times; `values` in their order.
+/// Refuses values most of which have the time of the value before; `values` in order.
 fn check_times(values: &Values, file: &Path, topics: &Topics) -> Result<(), Error> {
     let mut last = BTreeMap::new();
     let is_repeated =
@@ -219,7 +219,7 @@ fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(),
     })
 }
 
-/// Whether this stands behind the name of a number or of a list of numbers.
+/// Whether the rest of a path is empty or an index of a list.
 fn is_place(rest: &str) -> bool {
     rest.is_empty() || rest.starts_with('[')
 }
@@ -271,7 +271,7 @@ fn check_found(
     })
 }
 
-/// The codecs of the channels that are wanted.
+/// The codecs of the required channels.
 fn codecs(part: &Part, map: &Map, wanted: &[Wanted<'_>]) -> Result<BTreeMap<u16, Codec>, Error> {
     let mut codecs = BTreeMap::new();
     for channel in part.scan.channels.values() {
@@ -290,8 +290,8 @@ fn codecs(part: &Part, map: &Map, wanted: &[Wanted<'_>]) -> Result<BTreeMap<u16,
     Ok(codecs)
 }
 
-/// Calls `found` with each whole message of a part, in the order of the file; it answers whether it could read the
-/// message. What is damaged or could not be read is noted by the reader.
+/// Calls `found` with each complete message of a part, in the order of the file; it returns whether it could read the
+/// message. Damaged and unreadable messages are noted by the reader.
 pub(crate) fn for_each_message(
     reader: &Reader,
     part: usize,

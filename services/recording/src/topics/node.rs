@@ -1,16 +1,16 @@
-//! A message of others as a tree, whatever its encoding, and the way to a number in it.
+//! A foreign message as a tree, whatever its encoding, and paths to the numbers in it.
 
 use std::rc::Rc;
 
 /// A value in a message.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// Numbers and truths.
+    /// Numbers and booleans.
     Number(f64),
     Text(String),
     List(Vec<Node>),
     Record(Vec<(Rc<str>, Node)>),
-    /// What cannot be a signal: bytes, absent messages.
+    /// Contents that cannot be a signal: bytes, absent messages.
     Nothing,
 }
 
@@ -21,7 +21,7 @@ pub(crate) enum Step {
     Index(usize),
 }
 
-/// The steps of a path such as `wrench.force.x`, `axes[2]` or `"swing rate [deg/s]".value`; none if it is no path.
+/// The steps of a path such as `wrench.force.x`, `axes[2]` or `"swing rate [deg/s]".value`; none if it is no valid path.
 pub(crate) fn path(text: &str) -> Option<Vec<Step>> {
     let (mut steps, mut rest) = (Vec::new(), text);
     loop {
@@ -45,7 +45,7 @@ pub(crate) fn path(text: &str) -> Option<Vec<Step>> {
     }
 }
 
-/// A field's name as it stands in a path.
+/// A field's name as written in a path.
 fn in_path(name: &str) -> String {
     match name.is_empty() || name.contains(['.', '[', ']', '"']) {
         true => format!("\"{name}\""),
@@ -69,13 +69,13 @@ impl Node {
         }
     }
 
-    /// What lies at the end of a path.
+    /// The node at the end of a path.
     pub(crate) fn at(&self, path: &[Step]) -> Option<&Node> {
         path.iter().try_fold(self, |node, step| node.step(step))
     }
 
-    /// The number at the end of a path. With a name the path ends at a list, and the number is that whose
-    /// place in a list of texts beside it has the name (`sensor_msgs/JointState`).
+    /// The number at the end of a path. With a name the path ends at a list, and the number is the entry whose
+    /// index in a list of texts beside it has that name (`sensor_msgs/JointState`).
     pub(crate) fn number(&self, path: &[Step], name: Option<&str>) -> Option<f64> {
         let node = match name {
             None => self.at(path)?,
@@ -93,7 +93,7 @@ impl Node {
         }
     }
 
-    /// Place of a text in the first list of texts that has it.
+    /// Index of a text in the first list of texts that contains it.
     fn place_of(&self, name: &str) -> Option<usize> {
         let Self::Record(fields) = self else {
             return None;
@@ -106,7 +106,7 @@ impl Node {
         })
     }
 
-    /// Time of the measurement that the message itself tells [ns].
+    /// Time of the measurement in the message's own header [ns].
     pub(crate) fn stamp(&self) -> Option<i64> {
         let stamp = self.field("header").and_then(|h| h.field("stamp"));
         let stamp = stamp
@@ -125,8 +125,8 @@ impl Node {
         (ns.abs() < 9e18).then(|| ns as i64 + nanoseconds as i64)
     }
 
-    /// Calls `found` with path and value of every number, the first of a list of them alone; texts beside it are
-    /// the names of its places.
+    /// Calls `found` with path and value of every number, of a list of numbers only the first; texts beside a list are
+    /// the names of its entries.
     pub(crate) fn numbers(&self, before: &str, found: &mut dyn FnMut(&str, f64)) {
         match self {
             Self::Number(x) => found(before, *x),
@@ -146,7 +146,7 @@ impl Node {
     }
 }
 
-/// Places of a list that are shown.
+/// Number of entries of a list that are shown.
 const MOST_SHOWN: usize = 12;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Messages of protobuf by the descriptors that the file carries.
+//! Protobuf messages, by the descriptors in the file.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -10,7 +10,7 @@ use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
 use super::node::Node;
 use crate::wire::take_varint;
 
-/// Messages nest no deeper.
+/// Largest depth of nested messages.
 const DEEPEST: usize = 32;
 
 /// The messages of a schema.
@@ -28,12 +28,12 @@ struct Field {
     /// Full name of its message.
     message: String,
     is_list: bool,
-    /// A number that is not there is 0 (proto3 without presence).
+    /// An absent number is 0 (proto3 without presence).
     is_zero: bool,
 }
 
 impl Descriptors {
-    /// Of a serialised `FileDescriptorSet`; `None` if it has no such message.
+    /// From a serialised `FileDescriptorSet`; `None` if it has no such message.
     pub(crate) fn parse(name: &str, bytes: &[u8]) -> Option<Self> {
         let set = FileDescriptorSet::decode(bytes).ok()?;
         let mut messages = BTreeMap::new();
@@ -51,7 +51,7 @@ impl Descriptors {
             .then_some(Self { messages, main })
     }
 
-    /// A message; `None` if it is none.
+    /// Decodes a message; `None` if it is malformed.
     pub(crate) fn decode(&self, bytes: &[u8]) -> Option<Node> {
         self.message(&self.main, bytes, 0)
     }
@@ -152,7 +152,7 @@ fn is_number(kind: Type) -> bool {
     )
 }
 
-/// How a number stands on the wire.
+/// Wire type of a number.
 fn wire(kind: Type) -> u64 {
     match kind {
         Type::Double | Type::Fixed64 | Type::Sfixed64 => 1,

@@ -1,14 +1,14 @@
-//! Messages of ROS: their definitions (`ros2msg`, `ros1msg`), and their bytes (CDR, or ROS 1's packing).
-//! Every length is checked against the bytes that are there before anything is reserved for it.
+//! Messages of ROS: their definitions (`ros2msg`, `ros1msg`), and their bytes (CDR, or ROS 1's serialization).
+//! Every length is checked against the remaining bytes before memory is reserved for it.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::node::Node;
 
-/// Definitions nest no deeper.
+/// Largest depth of nested definitions.
 const DEEPEST: usize = 32;
-/// Lists that are longer (images, point clouds) hold no signals.
+/// Longest list that may hold signals: longer ones are images or point clouds.
 const LONGEST: usize = 4096;
 
 /// The fields of each type that a schema defines.
@@ -45,7 +45,7 @@ enum Base {
 }
 
 impl Definitions {
-    /// Reads the definitions of a schema called `name`; `None` where they are not complete.
+    /// Reads the definitions of a schema called `name`; `None` if they are not complete.
     pub(crate) fn parse(name: &str, text: &str) -> Option<Self> {
         let main = short(name);
         let mut types: BTreeMap<String, Vec<Field>> = BTreeMap::new();
@@ -72,7 +72,7 @@ impl Definitions {
         complete.then_some(Self { types, main })
     }
 
-    /// A message of CDR; `None` if it is none.
+    /// Decodes a CDR message; `None` if it is malformed.
     pub(crate) fn cdr(&self, message: &[u8]) -> Option<Node> {
         let (head, bytes) = message.split_first_chunk::<4>()?;
         let (little, widest) = match head[1] {
@@ -94,7 +94,7 @@ impl Definitions {
         self.record(&self.main, &mut bytes, 0)
     }
 
-    /// A message of ROS 1; `None` if it is none.
+    /// Decodes a ROS 1 message; `None` if it is malformed.
     pub(crate) fn ros1(&self, message: &[u8]) -> Option<Node> {
         let mut bytes = Bytes {
             bytes: message,
@@ -126,7 +126,7 @@ impl Definitions {
             Count::Fixed(count) => count,
             Count::Sequence => usize::try_from(bytes.uint(4)?).ok()?,
         };
-        // What is in a list takes a byte at least, but for types without fields.
+        // Each entry of a list takes at least a byte, except for types without fields.
         (count <= bytes.bytes.len() - bytes.at).then_some(())?;
         if count > LONGEST {
             for _ in 0..count {
@@ -170,7 +170,7 @@ fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// A line of a definition: nothing for a constant, `None` where it is no line.
+/// A line of a definition: no field for a constant, `None` for a malformed line.
 fn field(line: &str, current: &str) -> Option<Option<Field>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim();
@@ -228,16 +228,16 @@ struct Bytes<'a> {
     bytes: &'a [u8],
     at: usize,
     little: bool,
-    /// Numbers begin at multiples of their size, or of this.
+    /// Numbers are aligned to their size, or to this if it is smaller.
     widest: usize,
-    /// Texts end with a zero, which their length counts.
+    /// Texts end with a zero, which is counted in their length.
     with_nul: bool,
-    /// So many records may follow.
+    /// Number of records that may still follow.
     records: usize,
 }
 
-/// A message has no more records than this beside one a byte: in ROS 1 those of types without fields take none, and types may be made of
-/// such.
+/// Largest number of records of a message beside one per byte: in ROS 1 records of types without fields take no bytes, and types may
+/// consist of them.
 const EMPTY: usize = 1000;
 
 fn most_records(message: &[u8]) -> usize {
