@@ -1,4 +1,4 @@
-//! CAN: frames, databases, the decoder that makes rows of frames, and estimates as frames.
+//! CAN: frames, databases, the decoder from frames to rows, and estimates as frames.
 
 pub(crate) mod dbc;
 mod decoder;

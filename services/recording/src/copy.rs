@@ -1,4 +1,4 @@
-//! Every whole message of a recording, in its order in the file.
+//! Every complete message of a recording, in the order of the file.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::record;
 use crate::scan::{Damage, Unpacked};
 
 impl Reader {
-    /// How many messages each channel has.
+    /// Number of messages of each channel.
     pub fn counts(&self) -> BTreeMap<String, u64> {
         let mut counts = BTreeMap::new();
-        // What is damaged is noted when a channel is read.
+        // Damage is noted when a channel is read.
         let counted = copy(self, |part, head, _| {
             if let Some(channel) = self.parts[part].scan.channels.get(&head.channel) {
                 match counts.get_mut(&channel.topic) {
@@ -28,8 +28,8 @@ impl Reader {
     }
 }
 
-/// Calls `take` with part, head and content of every whole message; returns how many there are.
-/// What is damaged is noted by the reader.
+/// Calls `take` with part, head and content of every complete message; returns their number.
+/// Damage is noted by the reader.
 pub(crate) fn copy(
     reader: &Reader,
     mut take: impl FnMut(usize, &record::Message, &[u8]) -> Result<(), Error>,

@@ -1,24 +1,24 @@
-//! Times that count ticks in a register which begins anew when it is full: milliseconds of 16 bits after 66 s, the
+//! Unwraps times that count ticks in a register which overflows: milliseconds of 16 bits after 66 s, the
 //! microseconds of a microcontroller's 32 bits after 72 min.
 
 /// Widths of the registers \[bit\].
 const WIDTHS: [i32; 2] = [16, 32];
 
-/// Over the end of a register rows are at most so many times as far apart as before: some may be lost there, and two
-/// recordings in one table seldom end and begin so near to it.
+/// Largest step over an overflow, as a multiple of the step before: rows may be lost there, and two
+/// recordings in one table seldom end and begin so near to an overflow.
 const STEPS: f64 = 10.0;
 
-/// The ticks so far.
+/// State of the counter.
 #[derive(Debug, Default)]
 pub(crate) struct Counter {
     last: Option<f64>,
     step: f64,
-    /// Ticks of the registers that were full.
+    /// Ticks of all overflows.
     full: f64,
 }
 
 impl Counter {
-    /// The ticks since the first register was empty.
+    /// The ticks without overflows.
     pub(crate) fn count(&mut self, ticks: f64) -> f64 {
         if !ticks.is_finite() {
             return ticks;
@@ -30,7 +30,7 @@ impl Counter {
         if step > 0.0 {
             self.step = step;
         } else if is_count(ticks) && is_count(ticks - step) {
-            // The row before was in it.
+            // The row before must be in the range of the register.
             let full = registers.find(on).filter(|full| ticks - step < *full);
             self.full += full.unwrap_or(0.0);
         }
@@ -53,7 +53,7 @@ mod tests {
             let ticks = [full - 25.0, full - 15.0, full - 5.0, 5.0, 15.0, 45.0];
             let on = [full + 5.0, full + 15.0, full + 45.0];
             assert_eq!(counted(&ticks)[3..], on);
-            // Rows that are lost at its end, and one that has no time.
+            // Rows are lost at the overflow, and one has no time.
             let ticks = [full - 75.0, full - 65.0, f64::NAN, 15.0];
             assert_eq!(counted(&ticks)[3], full + 15.0);
         }

@@ -11,11 +11,11 @@ use crate::OneLine;
 pub struct Error {
     /// What is wrong.
     pub what: String,
-    /// File, with line and column where there are some.
+    /// File, with line and column if known.
     pub place: String,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: String,
-    /// The system's reason, where the system refused.
+    /// The system's error, if the system refused.
     pub io: Option<io::ErrorKind>,
 }
 
@@ -69,7 +69,7 @@ impl Error {
         }
     }
 
-    /// What to do where there is no such file; `-` stands for a pipe elsewhere, and a machine's name for the machine.
+    /// Remedy for a missing file; `-` means a pipe in other programs, and a machine's name the machine.
     pub fn where_to_look(path: &Path) -> &'static str {
         match path.to_str() {
             Some("-") => "name a file; `heft serve` and `heft run --input -` read pipes",

@@ -1,4 +1,4 @@
-//! Tables in memory, as other languages have them: rows from columns, and columns from estimates.
+//! Tables in memory for other languages: rows from columns, and columns from estimates.
 
 mod estimates;
 mod recorded;

@@ -1,20 +1,20 @@
 //! Gaps in the times of an input.
 
-/// Rows that are further apart have a gap between them \[s\].
+/// Step of the times above which there is a gap \[s\].
 const LONG: f64 = 10.0;
-/// A row that goes back by more was not late: a clock was set, or another recording begins \[s\].
+/// Step back above which a row was not merely late: a clock was set, or another recording begins \[s\].
 const BACK: f64 = 1.0;
-/// And so many times as far as the nearest.
+/// Least ratio of a gap to the shortest step.
 const MANY: f64 = 100.0;
-/// Seconds from 59 of a minute to 0 of the next where times are written as the digits of hours, minutes and seconds; to the
-/// next hour there are another 4000.
+/// Apparent seconds from 59 of a minute to 0 of the next, if times are written as the digits of hours, minutes and seconds; at a new
+/// hour there are 4000 more.
 const MINUTE: f64 = 40.0;
 const HOUR: f64 = 4000.0;
 
-/// Rows without a jump in their times.
+/// Rows without a jump of their times.
 #[derive(Debug, Default, Clone, Copy)]
 struct Stretch {
-    /// Times of the first and the last of them \[s\].
+    /// Times of the first and the last row \[s\].
     begin: f64,
     end: f64,
     rows: u64,
@@ -29,7 +29,7 @@ impl Stretch {
         }
     }
 
-    /// Whether these rows end where those begin: they are a part of the same recording, and stand behind it.
+    /// Whether these rows end where the other ones begin: both are parts of the same recording, in the wrong order.
     fn belongs_before(&self, other: &Self) -> bool {
         let are_parts = [self, other]
             .iter()
@@ -38,24 +38,24 @@ impl Stretch {
     }
 }
 
-/// The gaps so far.
+/// Gaps in the times up to now.
 #[derive(Debug, Default)]
 pub struct Gaps {
     last: Option<f64>,
-    /// The rows since the times last jumped, and those before them where they jumped back.
+    /// The rows since the last jump of the times, and those before it if the times jumped back.
     stretch: Stretch,
     before: Option<Stretch>,
-    /// A stretch that stands behind the rows that it belongs before, and these.
+    /// A stretch that comes after the rows that it belongs before, and these rows.
     misplaced: Option<[Stretch; 2]>,
     /// The shortest step \[s\].
     shortest: Option<f64>,
     count: u64,
-    /// Those from the end of a minute to the next, as `hhmmss` has them.
+    /// Number of gaps from the end of a minute to the next, as in `hhmmss`.
     at_minutes: u64,
     longest: f64,
-    /// Where the longest begins.
+    /// Begin of the longest one.
     at: f64,
-    /// How often the times go back, the first time behind this one and by so much \[s\].
+    /// Number of steps back; time before the first one, and its size \[s\].
     back: u64,
     first_back: [f64; 2],
 }
@@ -111,10 +111,10 @@ impl Gaps {
         self.misplaced.or(latest)
     }
 
-    /// Words on them.
+    /// Message on gaps and steps back.
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);
-        // A time that no clock says would fill three lines with its digits.
+        // An implausible time would fill three lines with its digits.
         let digits = |number: f64, plain: String| match number.abs() {
             ..1e10 => plain,
             _ => format!("{number:e}"),
@@ -148,7 +148,7 @@ impl Gaps {
         }
     }
 
-    /// Why the times are no seconds or in no order, and what to do.
+    /// Why the times are not in seconds or not in order, and the remedy.
     pub fn fault(&self) -> Option<String> {
         if let Some([part, before]) = self.misplaced() {
             return Some(format!(
@@ -202,7 +202,7 @@ mod tests {
         ] {
             assert!(fault.contains(words), "{fault}");
         }
-        // Three parts, the last two exchanged, and a fourth behind them.
+        // Three parts, the last two exchanged, followed by a fourth.
         let parts = [0..2000, 6000..8000, 4000..6000, 9000..9500];
         let fault = of(parts.into_iter().flatten().map(rows)).fault();
         assert!(
@@ -210,7 +210,7 @@ mod tests {
             "the middle"
         );
         let in_order: [Vec<u32>; 5] = [
-            // Twice the same, a clock that is set back by a little and by years, one wrong time at the begin, rows that are late.
+            // Twice the same, a clock that is set back by a little and by years, one wrong time at the begin, late rows.
             (0..3000).chain(0..3000).collect(),
             (0..2000).chain(1700..3000).collect(),
             (900_000_000..900_003_000).chain(0..3000).collect(),

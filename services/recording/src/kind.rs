@@ -1,4 +1,4 @@
-//! What kind of file it is: by its first bytes, else by its name.
+//! Detects the kind of a file: by its first bytes, else by its name.
 
 use std::io::Read;
 use std::path::Path;
@@ -9,14 +9,14 @@ use crate::packed::GZIP;
 use crate::wide;
 use crate::{Error, file, parts};
 
-/// What samples are read from.
+/// Kind of a source of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A table with a header, as it is or packed by gzip.
+    /// A table with a header, plain or compressed by gzip.
     Table,
-    /// Lines of candump, as they are or packed by gzip.
+    /// Lines of candump, plain or compressed by gzip.
     Log,
-    /// An MCAP file, of heft or of others, or the folder of a run.
+    /// An MCAP file, of heft or foreign, or the folder of a run.
     Recording,
 }
 
@@ -33,7 +33,7 @@ macro_rules! rows {
     ($( $begin:expr, $what:expr, $remedy:expr; )*) => { [$( ($begin, $what, $remedy) ),*] };
 }
 
-/// First bytes of what others write, what it is, and how it becomes a table.
+/// Foreign formats: first bytes, name, and how to convert them to a table.
 const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
     b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
@@ -81,7 +81,7 @@ const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
     b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE";
     b"Rar!", "packed by RAR", "unpack it: unrar x FILE";
 };
-/// How what zstd packed begins.
+/// First bytes of zstd.
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 const MATLAB: &[u8] = b"MATLAB";
 const DATE: &[u8] = b"date ";
@@ -100,7 +100,7 @@ const CAN: &str =
     "convert it to a log of candump: `can_logconvert FILE OUT.log` (pip install python-can)";
 
 impl Kind {
-    /// What a name says; nothing where it says nothing.
+    /// The kind by the name; none if the name does not decide.
     pub fn by_name(path: &Path) -> Option<Self> {
         if path.is_dir() {
             return Some(Self::Recording);
@@ -120,10 +120,10 @@ impl Kind {
         }
     }
 
-    /// What a file is: by its first bytes, else by its name, else a table if it is text.
+    /// The kind by the first bytes, else by the name, else a table if it is text.
     ///
     /// # Errors
-    /// It cannot be read, or it is a kind that heft does not read; the error says how to convert it.
+    /// It cannot be read, or it has a format that heft does not read; the error states how to convert it.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let named = Self::by_name(path);
         if path.is_dir() || !path.exists() && parts::exists(path) {
@@ -173,7 +173,7 @@ impl Kind {
     }
 }
 
-/// What a folder without data holds instead: of its files that heft knows and does not read, the first by its name.
+/// The error for a folder without data: the first file by name that has a known foreign format.
 #[must_use]
 pub fn foreign(folder: &Path) -> Option<Error> {
     let files = folder.read_dir().ok()?.flatten().map(|entry| entry.path());
@@ -191,13 +191,13 @@ fn begin_of(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// What others write and heft does not read, by its first bytes; the files of MATLAB 4 have no sign but their name.
+/// The error for a foreign format, by its first bytes. Files of MATLAB 4 are recognized by their name only.
 fn of_others(head: &[u8], path: &Path) -> Option<Error> {
     let begin = behind_comments(head);
     let is_matlab = path.extension().is_some_and(|ending| ending == "mat");
     let is_foreign = |(magic, ..): &&(&[u8], _, _)| {
         let is_so = head.starts_with(magic) || begin.starts_with(magic);
-        // A table may begin with a date too.
+        // A table may also begin with a date.
         is_so && !(*magic == DATE && is_parted(begin)) || is_matlab && *magic == MATLAB
     };
     let (_, what, remedy) = FOREIGN.iter().find(is_foreign)?;
@@ -208,7 +208,7 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
     ))
 }
 
-/// Whether more of the parts of the first line are pairs of a name and its value than are none.
+/// Whether most parts of the first line are pairs of a name and its value.
 fn is_of_pairs(text: &[u8]) -> bool {
     let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
     let parts = line
@@ -222,7 +222,7 @@ fn is_of_pairs(text: &[u8]) -> bool {
     pairs > 2 && 2 * pairs > all
 }
 
-/// Frames say nothing by themselves.
+/// The error for a log without a map: frames do not describe themselves.
 pub(crate) fn no_map(place: &str) -> Error {
     Error::new(
         "a CAN log needs a signal map",
@@ -231,7 +231,7 @@ pub(crate) fn no_map(place: &str) -> Error {
     )
 }
 
-/// What is said of a program, a picture or the like.
+/// The error for a program, a picture or the like.
 pub(crate) fn no_text(place: impl Into<String>) -> Error {
     Error::new(
         "this is no text, and of no kind that heft knows by its first bytes",
@@ -240,19 +240,19 @@ pub(crate) fn no_text(place: impl Into<String>) -> Error {
     )
 }
 
-/// Whether these bytes are a program, a picture or the like. A file may be filled up with zeros.
+/// Whether these bytes are a program, a picture or the like. Trailing zeros are ignored: a file may be padded with them.
 pub(crate) fn is_no_text(head: &[u8]) -> bool {
     let filled = head.iter().rev().take_while(|b| **b == 0).count();
     let text = &head[..head.len() - filled];
-    // Colours of a terminal are text.
+    // Escape sequences of terminal colours are text.
     let is_strange = |b: &&u8| b.is_ascii_control() && !b.is_ascii_whitespace() && **b != 0x1b;
     STRANGE * text.iter().filter(is_strange).count() > text.len()
 }
 
-/// One control character in fewer than so many is no text; a strange name has one.
+/// Bytes per control character below which a file is no text; a strange name contains one.
 const STRANGE: usize = 20;
 
-/// A text without blanks and comments (`//`) above it.
+/// A text after leading blanks and comments (`//`).
 fn behind_comments(text: &[u8]) -> &[u8] {
     let text = text.trim_ascii_start();
     match text.iter().position(|b| *b == b'\n') {
@@ -267,7 +267,7 @@ fn is_parted(text: &[u8]) -> bool {
     line.any(|b| b",;\t|".contains(b))
 }
 
-/// A table or a log, by its lines: a frame makes a log; separators and no frame make a table.
+/// Table or log, by the lines: a frame means a log; separators without a frame mean a table.
 fn of_text(text: &[u8], named: Option<Kind>) -> Kind {
     let is_frame = |line: &[u8]| matches!(parse(&can::text(line)), Some(Line::Frame { .. }));
     match named {
@@ -277,7 +277,7 @@ fn of_text(text: &[u8], named: Option<Kind>) -> Kind {
     }
 }
 
-/// So much of a file is looked at [bytes].
+/// Number of bytes that are read [bytes].
 const HEAD: u64 = 4096;
 
 #[cfg(test)]

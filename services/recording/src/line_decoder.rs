@@ -1,4 +1,4 @@
-//! Samples out of lines as they come: candump's, or the rows of a table.
+//! Decodes lines as they come to samples: candump's, or the rows of a table.
 
 use std::sync::Arc;
 
@@ -10,39 +10,39 @@ use crate::map::Map;
 use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
 
-/// Longest line; what is longer is none of ours.
+/// Longest accepted line [bytes].
 pub const MAX_LINE: usize = 1 << 16;
-/// Remarks about lines that say nothing, until they are only counted.
+/// Number of remarks on lines that were left out; further ones are only counted.
 const MOST_REMARKS: u64 = 5;
 
-/// Makes rows of lines. Which kind they are is given by the map (`[can]`) and the first line.
+/// Converts lines to rows. Their kind is given by the map (`[can]`) and the first line.
 #[derive(Debug)]
 pub struct LineDecoder<S: Sensors> {
-    /// Its name in what is said of lines.
+    /// Its name in remarks and errors.
     input: Arc<str>,
     map: Option<Map>,
     kind: Kind<S>,
-    /// What the lines of a table are.
+    /// Classifies the lines of a table.
     lines: csv::Lines,
-    /// What stood where the header was looked for, and what it lacks as one.
+    /// Lines read in search of the header, and the error of the first one.
     above: Option<(Vec<u8>, Error)>,
     count: u64,
-    /// Rows of a table, and lines that say nothing.
+    /// Rows of a table, and lines that were left out.
     rows: u64,
     refused: u64,
     left_out: LeftOut,
     remarks: Vec<String>,
-    /// Frames, and those whose lines tell no time.
+    /// Frames, and frames without a time.
     frames: u64,
     untimed: u64,
-    /// Time of the last frame and when it came [ns].
+    /// Time of the last frame and time of its arrival [ns].
     last: Option<(i64, i64)>,
 }
 
 #[derive(Debug)]
 enum Kind<S: Sensors> {
     Frames(Box<Decoder<S>>),
-    /// A table whose header has not come.
+    /// A table before its header.
     Headless,
     Table(Box<Columns<S>>, Box<Cells>),
 }
@@ -51,7 +51,7 @@ impl<S: Sensors> LineDecoder<S> {
     /// Lines of candump if the map has a `[can]` table, rows of a table otherwise.
     ///
     /// # Errors
-    /// The map names what its DBC files do not have.
+    /// The map names signals that its DBC files do not have.
     pub fn new(map: Option<Map>) -> Result<Self, Error> {
         let kind = match &map {
             Some(map) if map.has_can() => Kind::Frames(Box::new(Decoder::new(map)?)),
@@ -74,21 +74,21 @@ impl<S: Sensors> LineDecoder<S> {
         })
     }
 
-    /// The lines are of this input instead of standard input.
+    /// Names the input, instead of standard input.
     #[must_use]
     pub fn of(self, input: Arc<str>) -> Self {
         Self { input, ..self }
     }
 
-    /// So many lines of the input went elsewhere or were taken: the next one is counted behind them.
+    /// Sets the number of lines that were taken elsewhere, for the line numbers of the next ones.
     pub fn skip_to(&mut self, line: u64) {
         self.count = line;
     }
 
-    /// Takes a line that came at `now_ns`. A line that says nothing is left out and reported.
+    /// Takes a line that came at `now_ns`. A line without data is left out and reported.
     ///
     /// # Errors
-    /// The header of a table lacks a column, and none of the next lines is one that does not; see [`Self::check_header`].
+    /// The header of a table lacks a column, and so do the next lines; see [`Self::check_header`].
     pub fn take(&mut self, line: &[u8], now_ns: i64) -> Result<(), Error> {
         self.count += 1;
         let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
@@ -151,7 +151,7 @@ impl<S: Sensors> LineDecoder<S> {
         Ok(())
     }
 
-    /// The header lacks a column: as in a file it may stand below, where words of a logger or groups of names are above it.
+    /// The header lacks a column: the real one may be below lines of a logger or names of groups, as in a file.
     fn look_below(&mut self, mut above: Vec<u8>, error: Error, line: &[u8]) -> Result<(), Error> {
         above.extend(whole(line));
         let front = Front::of(&above).filter(|front| front.start > 0);
@@ -177,7 +177,7 @@ impl<S: Sensors> LineDecoder<S> {
         Ok(())
     }
 
-    /// Whether the header, if one came, has all columns that are needed.
+    /// Checks that the header, if one came, has all required columns.
     ///
     /// # Errors
     /// It lacks one.
@@ -186,7 +186,7 @@ impl<S: Sensors> LineDecoder<S> {
         lack.map_or(Ok(()), Err)
     }
 
-    /// Begins a table with this header, whose names are told by those of the groups above.
+    /// Begins a table with this header, whose names are completed by those of the groups above.
     fn begin(&mut self, line: &[u8], dialect: Dialect, groups: &[String]) -> Result<(), Error> {
         let (cells, header) = head(line, groups, dialect, &self.input)?;
         let columns = Columns::choose(header, dialect, self.map.as_ref(), &self.input)?;
@@ -212,14 +212,14 @@ impl<S: Sensors> LineDecoder<S> {
         }
     }
 
-    /// Nothing came until `now_ns`: silence makes rows of frames too.
+    /// No line came until `now_ns`: silence makes rows of frames too.
     pub fn pass(&mut self, now_ns: i64) {
         if let (Kind::Frames(decoder), Some((time, came))) = (&mut self.kind, self.last) {
             decoder.pass(time.saturating_add(now_ns.saturating_sub(came)));
         }
     }
 
-    /// There will be no more lines.
+    /// No more lines will come.
     pub fn finish(&mut self) {
         if self.refused > MOST_REMARKS {
             let (refused, input) = (self.refused, &self.input);
@@ -234,7 +234,7 @@ impl<S: Sensors> LineDecoder<S> {
         }
     }
 
-    /// Words on columns of a table that held no value in any row.
+    /// Messages on columns of a table without a value in any row.
     pub fn empty(&self) -> Vec<String> {
         match &self.kind {
             Kind::Table(columns, _) => columns.empty().collect(),
@@ -242,7 +242,7 @@ impl<S: Sensors> LineDecoder<S> {
         }
     }
 
-    /// The next row, if one is complete. When it was measured on the host's clock is not known.
+    /// The next row, if one is complete. Its time on the host's clock is unknown.
     pub fn row(&mut self) -> Option<Row<S>> {
         let (mut sensors, truth) = match &mut self.kind {
             Kind::Frames(decoder) => decoder.row(),
@@ -253,19 +253,19 @@ impl<S: Sensors> LineDecoder<S> {
         Some((sensors, truth))
     }
 
-    /// The first frame gets the time `seconds` instead of 0; a table tells its own times.
+    /// The first frame gets the time `seconds` instead of 0; a table has its own times.
     pub fn begin_at(&mut self, seconds: f64) {
         if let Kind::Frames(decoder) = &mut self.kind {
             decoder.begin_at(seconds);
         }
     }
 
-    /// Lines that said nothing and were left out.
+    /// Number of lines that were left out.
     pub fn refused(&self) -> u64 {
         self.refused
     }
 
-    /// What was strange so far, a line each; taken once.
+    /// Remarks since the last call, a line each.
     pub fn take_remarks(&mut self) -> Vec<String> {
         if let Kind::Frames(decoder) = &mut self.kind {
             self.remarks.extend(decoder.take_remarks());
@@ -273,10 +273,10 @@ impl<S: Sensors> LineDecoder<S> {
         std::mem::take(&mut self.remarks)
     }
 
-    /// Whether what came is what it should be: most lines said something, and frames came at different times.
+    /// Checks that most lines had data, and that frames came at different times.
     ///
     /// # Errors
-    /// It is not.
+    /// They did not.
     pub fn judge(&self) -> Result<(), Error> {
         self.check_header()?;
         if let Kind::Frames(decoder) = &self.kind {
@@ -330,7 +330,7 @@ fn whole(line: &[u8]) -> Vec<u8> {
     [line, b"\n"].concat()
 }
 
-/// Whether a line may be one of a table.
+/// Checks that a line is text.
 fn check_text(line: &[u8], input: &str) -> Result<(), Error> {
     if line.starts_with(&GZIP) {
         return Err(Error::new(
@@ -348,7 +348,7 @@ fn check_text(line: &[u8], input: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// The cells of a header, and the names in it, told by those of `groups` above.
+/// The cells of a header, and its names, completed by those of `groups` above.
 fn head(
     line: &[u8],
     groups: &[String],
@@ -363,13 +363,13 @@ fn head(
     Ok((cells, header))
 }
 
-/// A column of text in the rows of a table, such as the name of the machine that each row is of.
+/// A column of text in the rows of a table, such as the name of each row's machine.
 #[derive(Debug)]
 pub struct NameColumn {
     name: &'static str,
     input: Arc<str>,
     lines: csv::Lines,
-    /// What a decoder of the rows is to be given before them.
+    /// Lines that a decoder of the rows needs before them.
     above: Vec<Vec<u8>>,
     found: Option<Found>,
 }
@@ -383,14 +383,14 @@ struct Found {
     at: usize,
 }
 
-/// What a line of such a table is.
+/// Kind of a line of such a table.
 #[derive(Debug, PartialEq)]
 pub enum NamedLine {
-    /// It stands above the rows: see [`NameColumn::above`].
+    /// It is above the rows: see [`NameColumn::above`].
     Above,
-    /// A row, and what it says in the column; nothing where it says nothing.
+    /// A row, and its text in the column; none if the cell is empty.
     Row(Option<String>),
-    /// A header once more, of files that were joined, and whether it is that of the rows before.
+    /// A repeated header of joined files, and whether it equals that of the rows before.
     Header(bool),
 }
 
@@ -406,7 +406,7 @@ impl NameColumn {
         }
     }
 
-    /// What stood above the rows: a line that tells the separator, a comment that may be the header, the header, units.
+    /// The lines above the rows: the line of the separator, a comment that may be the header, the header, units.
     pub fn above(&self) -> &[Vec<u8>] {
         &self.above
     }
@@ -429,7 +429,7 @@ impl NameColumn {
                 return Ok(self.of(text));
             }
             csv::Line::Header(dialect) => self.find(text, dialect)?,
-            // Only the last comment can be the header: they may be without end.
+            // Only the last comment can be the header: an endless number of comments must not be stored.
             csv::Line::Comment => self.above.retain(|line| csv::comment(line).is_none()),
             csv::Line::Nothing if text.trim_ascii().is_empty() || self.is_found() => {
                 return Ok(NamedLine::Above);
@@ -476,7 +476,7 @@ impl NameColumn {
             return NamedLine::Header(is_same);
         }
         let text = record.get(found.at).map(String::from_utf8_lossy);
-        // A quote that is left open, or a line end inside of one, is half a name.
+        // An open quote, or a line end within quotes, means an incomplete name.
         let is_whole = |text: &str| !text.chars().any(|c| c.is_control() || c == '"');
         let text = text.filter(|text| is_whole(text) && !text.is_empty());
         NamedLine::Row(text.map(|text| text.into_owned()))

@@ -11,8 +11,8 @@ use crate::{Error, Kind, Lacks, Map, Quoted, Reader, can, csv, kind};
 /// Reads the samples of a machine from a table, a recording or a CAN log, which needs a map.
 ///
 /// # Errors
-/// The file cannot be read, is damaged or lacks something; the error says what and where. Of a recording that was cut
-/// off, the rows before the cut are given.
+/// The file cannot be read, is damaged or lacks data; the error states what and where. Of a recording that was cut
+/// off, the rows before the cut are returned.
 pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec<Row<S>>, Error> {
     let samples = open::<S>(path, map)?;
     let rows = samples.rows()?.collect();
@@ -32,14 +32,14 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     Ok(rows)
 }
 
-/// Samples of a machine with their truth, read one after the other, so that the length of their file
-/// does not matter.
+/// Samples of a machine with their truth, read one by one, so that memory does not grow with the length of
+/// the file.
 pub struct Samples<S, T> {
     source: Source<S, T>,
-    /// Why the reading of a file ended early.
+    /// Why reading ended early.
     error: RefCell<Option<Error>>,
     progress: Option<Box<dyn Fn(f64)>>,
-    /// What of a file of others cannot be read; of a table it is known at its end.
+    /// Missing and damaged contents of a file; of a table they are known at its end.
     lacks: Noted,
 }
 
@@ -50,10 +50,10 @@ enum Source<S, T> {
     Recording(Box<Reader>, [&'static str; 2]),
 }
 
-/// Gives the next row of a file, with the bytes read so far.
+/// Returns the next row of a file, with the number of bytes read.
 type FileRows<S, T> = Box<dyn FnMut() -> Result<Option<((S, T), u64)>, Error>>;
 
-/// Progress is reported so often [rows].
+/// Rows between two reports of progress.
 const PROGRESS_EVERY: u64 = 1 << 12;
 
 impl<S: Message, T: Message> Samples<S, T> {
@@ -66,10 +66,10 @@ impl<S: Message, T: Message> Samples<S, T> {
         }
     }
 
-    /// Sample by sample. They end early where the file cannot be read on: see [`Samples::check`].
+    /// The samples one by one. They end early if the file cannot be read further: see [`Samples::check`].
     ///
     /// # Errors
-    /// The file cannot be opened, or the recording carries something else under these names.
+    /// The file cannot be opened, or the channels of the recording have other types.
     pub fn rows(&self) -> Result<Box<dyn Iterator<Item = (S, T)> + '_>, Error> {
         let (reader, [sensors, truth]) = match &self.source {
             Source::File(open, length) => return Ok(Box::new(self.of_file(open()?, *length))),
@@ -107,7 +107,7 @@ impl<S: Message, T: Message> Samples<S, T> {
         })
     }
 
-    /// Whether all rows were read.
+    /// Checks that all rows were read.
     ///
     /// # Errors
     /// The file could not be read to its end.
@@ -115,13 +115,13 @@ impl<S: Message, T: Message> Samples<S, T> {
         self.error.borrow_mut().take().map_or(Ok(()), Err)
     }
 
-    /// What of the file cannot be given, as far as the rows were read.
+    /// Missing and damaged contents of the file, as far as the rows were read.
     pub fn lacks(&self) -> Lacks {
         self.recording()
             .map_or_else(|| self.lacks.borrow().clone(), Reader::lacks)
     }
 
-    /// The recording that they come from, if they do.
+    /// The recording that they come from, if any.
     pub fn recording(&self) -> Option<&Reader> {
         match &self.source {
             Source::File(..) => None,
@@ -129,7 +129,7 @@ impl<S: Message, T: Message> Samples<S, T> {
         }
     }
 
-    /// Has `progress` called with the share that is read (0 to 1).
+    /// Calls `progress` with the share that is read (0 to 1).
     pub fn on_progress(&mut self, progress: impl Fn(f64) + 'static) {
         match &mut self.source {
             Source::File(..) => self.progress = Some(Box::new(progress)),
@@ -141,7 +141,7 @@ impl<S: Message, T: Message> Samples<S, T> {
 /// Opens the samples of a machine: a table, a recording (or its folder) or a CAN log, which needs a map.
 ///
 /// # Errors
-/// The file cannot be read or lacks something; the error says what and where.
+/// The file cannot be read or lacks data; the error states what and where.
 pub fn open<S: Sensors>(
     path: impl AsRef<Path>,
     map: Option<&Map>,
@@ -213,7 +213,7 @@ fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error
     })
 }
 
-/// The samples of a file that `open` opens; whoever reads it notes there what it lacks.
+/// The samples of a file that `open` opens; its reader notes there what is missing.
 fn of_file<S: Message, T: Message>(
     path: &Path,
     open: impl Fn(Noted) -> Result<FileRows<S, T>, Error> + 'static,
@@ -221,7 +221,7 @@ fn of_file<S: Message, T: Message>(
     let lacks = Noted::default();
     let noted = Rc::clone(&lacks);
     let open = move || open(Rc::clone(&noted));
-    // What is wrong with the header is reported at once.
+    // Errors in the header are reported at once.
     drop(open()?);
     Ok(Samples {
         lacks,
@@ -252,7 +252,7 @@ fn without_samples<S: Sensors>(reader: &Reader, path: &Path) -> Error {
             "wait until its run has written some",
         );
     }
-    // A recording of heft that was cut off before its first block was on disk.
+    // A recording of heft that was cut off before its first chunk was on disk.
     let is_ours = reader.metadata().contains_key("machine") || reader.channels().is_empty();
     if is_ours && !lacks.all().is_empty() {
         return Error::new(
@@ -275,7 +275,7 @@ fn without_samples<S: Sensors>(reader: &Reader, path: &Path) -> Error {
     )
 }
 
-/// Machine, restart of the source, number: what sample and truth have in common.
+/// Machine, restart of the source, number: the identity that sample and truth have in common.
 fn identity<M: Message>(message: &M) -> (u32, u32, u64) {
     let stamp = message.stamp();
     (stamp.machine, stamp.epoch, stamp.sequence)

@@ -1,4 +1,4 @@
-//! What this crate has of each machine, put aside from its types.
+//! Data of each machine in this crate, independent of its types.
 
 use messages::Machine;
 

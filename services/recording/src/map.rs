@@ -1,4 +1,4 @@
-//! Signal maps: which foreign column or CAN signal is which of heft's signals, in which unit.
+//! Signal maps: assignment of foreign columns or CAN signals to heft's signals, with their units.
 //!
 //! ```toml
 //! [columns]
@@ -24,7 +24,7 @@
 //! speed = { message = "CCVS1", signal = "WheelBasedVehicleSpeed", source = 0x00, delay = 0.02 }
 //! ```
 //!
-//! An MCAP file of others is read by topic and field:
+//! A foreign MCAP file is read by topic and field:
 //!
 //! ```toml
 //! [topics]
@@ -36,13 +36,13 @@
 //! ```
 //!
 //! A value becomes `sign * scale * (value in SI units) + offset`; terms are added before that. The
-//! unit of a CAN signal is the DBC's; a map that names another contradicts it, and that is an
-//! error. A unit of another dimension than the signal's needs a `scale`, which then says how much of
-//! the signal one SI unit is.
+//! unit of a CAN signal is the DBC's; another one in the map is an
+//! error. A unit of another dimension than the signal's needs a `scale`, the value of one SI unit of it in
+//! the signal.
 //!
-//! `delay` says how long before its arrival a value was measured [s]; `interpolate = true` draws a
-//! line between two values instead of holding the first; a value older than `max_age` [s], and a
-//! line longer than that, is missing.
+//! `delay` is the time from the measurement of a value to its arrival [s]; `interpolate = true` interpolates
+//! linearly between two values instead of holding the first. A value older than `max_age` [s] is missing, and so is an
+//! interpolation over a longer time.
 
 mod parse;
 
@@ -68,31 +68,31 @@ pub struct Map {
 pub(crate) struct Entry {
     /// heft's name.
     pub signal: String,
-    /// What it is the sum of.
+    /// The terms of its sum.
     pub terms: Vec<Term>,
-    /// From the sum to the signal.
+    /// Conversion of the sum to the signal.
     pub conversion: Conversion,
     line: usize,
 }
 
-/// A part of a signal: nearly always the only one.
+/// A term of a signal, usually the only one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Term {
-    /// Where it comes from.
+    /// Its origin.
     pub origin: Origin,
-    /// How it becomes a value in SI units.
+    /// Conversion to SI units.
     pub conversion: Conversion,
     pub timing: Timing,
 }
 
-/// Where a signal comes from.
+/// Origin of a term.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Origin {
     /// The column of this name.
     Column(String),
     /// This value in every row.
     Constant(f64),
-    /// Nowhere; a column of its own name is not used.
+    /// No origin: the signal is absent, and a column of its name is not used.
     Nowhere,
     /// A CAN signal.
     Can(CanName),
@@ -100,28 +100,28 @@ pub(crate) enum Origin {
     Topic(TopicName),
 }
 
-/// Name of a number in an MCAP file of others.
+/// Name of a number in a foreign MCAP file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TopicName {
     pub topic: String,
     /// Path of its field.
     pub field: String,
-    /// The number is that of this name in a list.
+    /// Name of the entry in a list.
     pub name: Option<String>,
 }
 
-/// Which time of a message counts.
+/// The time of a message that is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TopicTime {
     /// When it was recorded.
     Log,
     /// When it was published.
     Publish,
-    /// What its own header says.
+    /// The time in its own header.
     Header,
 }
 
-/// The part of a map that is about an MCAP file of others.
+/// The part of a map for a foreign MCAP file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Topics {
     pub rows: Rows,
@@ -142,18 +142,18 @@ pub(crate) struct CanName {
     pub interface: Option<String>,
 }
 
-/// When a value was measured, and what holds between two.
+/// Time of measurement of a value, and interpolation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Timing {
-    /// From the measurement to the arrival [s].
+    /// Time from the measurement to the arrival [s].
     pub delay: f64,
-    /// A line between two values, instead of holding the first.
+    /// Linear interpolation between two values, instead of holding the first.
     pub interpolate: bool,
     /// Age at which a value becomes missing [s]; none: that of the whole map.
     pub max_age: Option<f64>,
 }
 
-/// From the foreign value to the signal.
+/// Conversion of a foreign value to the signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Conversion {
     pub unit: Option<&'static Unit>,
@@ -163,7 +163,7 @@ pub(crate) struct Conversion {
 }
 
 impl Conversion {
-    /// The value as it is.
+    /// No conversion.
     pub(crate) const NONE: Self = Self {
         unit: None,
         scale: None,
@@ -176,7 +176,7 @@ impl Conversion {
         self.sign * self.scale.unwrap_or(1.0) * factor
     }
 
-    /// What is a whole turn of a value that becomes so much `turn`.
+    /// A whole turn before a conversion that results in `turn`.
     pub(crate) fn turn(&self, turn: f64) -> f64 {
         turn / self.factor().abs()
     }
@@ -196,7 +196,7 @@ impl Conversion {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Can {
     pub dbc: Vec<PathBuf>,
-    /// Whether messages with 29-bit identifiers are J1939's, where the DBC file does not say so.
+    /// Whether messages with 29-bit identifiers are J1939's, if the DBC file does not state it.
     pub j1939: Option<bool>,
     pub rows: Rows,
     /// Age at which a held value becomes missing [s].
@@ -204,7 +204,7 @@ pub(crate) struct Can {
     pub signals: Vec<Entry>,
 }
 
-/// When there is a row.
+/// Times of the rows.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Rows {
     /// At each frame with this signal.
@@ -214,7 +214,7 @@ pub(crate) enum Rows {
 }
 
 impl Entry {
-    /// An entry that is one value as it is.
+    /// An entry with one value without conversion.
     fn plain(signal: &str, origin: Origin, line: usize) -> Self {
         Self {
             signal: signal.into(),
@@ -228,7 +228,7 @@ impl Entry {
         }
     }
 
-    /// Whether the map says that there is no such signal.
+    /// Whether the signal is absent by the map.
     pub(crate) fn is_nowhere(&self) -> bool {
         self.terms.iter().any(|t| t.origin == Origin::Nowhere)
     }
@@ -239,7 +239,7 @@ impl Entry {
         self.conversion.apply(sum)
     }
 
-    /// A whole turn of a value that is converted to one of its terms.
+    /// A whole turn of a value before the conversion to one of its terms.
     pub(crate) fn turn(&self, conversion: &Conversion, signal: &Signal) -> f64 {
         conversion.turn(self.conversion.turn(signal.turn()))
     }
@@ -270,7 +270,7 @@ impl Map {
         parse::map(text, path.as_ref())
     }
 
-    /// What the map says of sign and unit of a signal that has one part, as lines of a map.
+    /// Sign and unit of a signal with a single term, as lines of a map.
     #[must_use]
     pub fn said(&self, signal: &str) -> Vec<String> {
         let can = self.can.iter().flat_map(|can| &can.signals);
@@ -291,13 +291,13 @@ impl Map {
         self.can.is_some()
     }
 
-    /// Whether the map names topics of an MCAP file of others.
+    /// Whether the map names topics of a foreign MCAP file.
     #[must_use]
     pub fn has_topics(&self) -> bool {
         self.topics.is_some()
     }
 
-    /// Of each group of signals that a machine needs, the entries must have one.
+    /// Requires one entry of each group of signals that a machine needs.
     pub(crate) fn require<S: crate::Sensors>(
         &self,
         entries: &[Entry],
@@ -319,7 +319,7 @@ impl Map {
         })
     }
 
-    /// Where an entry stands.
+    /// Place of an entry.
     pub(crate) fn place(&self, entry: &Entry) -> String {
         format!("{}:{}", self.file.display(), entry.line)
     }
@@ -340,7 +340,7 @@ impl Map {
         Ok(())
     }
 
-    /// The signal that an entry is about.
+    /// The signal of an entry.
     pub(crate) fn signal<'a>(
         &self,
         entry: &Entry,
@@ -357,7 +357,7 @@ impl Map {
         })
     }
 
-    /// A term must have the signal's dimension, or a scale that says how one becomes the other.
+    /// Requires the signal's dimension of a term, or a scale that converts it.
     pub(crate) fn check_unit(
         &self,
         entry: &Entry,
@@ -386,7 +386,7 @@ impl Map {
         }
     }
 
-    /// A term's conversion with the unit that the DBC file gives its signal.
+    /// A term's conversion with the unit of the DBC file.
     pub(crate) fn with_dbc_unit(
         &self,
         entry: &Entry,
@@ -438,7 +438,7 @@ pub(crate) fn hint<'a>(
         None => format!("{all} {}", names.collect::<Vec<_>>().join(", ")),
     }
 }
-/// Whether the map says of each of these signals that there is no such sensor (`"none"`).
+/// Whether the map states each of these signals as absent (`"none"`).
 pub(crate) fn are_absent(entries: &[Entry], names: &[&str]) -> bool {
     let is_absent = |name: &&str| entries.iter().any(|e| e.signal == *name && e.is_nowhere());
     names.iter().all(is_absent)

@@ -1,4 +1,4 @@
-//! A message outside a recording: the same bytes and the same schema, for who sends it elsewhere.
+//! A message outside a recording: the same bytes and the same schema, for other channels of communication.
 
 use std::io::{self, BufRead};
 
@@ -11,8 +11,8 @@ pub fn encode<M: Message>(message: &M, out: &mut Vec<u8>) {
     wire::encode(message, out);
 }
 
-/// The message that `bytes` encode; fields that this version does not know are left out. `None` if the
-/// bytes are no message. The numbers in it may be anything, NaN too.
+/// The message that `bytes` encode; fields that this version does not know are ignored. `None` if the
+/// bytes are no valid message. Its numbers may have any value, NaN included.
 pub fn decode<M: Message>(bytes: &[u8]) -> Option<M> {
     let mut message = M::default();
     wire::decode(bytes, |number, scalar| {
@@ -30,7 +30,7 @@ pub fn put_delimited(bytes: &[u8], out: &mut Vec<u8>) {
     out.extend_from_slice(bytes);
 }
 
-/// Takes what [`put_delimited`] has written from the front of `bytes`; `None` where it is not whole.
+/// Removes a message of [`put_delimited`] from the front of `bytes`; `None` if it is incomplete.
 pub fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
     let mut rest = *bytes;
     let length = usize::try_from(wire::take_varint(&mut rest)?).ok()?;
@@ -39,10 +39,10 @@ pub fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
     Some(taken)
 }
 
-/// Reads what [`put_delimited`] has written; false at the end of the input.
+/// Reads a message of [`put_delimited`]; false at the end of the input.
 ///
 /// # Errors
-/// The input cannot be read, ends within, or holds more than `most` bytes.
+/// The input cannot be read, ends within the message, or holds more than `most` bytes.
 pub fn read_delimited(
     input: &mut impl BufRead,
     most: usize,
@@ -52,7 +52,7 @@ pub fn read_delimited(
     if input.fill_buf()?.is_empty() {
         return Ok(false);
     }
-    // A length that stops in its midst is none: one byte at a time, ten at most.
+    // The input may end within the length: one byte at a time, ten at most.
     let length = loop {
         let mut byte = [0];
         input.read_exact(&mut byte)?;

@@ -1,9 +1,9 @@
-//! Words of others as they may be shown: names of columns, files and machines.
+//! Foreign text made safe for display: names of columns, files and machines.
 
 use std::fmt::{self, Display, Formatter, Write};
 
-/// Whether a character is not seen where it stands but changes what is seen around it: control characters, marks of
-/// direction, and what has no width.
+/// Whether a character is invisible but changes the display around it: control characters, marks of
+/// direction, and characters without width.
 pub fn steers(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -20,7 +20,7 @@ pub fn steers(c: char) -> bool {
         )
 }
 
-/// A text whose characters that steer are written out (`\u{1b}`), but for line breaks and tabs.
+/// A text with such characters escaped (`\u{1b}`), except line breaks and tabs.
 pub struct Plain<T>(pub T);
 
 impl<T: Display> Display for Plain<T> {
@@ -29,7 +29,7 @@ impl<T: Display> Display for Plain<T> {
     }
 }
 
-/// The same on one line: line breaks are written out too (`\n`), as a file's name may hold them.
+/// The same on one line: line breaks are escaped too (`\n`), which a file's name may contain.
 pub struct OneLine<T>(pub T);
 
 impl<T: Display> Display for OneLine<T> {
@@ -38,7 +38,7 @@ impl<T: Display> Display for OneLine<T> {
     }
 }
 
-/// A word of a command that a shell takes as one: within quotation marks where it holds what a shell would part or read.
+/// A word of a shell command: in quotation marks if it contains characters that a shell would interpret.
 pub struct Quoted<T>(pub T);
 
 impl<T: Display> Display for Quoted<T> {
@@ -52,7 +52,7 @@ impl<T: Display> Display for Quoted<T> {
     }
 }
 
-/// Writes on with these characters written out.
+/// Writes with these characters escaped.
 struct Writing<'a, 'b>(&'a mut Formatter<'b>);
 
 impl Write for Writing<'_, '_> {

@@ -1,4 +1,4 @@
-//! Which numbers of a recorded channel are there.
+//! Presence of the numbers of a recorded channel.
 
 use messages::channels::{self, Visitor};
 use messages::words::Presence;
@@ -9,14 +9,14 @@ use crate::RecordedField;
 /// Finds the numbers that were not measured, or are not estimated.
 pub(crate) struct Recorded {
     presence: Option<Presence>,
-    /// Position of the field whose bits say what is there.
+    /// Position of the field with the bits of presence.
     at: Option<usize>,
-    /// For each field its bit, 0 if it is always there.
+    /// For each field its bit, 0 if it is always present.
     bits: Vec<u32>,
 }
 
 impl Recorded {
-    /// Of a channel with these fields; all are there where this version does not know it.
+    /// For a channel with these fields; all are present in an unknown channel.
     pub(crate) fn of(channel: &str, fields: &[RecordedField]) -> Self {
         let presence = channels::find(channel).and_then(|c| c.payload.visit(Known));
         let at = presence.and_then(|p| fields.iter().position(|f| f.name == p.field));
@@ -31,7 +31,7 @@ impl Recorded {
         }
     }
 
-    /// Whether the number at a position of a message is not there.
+    /// Whether the number at a position of a message is absent.
     pub(crate) fn lacks(&self, values: &[Value]) -> impl Fn(usize) -> bool {
         let set = self.at.map_or(0, |at| values[at].as_f64() as u32);
         move |i| {

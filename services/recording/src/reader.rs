@@ -16,7 +16,7 @@ use crate::wire::{self, Scalar};
 use crate::writer::JUMPS;
 use crate::{Error, Metadata};
 
-/// What all parts of a run say alike, where they say it.
+/// Metadata that all parts of a run have in common, if they have them.
 const OF_A_RUN: [&str; 3] = ["run", "machine", "description.sha256"];
 
 fn left_out(file: &Path, why: &str) -> String {
@@ -24,32 +24,32 @@ fn left_out(file: &Path, why: &str) -> String {
 }
 
 /// Reads an MCAP recording with all of its parts, also one that is cut off or still being written:
-/// then up to its last whole chunk. Nothing is ever written, and only one chunk is in memory at a
-/// time. What is damaged is left out, and reported by [`Reader::damage`].
+/// then up to its last complete chunk. Nothing is written, and only one chunk is in memory at a
+/// time. Damaged data are left out, and reported by [`Reader::damage`].
 pub struct Reader {
     pub(crate) parts: Vec<Part>,
     metadata: Metadata,
-    /// Files beside it that bear a name of its parts and are none, and parts that are missing, in words.
+    /// Messages on files with the name of a part that are none, and on missing parts.
     apart: Vec<String>,
     found: RefCell<BTreeSet<(usize, Damage)>>,
     progress: Option<Box<dyn Fn(f64)>>,
 }
 
-/// What of a recording cannot be given, in words with its place.
+/// Missing and damaged contents of a recording, as texts with their place.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Lacks {
     /// Damaged stretches, blocks and messages, see [`Reader::damage`].
     pub damage: Vec<String>,
     /// The end is missing: the writer was stopped before it closed the file.
     pub cut_off: Option<String>,
-    /// Lines of a log that are no frames, and frames that were lost while it was recorded.
+    /// Lines of a log that are no frames, and frames that were lost during recording.
     pub left_out: Option<String>,
-    /// Columns of a table that hold no value in any row.
+    /// Columns of a table without a value in any row.
     pub empty: Vec<String>,
 }
 
 impl Lacks {
-    /// All that was there and cannot be given, the cut end last; nothing where the recording is whole.
+    /// All damage and the cut end, which comes last; empty if the recording is whole.
     pub fn all(&self) -> Vec<&str> {
         let damage = self.damage.iter().map(String::as_str);
         damage
@@ -58,7 +58,7 @@ impl Lacks {
             .collect()
     }
 
-    /// What is no damage.
+    /// The entries that are no damage.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         let empty = self.empty.iter().map(String::as_str);
         let others = [&self.left_out, &self.cut_off];
@@ -82,7 +82,7 @@ impl Part {
         Ok(scan.map(|scan| Self { path, bytes, scan }))
     }
 
-    /// Whether a message is what its schema says, as far as heft knows the schema.
+    /// Whether a message conforms to its schema, as far as heft knows the schema.
     pub(crate) fn is_whole(&self, head: &record::Message, data: &[u8]) -> bool {
         let Some(channel) = self.scan.channels.get(&head.channel) else {
             return false;
@@ -90,8 +90,8 @@ impl Part {
         channel.encoding != "protobuf" || wire::decode(data, |_, _| ()).is_some()
     }
 
-    /// Earlier than another part of the same run: by the number that a part says of itself, and by
-    /// its first time where it says none.
+    /// Order among the parts of the same run: by the number in the part's metadata, and by
+    /// its first time without such a number.
     fn order(&self) -> (u32, u64) {
         let number = self.scan.metadata.get(PART).and_then(|n| n.parse().ok());
         let first = self
@@ -184,20 +184,20 @@ impl Reader {
         })
     }
 
-    /// Has `report` called with the share that is read (0 to 1) while a channel is read.
+    /// Calls `report` with the share that is read (0 to 1) while a channel is read.
     pub fn on_progress(&mut self, report: impl Fn(f64) + 'static) {
         self.progress = Some(Box::new(report));
     }
 
-    /// What the recording says of its run.
+    /// Metadata of the run.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
 
-    /// The machine whose run heft recorded; none for a recording of others.
+    /// The machine whose run heft recorded; none for a foreign recording.
     pub fn machine(&self) -> Option<Machine> {
         let stated = self.metadata.get("machine");
-        // Where the metadata are damaged, the channels tell it that no other machine has.
+        // If the metadata are damaged, a channel that belongs to one machine only identifies it.
         let recorded = |machine: &Machine| {
             let is_its = |name: &&str| name.split('/').next() == Some(machine.name());
             self.channels().iter().any(is_its)
@@ -217,23 +217,23 @@ impl Reader {
         self.parts.iter().map(|p| p.bytes.len).sum()
     }
 
-    /// Whether every part was finished, or else cut off (or is still being written).
+    /// Whether every part was finished; not if one was cut off or is still being written.
     pub fn is_complete(&self) -> bool {
         self.parts.iter().all(|p| p.scan.complete)
     }
 
-    /// Whether somebody writes it at this moment.
+    /// Whether a writer has it open.
     pub fn is_being_written(&self) -> bool {
         self.parts.iter().any(|p| p.bytes.is_being_written())
     }
 
-    /// Bytes at the ends of cut parts that belong to nothing whole.
+    /// Bytes at the ends of cut parts that belong to no complete record.
     pub fn lost_bytes(&self) -> u64 {
         self.parts.iter().map(|p| p.scan.lost_bytes).sum()
     }
 
-    /// What was found damaged so far, in words with its place: missing parts, and files that are none, and between the
-    /// chunks when the recording was opened; within them when they were read.
+    /// Damage found up to now, as texts with their place: missing parts, files that are no parts, and damage between the
+    /// chunks, when the recording was opened; damage within chunks when they were read.
     pub fn damage(&self) -> Vec<String> {
         let found = self.found.borrow();
         let line = |(i, d): &(usize, Damage)| format!("{}: {d}", self.parts[*i].path.display());
@@ -241,7 +241,7 @@ impl Reader {
         apart.chain(found.iter().map(line)).collect()
     }
 
-    /// What of the recording cannot be given: what was found damaged so far, and what was cut off.
+    /// Missing and damaged contents: the damage found up to now, and the cut end.
     pub fn lacks(&self) -> Lacks {
         let is_cut = !self.is_complete() && !self.is_being_written();
         Lacks {
@@ -266,9 +266,9 @@ impl Reader {
         names
     }
 
-    /// All messages of a channel, one after the other in the order of the file; none if the channel
-    /// was not recorded. Fields are found by name: what an earlier version did not record is 0, what
-    /// a later one added is left out.
+    /// All messages of a channel, in the order of the file; none if the channel
+    /// was not recorded. Fields are found by name: a field that an earlier version did not record is 0, one that
+    /// a later version added is left out.
     ///
     /// # Errors
     /// The channel carries another type.
@@ -300,7 +300,7 @@ impl Reader {
         Ok(self.stream(channel)?.collect())
     }
 
-    /// Fields of a channel as its own schema tells them; none if the channel was not recorded.
+    /// Fields of a channel by its recorded schema; none if the channel was not recorded.
     pub fn fields(&self, channel: &str) -> Vec<RecordedField> {
         let found = self.parts.iter().find_map(|part| {
             let mut found = part.scan.channels.values().filter(|c| c.topic == channel);
@@ -329,7 +329,7 @@ impl Reader {
             if fields.len() == columns.len() {
                 values.extend(fields.iter().zip(scalars).map(|(f, s)| s.value(f.kind)));
             } else {
-                // A part by another version: by name.
+                // A part of another version: fields are found by name.
                 values.extend(columns.iter().map(|c| {
                     let at = fields.iter().position(|f| f.name == c.name);
                     at.map_or(Scalar::ZERO, |at| scalars[at]).value(c.kind)
@@ -400,7 +400,7 @@ fn schema_of(part: &Part, id: u16) -> Option<(String, Vec<RecordedField>)> {
 /// The messages of a channel, see [`Reader::stream`].
 pub struct Stream<'a, M> {
     rows: Rows<'a>,
-    /// Per part, per channel of that name: which field of the message each recorded field is.
+    /// Per part, per channel of that name: index in the message of each recorded field.
     targets: Vec<Vec<Vec<Option<usize>>>>,
     message: PhantomData<M>,
 }
@@ -432,13 +432,13 @@ fn put<M: Message>(message: &mut M, index: usize, value: Value) {
     message.set(index, value);
 }
 
-/// Goes from message to message of a channel.
+/// Iterates over the messages of a channel.
 struct Rows<'a> {
     reader: &'a Reader,
     /// Per part.
     decoders: Vec<Vec<Decoder>>,
     part: usize,
-    /// Chunks of the part that were begun.
+    /// Number of chunks of the part that were started.
     chunk: usize,
     unpacked: Unpacked,
     scalars: Vec<Scalar>,
@@ -480,7 +480,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Unpacks the next chunk that is whole; `None` at the end.
+    /// Unpacks the next undamaged chunk; `None` at the end.
     fn next_chunk(&mut self) -> Option<()> {
         if !self.unpacked.is_at_end() {
             self.damaged_message();
@@ -517,7 +517,7 @@ impl Rows<'_> {
     }
 }
 
-/// One channel of a file: which number on the wire is which field.
+/// One channel of a file: the field of each number on the wire.
 pub(crate) struct Decoder {
     pub id: u16,
     name: String,
@@ -525,7 +525,7 @@ pub(crate) struct Decoder {
 }
 
 impl Decoder {
-    /// The scalars of a message in the order of the fields, 0 where one is left out.
+    /// The scalars of a message in the order of the fields, 0 for an absent one.
     fn decode(&self, data: &[u8], scalars: &mut Vec<Scalar>) -> Option<()> {
         scalars.clear();
         scalars.resize(self.fields.len(), Scalar::ZERO);

@@ -1,5 +1,5 @@
 //! The records of an MCAP file that heft reads (<https://mcap.dev/spec>). Every length is checked
-//! against the bytes that are there before anything is reserved for it.
+//! against the remaining bytes before memory is reserved for it.
 
 use std::collections::BTreeMap;
 
@@ -43,15 +43,15 @@ pub(crate) struct ChunkHead {
     pub unpacked: u64,
     /// Check sum of the unpacked bytes, 0 for none.
     pub crc: u32,
-    /// How the records are packed.
+    /// Compression of the records.
     pub packing: Packing,
     /// Bytes in the file.
     pub packed: u64,
-    /// Bytes of the record before them.
+    /// Bytes of the record before the compressed ones.
     pub length: u64,
 }
 
-/// How a chunk is packed.
+/// Compression of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Packing {
     None,
@@ -59,7 +59,7 @@ pub(crate) enum Packing {
     Zstd,
 }
 
-/// Most bytes that the head of a chunk has.
+/// Largest length of a chunk's head [bytes].
 pub(crate) const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 4 + 8;
 
 pub(crate) fn schema(mut body: &[u8]) -> Option<Schema> {
@@ -94,14 +94,14 @@ pub(crate) fn message(mut body: &[u8]) -> Option<(Message, &[u8])> {
     Some((head, body))
 }
 
-/// Name and pairs of a metadata record, whose lengths must agree to the byte.
+/// Name and pairs of a metadata record, whose lengths must match exactly.
 pub(crate) fn metadata(mut body: &[u8]) -> Option<(String, BTreeMap<String, String>)> {
     let b = &mut body;
     let found = (text(b)?, map(b)?);
     body.is_empty().then_some(found)
 }
 
-/// The head of a chunk that heft can unpack.
+/// The head of a chunk that heft can decompress.
 pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
     let mut rest = body;
     let b = &mut rest;
@@ -124,7 +124,7 @@ pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
     })
 }
 
-/// Whether the lengths within a message index agree with that of the record.
+/// Whether the lengths within a message index match that of the record.
 pub(crate) fn is_message_index(head: &[u8], length: u64) -> bool {
     let mut head = head;
     let b = &mut head;
@@ -133,14 +133,14 @@ pub(crate) fn is_message_index(head: &[u8], length: u64) -> bool {
         .is_some_and(|array| u64::from(array) + 6 == length && array % 16 == 0)
 }
 
-/// Start and check sum of the summary that a footer tells.
+/// Start and check sum of the summary, from a footer.
 pub(crate) fn footer(mut body: &[u8]) -> Option<(u64, u32)> {
     let b = &mut body;
     let (start, _offsets) = (u64(b)?, u64(b)?);
     Some((start, u32(b)?))
 }
 
-/// Opcode, body and end of the record at `at`; `None` if it is not whole.
+/// Opcode, body and end of the record at `at`; `None` if it is not complete.
 pub(crate) fn at(bytes: &[u8], at: usize) -> Option<(u8, &[u8], usize)> {
     let (head, rest) = bytes.get(at..)?.split_first_chunk::<9>()?;
     let [opcode, length @ ..] = *head;
@@ -166,7 +166,7 @@ fn u64(bytes: &mut &[u8]) -> Option<u64> {
     take(bytes).map(u64::from_le_bytes)
 }
 
-/// Bytes with their length before them.
+/// A block of bytes that follows its length.
 fn block<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
     let length = usize::try_from(u32(bytes)?).ok()?;
     let found = bytes.get(..length)?;

@@ -11,20 +11,20 @@ use crate::reader::{Part, Reader};
 use crate::writer::{RECORD, failure, options, with_sum};
 use crate::{Error, Metadata};
 
-/// What [`recover`] did.
+/// Result of [`recover`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovered {
-    /// The new recording; none if the old one is whole and nobody asked for a copy.
+    /// The new recording; none if the old one is whole and no copy was requested.
     pub written: Option<PathBuf>,
-    /// Whether nothing was missing, and it was one file.
+    /// Whether nothing was missing, in a single file.
     pub was_complete: bool,
     /// Files that the recording consists of.
     pub parts: usize,
-    /// Messages that are whole.
+    /// Number of complete messages.
     pub messages: u64,
-    /// Bytes at the ends of its files that belonged to nothing whole.
+    /// Bytes at the ends of its files that belonged to no complete record.
     pub lost_bytes: u64,
-    /// What was damaged within, in words.
+    /// Damage within, as texts.
     pub damage: Vec<String>,
 }
 
@@ -56,12 +56,12 @@ impl fmt::Display for Recovered {
     }
 }
 
-/// Mends a recording that was cut off, damaged, or left in parts: every whole message goes into a new
-/// file beside it, `RUN.recovered.mcap` unless `output` says otherwise. Of one that is whole there is a copy only in an
+/// Repairs a recording that was cut off, damaged, or left in parts: every complete message is copied into a new
+/// file beside it, `RUN.recovered.mcap` without `output`. A recording that is whole is copied only to an
 /// `output`. The recording itself is never changed.
 ///
 /// # Errors
-/// The recording cannot be read, or is still being written; nothing is left of it; the new file exists or cannot be
+/// The recording cannot be read, or is still being written; it has no complete message; the new file exists or cannot be
 /// written.
 pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovered, Error> {
     let path = path.as_ref();
@@ -143,7 +143,7 @@ fn note(recovered: &Recovered) -> Metadata {
 /// Joins all parts of a recording into one new file at `output`.
 ///
 /// # Errors
-/// A part cannot be read, or the file exists or cannot be written; nothing is then left behind.
+/// A part cannot be read, or the file exists or cannot be written; it is then removed.
 pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
     let names = reader.files().filter_map(|p| p.file_name()?.to_str());
     // The first part's name becomes that of the whole.
@@ -152,7 +152,7 @@ pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
     write(reader, output, &[(JOINED.to_owned(), names)].into()).map(drop)
 }
 
-/// Copies a recording that is one whole file, with all that heft does not know in it.
+/// Copies a recording that is one whole file, including contents unknown to heft.
 fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
     let (mut file, unfinished) = claim(path)?;
     let copied = reader.files().next().map_or(Ok(()), |from| {
@@ -178,7 +178,7 @@ fn claim(path: &Path) -> Result<(File, Unfinished), Error> {
     Ok((file, unfinished))
 }
 
-/// Writes every whole message into a new file, with the metadata of the run and a note.
+/// Writes every complete message into a new file, with the metadata of the run and a note.
 fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
     let (file, unfinished) = claim(path)?;
     let messages = fill(reader, path, file, note)?;
@@ -198,7 +198,7 @@ fn fill(reader: &Reader, path: &Path, file: File, note: &Metadata) -> Result<u64
             metadata: with_sum(&metadata),
         })
         .map_err(fail)?;
-    // Parts number their channels each in its own way.
+    // Each part has its own channel numbers.
     let mut ids: Vec<Vec<(u16, u16)>> = Vec::new();
     for part in &reader.parts {
         ids.push(add_channels(&mut writer, part).map_err(fail)?);

@@ -1,21 +1,21 @@
-//! Values that come at times of their own, made into rows.
+//! Combines values with times of their own into rows.
 //!
 //! Times are nanoseconds since the first frame. A value belongs to the time at which it was
-//! measured: its arrival less its delay. A row waits until every value that belongs before it can
-//! have come; what it says depends on the frames alone, so a live bus and its log give the same rows.
+//! measured: its arrival minus its delay. A row waits until every value up to its time can
+//! have come. Its content depends on the frames alone, so a live bus and its log give the same rows.
 
 use std::collections::VecDeque;
 
 use crate::map::Timing;
 
 pub(crate) const SECOND: i64 = 1_000_000_000;
-/// After so long without a value rows come less often.
+/// Time without a value after which rows come less often.
 const SILENT: i64 = SECOND;
-/// The period of rows then.
+/// Period of the rows then.
 const SILENT_PERIOD: i64 = SECOND / 10;
-/// After so long without a value there are no rows until the next one: the time in between is a gap.
+/// Time without a value after which there are no rows until the next value: a gap.
 const GAP: i64 = 10 * SECOND;
-/// Values under way between two rows: more than any bus carries within the longest delay.
+/// Largest number of values that wait between two rows: more than any bus carries within the longest delay.
 const MOST_WAITING: usize = 1 << 16;
 
 /// The values of one signal, in the order of their times.
@@ -30,7 +30,7 @@ pub(crate) struct Series {
 }
 
 impl Series {
-    /// No value so far; `hold` is the age limit where the timing has none [s]. A value that is a `turn` off is the same.
+    /// Without values; `hold` is the age limit if the timing has none [s]. Values that differ by a `turn` are the same.
     pub(crate) fn new(timing: &Timing, hold: f64, turn: f64) -> Self {
         Self {
             delay: nanoseconds(timing.delay),
@@ -41,12 +41,12 @@ impl Series {
         }
     }
 
-    /// Time of the measurement of what arrives at `arrival`.
+    /// Time of measurement of a value that arrives at `arrival`.
     pub(crate) fn measured(&self, arrival: i64) -> i64 {
         arrival - self.delay
     }
 
-    /// Takes a value; NaN says that there is none from now on. One from before the last is too late.
+    /// Takes a value; NaN means that there is none from now on. A value before the last one is too late, and ignored.
     pub(crate) fn push(&mut self, arrival: i64, value: f64) {
         let time = self.measured(arrival);
         if self.values.back().is_some_and(|(last, _)| time < *last) {
@@ -58,7 +58,7 @@ impl Series {
         self.values.push_back((time, value));
     }
 
-    /// Whether nothing that arrives after `clock` changes the value at `time`.
+    /// Whether no value that arrives after `clock` can change the value at `time`.
     fn is_settled(&self, time: i64, clock: i64) -> bool {
         if clock - self.delay < time {
             return false;
@@ -71,7 +71,7 @@ impl Series {
         }
     }
 
-    /// The value at `time`, NaN where there is none.
+    /// The value at `time`; NaN for none.
     pub(crate) fn at(&self, time: i64) -> f64 {
         let after = self.values.partition_point(|(t, _)| *t <= time);
         let Some((t0, before)) = after.checked_sub(1).and_then(|i| self.values.get(i)) else {
@@ -91,7 +91,7 @@ impl Series {
         }
     }
 
-    /// An angle goes the shorter way round: from 359 to 1 degrees over 0.
+    /// Interpolates an angle the shorter way round: from 359 to 1 degrees over 0.
     fn between(&self, before: f64, next: f64, share: f64) -> f64 {
         let way = next - before;
         if way.abs() <= 0.5 * self.turn {
@@ -104,7 +104,7 @@ impl Series {
         }
     }
 
-    /// Drops what no row from `time` on needs.
+    /// Drops values that no row from `time` on needs.
     fn forget_before(&mut self, time: i64) {
         while self.values.get(1).is_some_and(|(t, _)| *t <= time) {
             self.values.pop_front();
@@ -116,18 +116,18 @@ fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
-/// When there are rows.
+/// Times of the rows.
 #[derive(Debug)]
 pub(crate) struct Rows {
     grid: Option<Grid>,
-    /// Rows of the master that wait, and the last that went.
+    /// Waiting rows of the master, and the last one that was built.
     waiting: VecDeque<i64>,
     last: Option<i64>,
-    /// From the last row to the next where the master is silent; none where no row is made up.
+    /// Time after a row at which another one is added if the master is silent; none without such rows.
     pause: Option<i64>,
     /// End of the last gap.
     resumed: i64,
-    /// Latest arrival of all frames, and of those with a value for us.
+    /// Latest arrival of all frames, and of those with a value for the map.
     clock: i64,
     newest: Option<i64>,
 }
@@ -161,7 +161,7 @@ pub(crate) struct RowTime {
 }
 
 impl Rows {
-    /// Rows exactly where [`Rows::add`] puts them.
+    /// Rows only at the times of [`Rows::add`].
     pub(crate) fn of_table() -> Self {
         Self {
             pause: None,
@@ -169,7 +169,7 @@ impl Rows {
         }
     }
 
-    /// Rows at `rate` [Hz], or where [`Rows::add`] puts them and in silence.
+    /// Rows at `rate` [Hz], or at the times of [`Rows::add`] and during silence.
     pub(crate) fn new(rate: Option<f64>) -> Self {
         Self {
             grid: rate.map(|rate| Grid { rate, next: 0 }),
@@ -182,21 +182,21 @@ impl Rows {
         }
     }
 
-    /// The first frame comes at `clock`: there are no rows before.
+    /// The first frame comes at `clock`: there are no rows before it.
     pub(crate) fn begin_at(&mut self, clock: i64) {
         if let Some(grid) = &mut self.grid {
             grid.skip_to(clock);
         }
     }
 
-    /// It is `clock` now: no frame from before will come.
+    /// The time is `clock`: no frame from before will come.
     pub(crate) fn pass(&mut self, clock: i64) {
         self.clock = self.clock.max(clock);
     }
 
     /// A value has come at `clock`.
     pub(crate) fn hear(&mut self, clock: i64) {
-        // Before the first value there is silence from 0 on.
+        // Before the first value there is silence since 0.
         let silence = self.newest.unwrap_or(0) + GAP;
         self.newest = Some(self.newest.map_or(clock, |newest| newest.max(clock)));
         if self.empty().is_some_and(|empty| empty > silence) {
@@ -207,15 +207,15 @@ impl Rows {
         }
     }
 
-    /// Time of the next row that is made up because the master is silent.
+    /// Time of the next row to add because the master is silent.
     fn empty(&self) -> Option<i64> {
         let (last, pause) = self.last.zip(self.pause)?;
         Some((last + pause).max(self.resumed))
     }
 
-    /// A row at `time`, the master's.
+    /// Adds a row of the master at `time`.
     ///
-    /// False if it does not lie behind the last one.
+    /// Returns false if it is not after the last one.
     pub(crate) fn add(&mut self, time: i64) -> bool {
         let last = self.waiting.back().copied().or(self.last);
         let is_next = self.grid.is_none() && last.is_none_or(|last| time > last);
@@ -225,7 +225,7 @@ impl Rows {
         is_next
     }
 
-    /// The next row that nothing to come can change; at the end of the data, any that is due.
+    /// The next row that later values cannot change; at the end of the data, any that is due.
     pub(crate) fn next(&mut self, series: &mut [Series], at_end: bool) -> Option<RowTime> {
         let clock = self.clock;
         let is_settled =
@@ -295,7 +295,7 @@ mod tests {
         Series::new(&timing, 1.0, f64::INFINITY)
     }
 
-    /// Rows of a series with a master, as (time [ms], value).
+    /// The built rows of a series with a master, as (time [ms], value).
     fn drain(rows: &mut Rows, series: &mut Series, at_end: bool) -> Vec<(i64, f64)> {
         let mut found = Vec::new();
         let series = std::slice::from_mut(series);

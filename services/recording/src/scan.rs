@@ -1,6 +1,6 @@
-//! What an MCAP file holds, as far as it is whole. The file is walked from record to record; where
-//! a record cannot be believed, the search goes on byte by byte to the next chunk whose check sum
-//! is right, so that a damaged length hides nothing that lies behind it.
+//! The undamaged contents of an MCAP file. The file is read from record to record. After
+//! an implausible record, the search continues byte by byte to the next chunk with a correct check sum,
+//! so that a damaged length hides nothing after it.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,14 +14,14 @@ use crate::file::{Bytes, LIMIT};
 use crate::record::{self, CHUNK_HEAD, Channel, ChunkHead, HEAD, Packing, Schema};
 use crate::writer::{CLOCK, JUMP, METADATA_SUM, Metadata, RECORD, WITH_SUM, sum_of};
 
-/// A stretch of a file that holds nothing whole.
+/// A section of a file without a complete record.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Damage {
-    /// Where it begins [bytes].
+    /// Its begin [bytes].
     pub at: u64,
-    /// How long it is [bytes].
+    /// Its length [bytes].
     pub bytes: u64,
-    /// What it was, in words.
+    /// Kind of damage, as a text.
     pub what: &'static str,
 }
 
@@ -32,42 +32,42 @@ impl fmt::Display for Damage {
     }
 }
 
-/// Where a chunk lies.
+/// Place of a chunk.
 #[derive(Debug, Clone)]
 pub(crate) struct Chunk {
     pub head: ChunkHead,
-    /// Its record.
+    /// Begin of its record.
     pub at: u64,
-    /// Its packed records.
+    /// Begin of its packed records.
     pub start: u64,
-    /// End of them, and of the record.
+    /// End of the packed records, and of the record.
     pub end: u64,
 }
 
-/// What the file holds.
+/// The contents of the file.
 #[derive(Debug, Default)]
 pub(crate) struct Scan {
     pub metadata: Metadata,
     pub schemas: BTreeMap<u16, Schema>,
     pub channels: BTreeMap<u16, Channel>,
     pub chunks: Vec<Chunk>,
-    /// Messages outside of chunks, which heft never writes: where their bodies begin and end.
+    /// Begins and ends of the bodies of messages outside of chunks, which heft never writes.
     pub loose: Vec<(u64, u64)>,
-    /// Stretches between whole records that are damaged, and chunks found to be.
+    /// Damaged sections between complete records, and damaged chunks.
     pub damage: Vec<Damage>,
     /// Jumps of the wall clock, in words.
     pub jumps: Vec<String>,
     /// Bytes after the last whole record.
     pub lost_bytes: u64,
-    /// The file ends as a finished recording does.
+    /// The file has the end of a finished recording.
     pub complete: bool,
-    /// Where the index begins, if the end of the file says so.
+    /// Begin of the index, from the end of the file.
     index: Option<u64>,
-    /// The end of the data came.
+    /// The record for the end of the data was read.
     data_ended: bool,
 }
 
-/// What stands at a place.
+/// Result of reading the record at a place.
 enum Step {
     Next(u64),
     Footer(u64),
@@ -125,7 +125,7 @@ impl Scan {
         Some(scan)
     }
 
-    /// Takes in the record at `at`.
+    /// Reads the record at `at`.
     fn take(&mut self, bytes: &Bytes, at: u64) -> Step {
         let Some((opcode, length)) = head(bytes, at) else {
             return Step::Nothing;
@@ -151,7 +151,7 @@ impl Scan {
             op::MESSAGE => self.is_loose(bytes, start, end).then(|| {
                 self.loose.push((start, end));
             }),
-            // No signals, whatever their length.
+            // Attachments have no signals, whatever their length.
             op::ATTACHMENT => (!self.is_ours(bytes)).then_some(()),
             op::MESSAGE_INDEX => {
                 let mut head = [0; 6];
@@ -177,7 +177,7 @@ impl Scan {
         whole.map_or(Step::Nothing, |()| Step::Next(end))
     }
 
-    /// A message outside of chunks, of a channel that was defined there too.
+    /// Whether this is a message outside of chunks, of a channel that was defined there too.
     fn is_loose(&self, bytes: &Bytes, start: u64, end: u64) -> bool {
         let mut id = [0; 2];
         bytes.fill(start, &mut id).is_some()
@@ -203,7 +203,7 @@ impl Scan {
         }
     }
 
-    /// Metadata carry no check sum in MCAP; heft's own do.
+    /// Checks the metadata, which have no check sum in MCAP; heft's own have one.
     fn check_metadata(&mut self, bytes: &Bytes) {
         let header = MAGIC.len() as u64;
         let length = head(bytes, header).map_or(0, |h| h.1.min(4096));
@@ -224,7 +224,7 @@ impl Scan {
         }
     }
 
-    /// A chunk whose record says that it is something else.
+    /// Finds a chunk whose record has another opcode.
     fn hidden_chunk(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
         let end = self.prove_chunk(bytes, at)?;
         self.damage.push(Damage {
@@ -235,7 +235,7 @@ impl Scan {
         Some(end)
     }
 
-    /// The end of a small record whose content is damaged but whose length is not: another record
+    /// The end of a small record with damaged content but an undamaged length: another record
     /// begins there.
     fn step_over(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
         const SMALL: u64 = 1 << 20;
@@ -256,7 +256,7 @@ impl Scan {
         })
     }
 
-    /// Searches from `at` on for the next thing that proves itself, takes it in, and returns its
+    /// Searches from `at` on for the next chunk or metadata with a correct check sum, reads it, and returns its
     /// end; `None` if there is none.
     fn search(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
         const WINDOW: u64 = 1 << 20;
@@ -285,7 +285,7 @@ impl Scan {
         None
     }
 
-    /// A chunk whose check sum is right; the length of its record or that of its content may be wrong.
+    /// A chunk with a correct check sum; the length of its record or that of its content may be wrong.
     fn prove_chunk(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
         let mut chunk = chunk_at(bytes, at)?;
         if chunk.head.crc == 0 {
@@ -293,7 +293,7 @@ impl Scan {
         }
         let outer = head(bytes, at)?.1.checked_add(at + HEAD)?;
         let mut unpacked = Unpacked::default();
-        // The shorter one first: too short fails, too long would swallow what follows.
+        // The shorter one first: too short fails, too long would include the records that follow.
         for end in [chunk.end.min(outer), chunk.end.max(outer)] {
             chunk.end = end;
             if end > chunk.start && end <= bytes.len && unpacked.load(&chunk, bytes).is_some() {
@@ -304,7 +304,7 @@ impl Scan {
         None
     }
 
-    /// heft's own metadata.
+    /// heft's own metadata with a correct check sum.
     fn prove_metadata(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
         let mut name = [0; 8];
         bytes.fill(at + HEAD, &mut name)?;
@@ -315,7 +315,7 @@ impl Scan {
         Some(end)
     }
 
-    /// Whether the index has the check sum that the footer says; `end` is the end of the footer.
+    /// Whether the index has the check sum in the footer; `end` is the end of the footer.
     fn index_is_whole(&self, bytes: &Bytes, end: u64) -> bool {
         let footer = bytes.range(end - 20, end);
         let Some((start, crc)) = footer.and_then(|body| record::footer(&body)) else {
@@ -325,7 +325,7 @@ impl Scan {
         start == 0 || crc == 0 || bytes.range(start, end - 4).map(sum) == Some(crc)
     }
 
-    /// Without the index at the end, the channels are named only inside the chunks.
+    /// Reads the channels from the chunks, if the index at the end is missing.
     fn look_into_chunks(&mut self, bytes: &Bytes) {
         let mut unpacked = Unpacked::default();
         for chunk in core::mem::take(&mut self.chunks) {
@@ -360,7 +360,7 @@ impl Chunk {
     }
 }
 
-/// Where the footer at the end of the file says that the index begins.
+/// Begin of the index by the footer at the end of the file.
 fn index_start(bytes: &Bytes) -> Option<u64> {
     let end = bytes.len.checked_sub(MAGIC.len() as u64)?;
     let footer = bytes.range(end.checked_sub(20)?, end)?;
@@ -377,7 +377,7 @@ fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
     Some((opcode, u64::from_le_bytes(length)))
 }
 
-/// Whether a whole chunk begins at byte `at` of a file.
+/// Whether an undamaged chunk begins at byte `at` of a file.
 pub fn has_chunk_at(file: &Path, at: u64) -> bool {
     let Ok(bytes) = Bytes::open(file) else {
         return false;
@@ -389,7 +389,7 @@ pub fn has_chunk_at(file: &Path, at: u64) -> bool {
     head(&bytes, at).is_some_and(is_whole)
 }
 
-/// The chunk at `at`, as its own head tells it.
+/// The chunk at `at`, by its own head.
 fn chunk_at(bytes: &Bytes, at: u64) -> Option<Chunk> {
     let mut head = [0; CHUNK_HEAD];
     let start = at + HEAD;
@@ -406,7 +406,7 @@ fn chunk_at(bytes: &Bytes, at: u64) -> Option<Chunk> {
     })
 }
 
-/// The records of one chunk at a time, and the place reached in them.
+/// The records of one chunk at a time, and the position in them.
 #[derive(Debug, Default)]
 pub(crate) struct Unpacked {
     bytes: Vec<u8>,
@@ -414,12 +414,12 @@ pub(crate) struct Unpacked {
 }
 
 impl Unpacked {
-    /// Unpacks a chunk; `None` if it cannot be unpacked or its check sum is wrong.
+    /// Decompresses a chunk; `None` if that fails or its check sum is wrong.
     pub(crate) fn load(&mut self, chunk: &Chunk, file: &Bytes) -> Option<()> {
         self.bytes.clear();
         self.at = 0;
         let packed = file.range(chunk.start, chunk.end)?;
-        // The limit comes first: a damaged file may say any size.
+        // The limit is checked first: a damaged file may state any size.
         match chunk.head.packing {
             Packing::None => self.bytes = packed,
             Packing::Lz4 => {
@@ -444,7 +444,7 @@ impl Unpacked {
         whole.then_some(())
     }
 
-    /// Opcode and body of the next record; `None` at the end, or where the rest is not whole.
+    /// Opcode and body of the next record; `None` at the end, or if the rest is incomplete.
     pub(crate) fn next(&mut self) -> Option<(u8, &[u8])> {
         let (opcode, body, end) = record::at(&self.bytes, self.at)?;
         self.at = end;

@@ -46,7 +46,7 @@ fn codes<M: Message>() -> impl Iterator<Item = (String, &'static str, &'static [
     })
 }
 
-/// An enum whose names are those of every output, in capitals; its values are prefixed, as protobuf wants it.
+/// An enum with the names of every output, in capitals, prefixed as protobuf requires.
 fn enumeration(
     (name, field, entries): (String, &'static str, &'static [Entry]),
 ) -> EnumDescriptorProto {
@@ -107,7 +107,7 @@ fn comment((field, index): (&Field, i32)) -> Location {
 pub struct RecordedField {
     /// Name.
     pub name: String,
-    /// Unit, "" if none is said.
+    /// Unit, "" if none is stated.
     pub unit: String,
     /// Type.
     pub kind: NumberType,
@@ -115,7 +115,7 @@ pub struct RecordedField {
     pub(crate) number: u64,
 }
 
-/// The scalar fields of message `name` in a serialised `FileDescriptorSet`; `None` if it is not there.
+/// The scalar fields of message `name` in a serialised `FileDescriptorSet`; `None` if there is no such message.
 pub(crate) fn fields(name: &str, bytes: &[u8]) -> Option<Vec<RecordedField>> {
     let set = FileDescriptorSet::decode(bytes).ok()?;
     let short = name.rsplit('.').next()?;

@@ -1,16 +1,16 @@
-//! Signals that never come in the same row: tables that were merged, topics and frames of their own times.
+//! Combines signals that never come in the same row: merged tables, topics and frames with their own times.
 
 use messages::Value;
 
 use crate::Sensors;
 
-/// A value stands for this long beside those of other rows [s]: what compares units and signs may be a little late.
+/// Time for which a value is held beside those of later rows [s]: comparisons of units and signs tolerate the delay.
 const HELD: f64 = 0.2;
 
 /// The latest value of each signal.
 #[derive(Debug)]
 pub struct Together<S> {
-    /// Field and bit of each, its latest value and the time of that.
+    /// Field and bit of each, its latest value and the time of it.
     signals: Vec<(usize, u32, f64, f64)>,
     sample: S,
 }
@@ -26,7 +26,7 @@ impl<S: Sensors> Default for Together<S> {
 }
 
 impl<S: Sensors> Together<S> {
-    /// A sample with what was measured just before it and is not measured now.
+    /// A sample completed by values measured shortly before it.
     pub fn with(&mut self, sample: &S) -> &S {
         self.sample = *sample;
         let (now, mut valid) = (sample.stamp().time, sample.bits_of("valid"));

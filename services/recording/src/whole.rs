@@ -1,4 +1,4 @@
-//! Files that people write by hand, read whole: up to a size, so that a device or a wrong file is an error and not a wait.
+//! Small files written by hand, read completely: up to a size limit, so that a device or a wrong file is an error and does not block.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -7,10 +7,10 @@ use std::path::Path;
 
 use crate::Error;
 
-/// No signal map and no DBC file is so large \[bytes\].
+/// Largest signal map or DBC file \[bytes\].
 const LARGEST: u64 = 50_000_000;
 
-/// Opens a file, and no named pipe: to open one waits for whoever writes into it. That of a shell, `<(command)`, has a writer.
+/// Opens a file. A named pipe is refused: opening it would block until it has a writer. A pipe of a shell, `<(command)`, has one.
 ///
 /// # Errors
 /// It cannot be opened, or it is a named pipe.
@@ -24,7 +24,7 @@ pub fn open_file(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// The content of a file; `what` it should be, in words.
+/// The content of a file; `what` names its kind in errors.
 pub(crate) fn read(path: &Path, what: &str) -> Result<Vec<u8>, Error> {
     let mut content = Vec::new();
     let read = open_file(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut content));

@@ -1,13 +1,13 @@
-//! Text in two bytes a character (UTF-16), as Windows programs write it, read as UTF-8.
+//! Text in UTF-16, as Windows programs write it, converted to UTF-8.
 
 use std::io::{self, Read};
 
-/// Makes a unit of its two bytes.
+/// Combines two bytes to a code unit.
 type Order = fn([u8; 2]) -> u16;
 
-/// Which byte of a unit comes first, and how long the mark is that says so; nothing of other text.
+/// Byte order, and length of the byte order mark; none for other text.
 ///
-/// Without a mark the zeros tell: most characters of a table or a log are ASCII.
+/// Without a mark the zeros decide: most characters of a table or a log are ASCII.
 fn order(head: &[u8]) -> Option<(Order, usize)> {
     let (little, big): (Order, Order) = (u16::from_le_bytes, u16::from_be_bytes);
     match head {
@@ -24,15 +24,15 @@ fn order(head: &[u8]) -> Option<(Order, usize)> {
     }
 }
 
-/// So much of a content tells [bytes].
+/// Number of bytes that decide [bytes].
 const HEAD: u64 = 256;
-/// So much is converted at a time [bytes].
+/// Number of bytes converted at a time [bytes].
 const STRETCH: u64 = 1 << 15;
 
 /// A content in UTF-8, and whether it was converted.
 pub(crate) fn utf8(mut content: Box<dyn Read>) -> (Box<dyn Read>, bool) {
     let mut head = Vec::new();
-    // What cannot be read is said by whoever reads on.
+    // A read error is reported by the next read.
     let failed = content.by_ref().take(HEAD).read_to_end(&mut head).err();
     let found = order(&head);
     let rest = Resumed { failed, content };
@@ -64,7 +64,7 @@ pub(crate) fn head(head: Vec<u8>) -> Vec<u8> {
     all
 }
 
-/// The rest of a content, after an error that came with its head.
+/// The rest of a content, after a read error of its head.
 struct Resumed {
     failed: Option<io::Error>,
     content: Box<dyn Read>,
@@ -79,11 +79,11 @@ impl Read for Resumed {
     }
 }
 
-/// Converts as it is read.
+/// Converts while it is read.
 struct Wide {
     content: Box<dyn Read>,
     order: Order,
-    /// The first half of a character whose second half is still to come.
+    /// The first code unit of a surrogate pair whose second one is still to come.
     high: Option<u16>,
     text: Vec<u8>,
     at: usize,

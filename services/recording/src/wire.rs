@@ -40,12 +40,12 @@ pub(crate) fn put_varint(mut value: u64, out: &mut Vec<u8>) {
     out.push(value as u8);
 }
 
-/// A scalar on the wire, whose meaning its field decides.
+/// A scalar on the wire, to be interpreted by its field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scalar(u64);
 
 impl Scalar {
-    /// A field that is left out.
+    /// An absent field.
     pub(crate) const ZERO: Self = Self(0);
 
     /// The value of a field of this kind.
@@ -58,7 +58,7 @@ impl Scalar {
     }
 }
 
-/// Calls `found` with number and value of each scalar field; `None` if the bytes are no message.
+/// Calls `found` with number and value of each scalar field; `None` if the bytes are no valid message.
 pub(crate) fn decode(mut bytes: &[u8], mut found: impl FnMut(u64, Scalar)) -> Option<()> {
     while !bytes.is_empty() {
         let tag = take_varint(&mut bytes)?;

@@ -10,30 +10,30 @@ use messages::{Hops, Message, Stamp};
 use crate::file::{self, ClaimError};
 use crate::{Error, schema, wire};
 
-/// What a recording says of its run, by name: seed, configuration, version, host.
+/// Metadata of a run, by name: seed, configuration, version, host.
 pub type Metadata = BTreeMap<String, String>;
 
 /// Name of the metadata record.
 pub(crate) const RECORD: &str = "heft";
 
-/// Name of a metadata record that tells a jump of the wall clock, and its key.
+/// Name of a metadata record for a jump of the wall clock, and its key.
 pub(crate) const CLOCK: &str = "heft.clock";
 pub(crate) const JUMP: &str = "jump";
 
-/// Key under which a reader tells all jumps.
+/// Key under which a reader returns all jumps.
 pub(crate) const JUMPS: &str = "wall_clock.jumps";
 
-/// Key of the check sum over all other pairs, which MCAP itself does not have.
+/// Key of the check sum over all other pairs, which MCAP itself does not provide.
 pub(crate) const METADATA_SUM: &str = "metadata.sha256";
 
-/// By this in the name of the library a reader knows that there must be a check sum.
+/// Part of the library's name that states that there must be a check sum.
 pub(crate) const WITH_SUM: &str = ", metadata with check sum";
 
 /// Bytes of a message in a chunk before its content.
 const MESSAGE_HEAD: u64 = 9 + 22;
 
-/// Writes an MCAP recording. Only whole chunks reach the file, so that a process killed at any
-/// moment loses at most what came after the last [`Writer::flush`] and leaves a file that every
+/// Writes an MCAP recording. Only complete chunks reach the file, so that a process killed at any
+/// moment loses at most the messages after the last [`Writer::flush`] and leaves a file that every
 /// reader reads. The file is locked as long as it is written.
 pub struct Writer {
     inner: mcap::Writer<BufWriter<File>>,
@@ -47,11 +47,11 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins a recording and writes the metadata. The file must be new, or empty: nothing that
-    /// exists is ever cut off.
+    /// Begins a recording and writes the metadata. The file must be new or empty: an existing
+    /// recording is never truncated.
     ///
     /// # Errors
-    /// The file exists, or cannot be created or written; then nothing is left behind.
+    /// The file exists, or cannot be created or written; a new file is then removed.
     pub fn create(path: impl AsRef<Path>, metadata: &Metadata) -> Result<Self, Error> {
         let path = path.as_ref().to_owned();
         let file = file::take(&path).map_err(|e| refused(&path, e))?;
@@ -87,17 +87,17 @@ impl Writer {
         })
     }
 
-    /// Has the messages stamped with wall time: their monotonic times plus this \[ns\], so that
-    /// viewers show the day. The messages themselves keep the monotonic clock.
+    /// Stamps the messages with wall time, their monotonic times plus this \[ns\], so that
+    /// viewers show the date. The messages themselves retain the monotonic clock.
     pub fn set_wall_offset(&mut self, offset_ns: i64) {
         self.wall_offset_ns = offset_ns;
     }
 
     /// Adds a message to its channel. It is stamped with the time of its measurement and with that
-    /// of its last hop; where no clock was read (replays), with the time of the data.
+    /// of its last hop; without clock times (replays), with the time of the data.
     ///
     /// # Errors
-    /// The file cannot be written. What was flushed before stays readable; nothing more can be
+    /// The file cannot be written. Flushed messages stay readable; no more can be
     /// added.
     pub fn write<M: Message>(&mut self, channel: &Channel, message: &M) -> Result<(), Error> {
         let channel_id = self.channel_id::<M>(channel)?;
@@ -116,7 +116,7 @@ impl Writer {
             .map_err(|e| failure(&self.path, e))
     }
 
-    /// Notes in words that the wall clock jumped, and flushes.
+    /// Records a jump of the wall clock as text, and flushes.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -130,7 +130,7 @@ impl Writer {
         self.flush()
     }
 
-    /// Closes the chunk and hands everything to the operating system: it survives the end of this
+    /// Closes the chunk and passes all data to the operating system: they survive the end of this
     /// process, but not of the machine.
     ///
     /// # Errors
@@ -150,13 +150,13 @@ impl Writer {
         self.file.metadata().map_or(0, |m| m.len())
     }
 
-    /// Whether its file was deleted meanwhile: what is written is gone with it.
+    /// Whether its file was deleted meanwhile: the data written are lost with it.
     pub fn is_deleted(&self) -> bool {
         let about = self.file.metadata();
         about.is_ok_and(|about| std::os::unix::fs::MetadataExt::nlink(&about) == 0)
     }
 
-    /// Writes index and footer and waits until the disk has it all.
+    /// Writes index and footer and waits until all data are on the disk.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -187,7 +187,7 @@ impl Writer {
     }
 }
 
-/// Chunks are put together in memory and written at once (no seeking back into the file).
+/// Chunks are assembled in memory and written at once (no seeking back in the file).
 pub(crate) fn options() -> mcap::WriteOptions {
     mcap::WriteOptions::new()
         .profile("heft")
@@ -245,7 +245,7 @@ pub(crate) fn failure(path: &Path, error: mcap::McapError) -> Error {
     }
 }
 
-/// SHA-256 of a text in hexadecimal digits, by which a recording names its description.
+/// SHA-256 of a text in hexadecimal digits, which identifies the description in a recording.
 pub fn sha256(data: impl AsRef<[u8]>) -> String {
     use sha2::Digest;
     let digest = sha2::Sha256::digest(data);

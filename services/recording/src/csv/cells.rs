@@ -60,12 +60,12 @@ impl Record {
     }
 }
 
-/// Whether what has this length is a cell: between two blanks that separate is none.
+/// Whether a text of this length is a cell: empty text between separating blanks is none.
 fn is_cell(length: usize, separator: u8) -> bool {
     length > 0 || separator != BLANK
 }
 
-/// Splits records into cells, without the blanks around them. Nearly every line has no quotes and is split at its
+/// Splits records into cells, trimmed of blanks. Nearly every line has no quotes and is split at its
 /// separators, in a tenth of the time that the library takes for the others.
 #[derive(Debug)]
 pub(crate) struct Cells {
@@ -87,17 +87,17 @@ impl Cells {
         }
     }
 
-    /// The cells of one line. A line cannot be broken: at worst its quotes are, and then a cell is no number.
+    /// The cells of one line. Every line gives cells: at worst its quotes are malformed, and then a cell is no number.
     pub(crate) fn split(&mut self, line: &[u8]) -> &Record {
         match plain(line) {
             Some(line) => self.record.split(line, self.separator),
-            // Memory can be read.
+            // Reading from memory cannot fail.
             None => self.read(&mut &line[..]).map_or((), drop),
         }
         &self.record
     }
 
-    /// Reads one record of any kind; how many bytes it took, nothing at the end.
+    /// Reads one record of any kind; returns its number of bytes, none at the end.
     fn read(&mut self, input: &mut impl BufRead) -> io::Result<Option<usize>> {
         self.library.reset();
         self.record.clear();
@@ -113,7 +113,7 @@ impl Cells {
             input.consume(read);
             (taken, written, count) = (taken + read, written + bytes, count + ends);
             match result {
-                // An empty text is the end of the last cell.
+                // An empty input ends the last cell.
                 ReadRecordResult::InputEmpty => {}
                 ReadRecordResult::OutputFull => self.bytes.resize(2 * self.bytes.len(), 0),
                 ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
@@ -133,13 +133,13 @@ impl Cells {
     }
 }
 
-/// A cell whose quotes stand between blanks: `1, "2" ,3`.
+/// A cell with blanks around its quotes: `1, "2" ,3`.
 fn unquoted(cell: &[u8]) -> &[u8] {
     let inner = cell.strip_prefix(b"\"").and_then(|c| c.strip_suffix(b"\""));
     inner.map_or(cell, <[u8]>::trim_ascii)
 }
 
-/// A line without its end; nothing where it has quotes or other ends within.
+/// A line without its end; none if it contains quotes or other line ends.
 fn plain(line: &[u8]) -> Option<&[u8]> {
     let line = line.strip_suffix(b"\n").unwrap_or(line);
     let line = line.strip_suffix(b"\r").unwrap_or(line);
@@ -148,7 +148,7 @@ fn plain(line: &[u8]) -> Option<&[u8]> {
         .then_some(line)
 }
 
-/// No record is longer: one quote that is never closed makes one of all that follows.
+/// Longest record: a quote that is never closed would include all following lines.
 const MOST: usize = 1 << 22;
 
 fn too_long() -> io::Error {
@@ -157,17 +157,17 @@ fn too_long() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, why)
 }
 
-/// What is read at one go; a longer line is left to the library.
+/// Longest line that is read at once; a longer one is left to the library.
 const LONGEST: u64 = 1 << 16;
 
-/// The records of a table; empty lines are none.
+/// The records of a table, without empty lines.
 pub(crate) struct Records<R> {
     input: R,
     cells: Cells,
-    /// A line, and how much of it was taken.
+    /// A line, and the number of its bytes that were taken.
     line: Vec<u8>,
     at: usize,
-    /// Bytes before the record at hand, and up to its end.
+    /// Bytes before the current record, and up to its end.
     start: u64,
     end: u64,
 }
@@ -184,7 +184,7 @@ impl<R: BufRead> Records<R> {
         }
     }
 
-    /// Goes to the next record; false at the end.
+    /// Advances to the next record; false at the end.
     pub(crate) fn advance(&mut self) -> io::Result<bool> {
         loop {
             if self.at == self.line.len() {
@@ -216,12 +216,12 @@ impl<R: BufRead> Records<R> {
         }
     }
 
-    /// The cells of the record at hand.
+    /// The cells of the current record.
     pub(crate) fn record(&self) -> &Record {
         &self.cells.record
     }
 
-    /// Bytes before the record at hand.
+    /// Bytes before the current record.
     pub(crate) fn start(&self) -> u64 {
         self.start
     }
@@ -317,7 +317,7 @@ mod tests {
             &[&long, "2,3\n", &long, "4,\"x\"\n"].concat(),
         ];
         for table in tables {
-            // Little at a time, so that every record is cut somewhere.
+            // Small buffers, so that every record is split somewhere.
             for room in [1, 7, 1 << 16] {
                 let input = io::BufReader::with_capacity(room, table.as_bytes());
                 let mut records = Records::new(input, Dialect { separator: b',' });

@@ -1,4 +1,4 @@
-//! Which columns of a table become which signals, and the rows that come of its cells.
+//! Assignment of a table's columns to signals, and conversion of its cells to rows.
 
 use std::collections::VecDeque;
 
@@ -16,7 +16,7 @@ use crate::time::{self, Dates};
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
 
-/// Makes rows of the cells of a table.
+/// Converts the cells of a table to rows.
 #[derive(Debug)]
 pub(crate) struct Columns<S: Sensors> {
     header: Vec<String>,
@@ -25,40 +25,40 @@ pub(crate) struct Columns<S: Sensors> {
     builder: Builder<S>,
     values: Vec<f64>,
     rows: u64,
-    /// Of the columns.
+    /// Decimal marks, by column.
     marks: Vec<Marks>,
     dates: Dates,
     counter: Counter,
     sampler: Option<Sampler>,
-    /// The column that names the machine of each row, as a table of many machines has it, and what it said first.
+    /// The column that names the machine of each row, as in a table of many machines, and its first name.
     machine: Option<usize>,
     named: Vec<u8>,
 }
 
-/// Column of a map that no table need have: the number of the row, from 0.
+/// Column of a map that exists in every table: the number of the row, from 0.
 const ROW: &str = "row";
 
 /// Column of the names in a table of many machines.
 const MACHINE: &str = "machine";
 
-/// A signal and its parts.
+/// A signal and its terms.
 #[derive(Debug)]
 struct Line {
     /// Name of the signal.
     signal: String,
-    /// The map's entry; none for a column of heft's own name.
+    /// The map's entry; none for a column named as the signal.
     entry: Option<Entry>,
     is_time: bool,
-    /// It is on or off, which tables write as words too.
+    /// It is a switch, which tables write as words too.
     is_switch: bool,
-    /// Whether it says which one, by a number or a word.
+    /// It is an identifier, as a number or a word.
     is_label: bool,
     parts: Vec<Part>,
-    /// It is a sensor's, and no row had a value so far.
+    /// It is a sensor's, without a value up to now.
     is_silent: bool,
 }
 
-/// A part of a signal.
+/// A term of a signal.
 #[derive(Debug)]
 enum Part {
     Constant(f64),
@@ -70,24 +70,24 @@ enum Part {
     },
 }
 
-/// What to do where a file holds zeros: a loss of power leaves blocks of them.
+/// Remedy for a file with zeros: a loss of power leaves blocks of them.
 const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
 
-/// A cell that holds text.
+/// A cell that contains text instead of a number.
 #[derive(Debug)]
 pub(crate) struct NoNumber {
     pub text: String,
     pub column: String,
-    /// Whether it is that of the time.
+    /// Whether it is in the column of the time.
     pub is_time: bool,
-    /// Whether it is the name of a column: a header stands here once more.
+    /// Whether the text is the name of a column: the header is repeated here.
     pub is_header: bool,
-    /// Whether its line has words alone that are not those of the header.
+    /// Whether its line consists of words, other than those of the header.
     pub is_of_words: bool,
 }
 
 impl NoNumber {
-    /// That in a cell of this column of a header.
+    /// The text in a cell of this column.
     pub(super) fn of(cell: &[u8], column: &str, header: &[String], is_time: bool) -> Self {
         let text = dialect::text(cell);
         let name = text.trim_start_matches('\u{feff}');
@@ -100,7 +100,7 @@ impl NoNumber {
         }
     }
 
-    /// The same in a line: what stands beside it tells whether another table begins there.
+    /// The same in a line: its other cells show whether another table begins there.
     fn within(mut self, record: &Record, header: &[String], dialect: Dialect) -> Self {
         let written = || record.iter().filter(|cell| !cell.is_empty());
         let are_words = written().all(|cell| dialect.number(cell).is_none());
@@ -162,7 +162,7 @@ fn has_zone_name(text: &str) -> bool {
 }
 
 impl<S: Sensors> Columns<S> {
-    /// For each signal that the table or the map has, where it comes from.
+    /// Finds the origin of each signal of the table or the map.
     pub(crate) fn choose(
         header: Vec<String>,
         dialect: Dialect,
@@ -199,7 +199,7 @@ impl<S: Sensors> Columns<S> {
                 }
             };
             let own = entry.iter().flat_map(|e| e.terms.iter().map(|t| t.timing));
-            // A cell is converted before it waits.
+            // Delayed and interpolated cells are converted before.
             let turn = entry.map_or(f64::INFINITY, |e| e.turn(&Conversion::NONE, signal));
             let own = own.chain([Timing::default()]).take(parts.len());
             timings.extend(own.map(|timing| (timing, turn)));
@@ -237,16 +237,16 @@ impl<S: Sensors> Columns<S> {
         })
     }
 
-    /// Words on sensors whose columns held no value in any row.
+    /// Messages on sensors whose columns have no value in any row.
     pub(crate) fn empty(&self) -> impl Iterator<Item = String> + '_ {
         let silent = self.lines.iter().filter(|line| line.is_silent);
         silent.map(|line| format!("{} in any row; it counts as absent", self.no_value(line)))
     }
 
-    /// Whether each group of signals that a machine needs had a value, and the marks in all numbers are clear.
+    /// Checks that each required group of signals had a value, and that the decimal marks of all numbers are unambiguous.
     ///
     /// # Errors
-    /// One had none in any row, or is unclear.
+    /// A group had none in any row, or the marks are ambiguous.
     pub(crate) fn check_values(&self, file: &str) -> Result<(), Error> {
         if let Some((at, mark)) = marks::unclear(&self.marks, self.dialect.separator) {
             let column = &self.header[at];
@@ -294,7 +294,7 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
-    /// Whether a line is no row: it has nothing in its cells, as sheets fill their ends, is a database's rule, or a comment.
+    /// Whether a line is no row: empty cells, as sheets fill their ends, the rule of a database, or a comment.
     pub(crate) fn is_no_row(&self, record: &Record) -> bool {
         let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
         is_first_empty && record.iter().all(<[u8]>::is_empty)
@@ -302,20 +302,20 @@ impl<S: Sensors> Columns<S> {
             || self.is_comment(record)
     }
 
-    /// Whether a line is a comment, which has other cells than the header or no number.
+    /// Whether a line is a comment: another number of cells than the header, or no number.
     fn is_comment(&self, record: &Record) -> bool {
         let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(f64::is_finite);
         let is_marked = record.get(0).is_some_and(|cell| comment(cell).is_some());
         is_marked && (record.len() != self.header.len() || !record.iter().any(is_number))
     }
 
-    /// Whether a row lacks cells: one of the columns up to the last that has a name.
+    /// Whether a row has too few cells for the columns up to the last named one.
     pub(crate) fn is_short(&self, record: &Record) -> bool {
         let unnamed = self.header.iter().rev().take_while(|name| name.is_empty());
         record.len() < self.header.len() - unnamed.count()
     }
 
-    /// Why a row is none of the table, and what to do; a row that was cut off must not pass for one with missing samples.
+    /// Why a row does not fit the table, and the remedy. A row that was cut off must not be taken for one with missing samples.
     pub(crate) fn misfit(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
@@ -345,7 +345,7 @@ impl<S: Sensors> Columns<S> {
         Some((what, remedy))
     }
 
-    /// Why a row is of another machine than those before it, and what to do.
+    /// Why a row belongs to another machine than those before it, and the remedy.
     fn another_machine(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let name = record.get(self.machine?).filter(|name| !name.is_empty())?;
         if self.named.is_empty() {
@@ -455,11 +455,11 @@ impl<S: Sensors> Columns<S> {
     }
 }
 
-/// The columns of a table whose map says when they were measured.
+/// The columns of a table whose map gives their times of measurement.
 #[derive(Debug)]
 struct Sampler {
     series: Vec<Series>,
-    /// The parts of the row at hand.
+    /// The terms of the current row.
     values: Vec<f64>,
     rows: Rows,
     start: Option<f64>,
@@ -471,7 +471,7 @@ impl Sampler {
         let series = timings
             .iter()
             .map(|(timing, turn)| match *timing == Timing::default() {
-                // Without a word about its time a cell belongs to its row alone.
+                // Without a timing in the map a cell is valid in its row only.
                 true => Series::new(timing, 0.0, *turn),
                 false => Series::new(timing, HOLD, *turn),
             });
@@ -484,7 +484,7 @@ impl Sampler {
         }
     }
 
-    /// Takes the parts at hand, of the row at `time`; an empty cell is no value.
+    /// Takes the terms of the row at `time`; an empty cell is no value.
     fn take(&mut self, time: f64) {
         if !time.is_finite() {
             return;
@@ -507,7 +507,7 @@ impl Sampler {
     }
 }
 
-/// What is on, and what is off, as programs and sheets of several languages write it.
+/// Words for on and off, of programs and sheets in several languages.
 const SWITCHED: [&[&str]; 2] = [
     &[
         "false", "off", "no", "falsch", "aus", "nein", "faux", "non", "falso",
@@ -527,7 +527,7 @@ const SWITCHED: [&[&str]; 2] = [
     ],
 ];
 
-/// 1 for what is on, 0 for what is off.
+/// 1 for on, 0 for off.
 fn switched(cell: &[u8]) -> Option<f64> {
     let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
     let state = SWITCHED
@@ -536,11 +536,11 @@ fn switched(cell: &[u8]) -> Option<f64> {
     Some(state as f64)
 }
 
-/// The signal of which only a change counts: trucks have plates.
+/// The identifier of which only a change counts: trucks have plates.
 const LABEL: &str = "truck";
 
-/// A word as a number of its own, the same in every file, beyond what anybody counts up to and below what is no
-/// measurement: FNV-1a, 28 bits of it.
+/// A word as a number, the same in every file, larger than any counted number and smaller than the limit of
+/// measurements: FNV-1a, 28 bits of it.
 fn labelled(cell: &[u8]) -> f64 {
     let mix = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
     let hash = cell.iter().fold(0x811c_9dc5, mix);
@@ -592,7 +592,7 @@ fn require<S: Sensors>(
     Ok(())
 }
 
-/// What a table is that cannot be read with this header, where it tells.
+/// The kind of a table that cannot be read with this header, if recognized.
 pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
     let lower: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
     let is_in = |name: &String, names: &str| names.split(", ").any(|known| known == name);
@@ -618,20 +618,20 @@ pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
     Some(Error::new(what, format!("{file}:1"), remedy))
 }
 
-/// What others call the identifier of a frame, and its data.
+/// Foreign names of the columns of a frame's identifier and its data.
 const FRAMES: [&str; 2] = [
     "id, can id, canid, can_id, id (hex), identifier, arbitration_id, arb id",
     "data, data (hex), dlc, len, length, d0, d1, db0, data0, b1, byte0",
 ];
 
-/// What others call the name of a signal in a row of its own, and its value.
+/// Foreign names of the columns of a signal's name and its value, in tables with a signal per row.
 const LONG: [&str; 2] = [
     "signal, signalname, signal_name, signal name, name, variable, varname, channel, sensor, parameter, tag, \
      tagname, metric, _field, kanal, topic, series",
     "value, _value, varvalue, val, wert, valeur, valor, reading",
 ];
 
-/// So much of a cell is shown [characters], and so many names of a header.
+/// Number of characters of a cell, and of names of a header, that are shown.
 const SHOWN: usize = 40;
 
 /// The names of a header.
@@ -645,7 +645,7 @@ pub(crate) fn listed(header: &[String]) -> String {
     names.collect::<Vec<String>>().join(", ") + &more
 }
 
-/// None of these columns is there.
+/// The error that none of these columns exists.
 pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
     if let Some(error) = misread(header, file) {
         return error;

@@ -1,4 +1,4 @@
-//! How a table is written: encoding, separator, decimal mark.
+//! Format of a table: encoding, separator, decimal mark.
 
 /// Separator and decimal mark of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,12 +7,12 @@ pub(crate) struct Dialect {
     pub separator: u8,
 }
 
-/// Blanks separate where nothing else does, one or several.
+/// Blanks, one or several, separate if no other character does.
 pub(super) const BLANK: u8 = b' ';
 
 impl Dialect {
-    /// That of a header, or of the line `sep=;` that Excel writes before it. A semicolon, a tab or a bar
-    /// outside of quotes says that commas do not separate.
+    /// The dialect of a header, or of the line `sep=;` that Excel writes before it. A semicolon, a tab or a bar
+    /// outside of quotes means that commas do not separate.
     pub(crate) fn of(line: &[u8]) -> Self {
         if let Some(separator) = separator_line(line) {
             return Self { separator };
@@ -24,7 +24,7 @@ impl Dialect {
         });
         let plain: Vec<u8> = plain.copied().collect();
         let count = |separator: u8| plain.iter().filter(|b| **b == separator).count();
-        // Of equals the last; a lone one of them counts where there is no comma.
+        // The most frequent one, of equally frequent ones the last; a single one counts without any comma.
         let most = [b',', b'|', b'\t', b';'].into_iter();
         let most = most.max_by_key(|separator| (count(*separator), *separator == b','));
         let blank = Some(BLANK).filter(|blank| plain.trim_ascii().contains(blank));
@@ -33,21 +33,21 @@ impl Dialect {
         }
     }
 
-    /// The number in a cell, NaN where it is empty or says that there is none; `None` where it is text. A comma in it may be the
-    /// decimal mark: where commas separate it stood in quotes, and [`super::marks`] says what the whole table makes of it.
+    /// The number in a cell, NaN for an empty cell or a mark of a missing sample; `None` for text. A comma in it may be the
+    /// decimal mark: if commas separate it was in quotes, and [`super::marks`] decides by the whole table.
     pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
         if cell.is_empty() {
             return Some(f64::NAN);
         }
-        // Reads bytes as the standard library reads text, of which a cell need not be.
+        // Parses bytes as the standard library parses text: a cell need not be valid text.
         let number = fast_float2::parse(cell).ok();
         let number = number.or_else(|| Self::as_typeset(std::str::from_utf8(cell).ok()?));
         number.or_else(|| is_missing(cell).then_some(f64::NAN))
     }
 
-    /// A number as sheets show it: a decimal comma, a minus sign that is no hyphen, thousands grouped by thin blanks or
-    /// apostrophes, `="1.5"` for a number that a sheet shall not turn; and as Fortran prints it, `1.5D-3`. A mark of the
-    /// encoding stands before the first number of a file that was joined to another.
+    /// A number as sheets show it: a decimal comma, a minus sign instead of a hyphen, thousands grouped by thin blanks or
+    /// apostrophes, `="1.5"` for a number that a sheet shall not reformat; and as Fortran prints it, `1.5D-3`. A byte order mark
+    /// precedes the first number of a file that was joined to another.
     fn as_typeset(text: &str) -> Option<f64> {
         let formula = text.strip_prefix("=\"").and_then(|t| t.strip_suffix('"'));
         let groups = [
@@ -68,7 +68,7 @@ fn with_decimal_comma(text: &str) -> Option<f64> {
     (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
 }
 
-/// A number whose exponent of double precision begins with a `D`, with an `E`. Without a decimal mark it may be hexadecimal.
+/// A number with Fortran's exponent `D`, converted to `E`. Without a decimal mark it may be hexadecimal.
 fn with_e(text: String) -> String {
     match text.find(['d', 'D']) {
         Some(at) if text[..at].contains(['.', ',']) => text.replace(['d', 'D'], "e"),
@@ -76,8 +76,8 @@ fn with_e(text: String) -> String {
     }
 }
 
-/// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
-/// sheet's formulas, dashes of a logger, the words of a historian for a bad value, what C's library on Windows prints, a
+/// Marks of a missing sample, in any capitals: those that pandas reads, German Excel's `#NV`, the errors of a
+/// sheet's formulas, dashes of a logger, the words of a historian for a bad value, the output of C's library on Windows, a
 /// database's `\N`.
 const MISSING: [&str; 66] = [
     "na",
@@ -118,7 +118,7 @@ const MISSING: [&str; 66] = [
     "nan(ind)",
     "-nan(ind)",
     "1.#inf",
-    // German, and French of sheets.
+    // German and French sheets.
     "k.a.",
     "n.v.",
     "nd",
@@ -134,7 +134,7 @@ const MISSING: [&str; 66] = [
     "no value",
     "not available",
     "sna",
-    // Beyond the range of an instrument, and what a historian has in place of a value.
+    // Beyond the range of an instrument, and substitutes of a historian.
     "ol",
     "ovl",
     "over range",
@@ -152,10 +152,10 @@ const MISSING: [&str; 66] = [
 
 fn is_missing(cell: &[u8]) -> bool {
     let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
-    // The errors of a sheet are words of its language; an instrument fills its digits.
+    // The errors of a sheet are words of its language; an instrument fills its digits with a mark.
     let is_error = matches!(cell, [b'#', .., b'!' | b'?']);
     let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-.*".contains(b));
-    // LibreOffice numbers its errors; C's library shows the bits.
+    // LibreOffice numbers its errors; C's library appends the bits.
     let begins = |word: &str| {
         let head = cell.get(..word.len());
         head.is_some_and(|head| head.eq_ignore_ascii_case(word.as_bytes()))
@@ -179,7 +179,7 @@ pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
     }
 }
 
-/// The name of a column, without what nobody sees: marks of the encoding, of a direction, of where a word may be parted.
+/// The name of a column, without invisible characters: byte order marks, marks of direction, soft hyphens.
 pub(crate) fn name(bytes: &[u8]) -> String {
     let unseen = |c: char| {
         matches!(
@@ -196,7 +196,7 @@ pub(crate) fn text(bytes: &[u8]) -> String {
     std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
 }
 
-/// Whether a name that was taken as Latin-1 is of another encoding: no language of Europe writes three such letters in turn.
+/// Whether a name decoded as Latin-1 has another encoding: no language of Europe has three such letters in sequence.
 pub(crate) fn is_garbled(name: &str) -> bool {
     let foreign = |c: &char| ('\u{80}'..='\u{ff}').contains(c);
     let letters: Vec<char> = name.chars().collect();
@@ -243,7 +243,7 @@ mod tests {
         assert_eq!(german.number(b"1.5"), Some(1.5));
         assert_eq!(german.number(b"1,234,5"), None);
         assert_eq!(german.number(b"1,234.5"), None);
-        // In quotes; what the other numbers make of it is told by the marks of the table.
+        // In quotes; whether the comma is a decimal mark depends on the other numbers of the table.
         assert_eq!(english.number(b"1,5"), Some(1.5));
         assert_eq!(english.number(b"1,234.5"), None);
         assert_eq!(english.number(b"1,234,567"), None);

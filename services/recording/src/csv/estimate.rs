@@ -23,7 +23,7 @@ impl Column {
         name
     }
 
-    /// The place of its field, where it is one.
+    /// Index of its field, if it is one.
     pub(crate) fn index<E: Estimate>(self) -> Option<usize> {
         match self {
             Self::Value(name, _) => E::index(name),
@@ -36,7 +36,7 @@ impl Column {
     }
 }
 
-/// How many columns quantities and flags have.
+/// Number of columns of quantities and flags.
 pub(crate) const fn count(quantities: &[Quantity], flags: &[sheet::Flag]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
@@ -53,7 +53,7 @@ pub(crate) const fn count(quantities: &[Quantity], flags: &[sheet::Flag]) -> usi
     count
 }
 
-/// The `N` columns: quantities, each with its standard deviation behind it, flags, quantities that came later than these.
+/// The `N` columns: quantities, each followed by its standard deviation, flags, then quantities of later versions.
 pub(crate) const fn columns<const N: usize>(
     quantities: &[Quantity],
     flags: &[sheet::Flag],
@@ -73,7 +73,7 @@ pub(crate) const fn columns<const N: usize>(
     columns
 }
 
-/// Puts the quantities of one place behind the first `at` columns.
+/// Puts the quantities of one group after the first `at` columns.
 const fn values<const N: usize>(
     mut columns: [Column; N],
     mut at: usize,
@@ -120,7 +120,7 @@ macro_rules! estimate_of {
 }
 pub(crate) use estimate_of;
 
-/// What an estimate says of itself.
+/// Codes of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Codes {
     /// Its flags.
@@ -135,21 +135,21 @@ pub struct Codes {
 
 /// An estimate that can be written as a row.
 pub trait Estimate: Message {
-    /// Its columns after the time, whatever the method estimates; method and reason come last.
+    /// Its columns after the time, the same for every method; method and reason come last.
     const COLUMNS: &'static [Column];
     /// Bit of `flags` that marks a refused row.
     const REFUSED: u32;
     /// Names of the methods.
     const METHODS: &'static [&'static str];
-    /// Names and words of the reasons by their code.
+    /// Names and texts of the reasons by their code.
     const REASONS: &'static [(&'static str, &'static str)];
-    /// What it says of itself.
+    /// Its codes.
     fn codes(&self) -> Codes;
     /// Whether its row was refused.
     fn is_refused(&self) -> bool {
         self.codes().flags & Self::REFUSED != 0
     }
-    /// Names of its method and of its reason; "" for one that is not known.
+    /// Names of its method and of its reason; "" for an unknown one.
     fn names(&self) -> [&'static str; 2] {
         let Codes { method, reason, .. } = self.codes();
         let reason = Self::REASONS.get(reason as usize);
@@ -171,7 +171,7 @@ pub enum Cell {
     Word(&'static str),
 }
 
-/// Takes estimates apart into the cells of their columns.
+/// Splits estimates into the cells of their columns.
 #[derive(Debug)]
 pub struct Values<E: Estimate> {
     /// Columns with the field of each.
@@ -228,7 +228,7 @@ impl<E: Estimate> EstimateRows<E> {
         row + ",method,reason"
     }
 
-    /// Appends the row of an estimate, without the end of the line; false, and nothing, for a refused one.
+    /// Appends the row of an estimate, without the end of the line; returns false and appends nothing for a refused one.
     pub fn put(&self, estimate: &E, row: &mut String) -> bool {
         if estimate.is_refused() {
             return false;
@@ -284,10 +284,10 @@ impl<E: Estimate> EstimateWriter<E> {
         self.put_row()
     }
 
-    /// Ends the file, gives it its name and says how many rows it has.
+    /// Completes the file, gives it its name and returns its number of rows.
     ///
     /// # Errors
-    /// The file cannot be written; nothing is then left behind.
+    /// The file cannot be written; it is then removed.
     pub fn finish(mut self) -> Result<usize, Error> {
         self.put_row()?;
         self.out.finish()?;
@@ -301,16 +301,16 @@ impl<E: Estimate> EstimateWriter<E> {
     }
 }
 
-/// Whether a file that begins like this holds estimates that heft has written.
+/// Recognizes estimates of heft by the first bytes of a file.
 pub fn is_estimates(head: &[u8]) -> bool {
     let named = |line: &str| line.split(',').any(|column| column == "method");
     first_line(head).is_some_and(|line| line.starts_with("t,") && named(line))
 }
 
-/// The shortest text that reads back to the same number; nothing for what is no number.
+/// The shortest text that reads back to the same number; empty for NaN and infinities.
 pub(crate) fn put_number(out: &mut String, x: f64) {
     if x == 0.0 || (1e-5..1e16).contains(&x.abs()) {
-        // A tenth of the work of the standard library's, which would be two fifths of what `heft estimate` does.
+        // A tenth of the time of the standard library's, which would be two fifths of that of `heft estimate`.
         let mut buffer = zmij::Buffer::new();
         let text = buffer.format_finite(x);
         out.push_str(text.strip_suffix(".0").unwrap_or(text));
@@ -352,7 +352,7 @@ mod tests {
             };
             let mut text = String::new();
             put_number(&mut text, x);
-            // Between two shortest texts that are equally near, each has its own choice.
+            // Of two shortest texts that are equally near each library has its own choice.
             assert_eq!(text.len(), expected.len(), "{text} {expected}");
             assert!(!x.is_finite() || text.parse() == Ok(x), "{text} {expected}");
         }

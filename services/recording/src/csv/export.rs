@@ -10,9 +10,9 @@ use crate::output::{Output, first_line};
 use crate::presence::Recorded;
 use crate::{Error, Reader, RecordedField};
 
-/// Writes each channel of a recording as a CSV file of its own into a folder, which is created if
-/// need be: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields, codes
-/// by their names, and a column of 0 and 1 for each flag behind them; a number that was not
+/// Writes each channel of a recording to a CSV file of its own in a folder, which is created if
+/// needed: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields, with codes
+/// by their names, followed by a column of 0 and 1 for each flag. A number that was not
 /// measured, or is not estimated, is an empty cell.
 ///
 /// # Errors
@@ -26,7 +26,7 @@ pub fn export(reader: &Reader, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>,
         .collect()
 }
 
-/// Whether a file that begins like this is a channel that heft has written, of this version or another one.
+/// Recognizes an exported channel, of any version, by the first bytes of a file.
 pub fn is_export(head: &[u8]) -> bool {
     head.starts_with(b"machine,epoch,sequence,")
 }
@@ -71,7 +71,7 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     Ok(path)
 }
 
-/// What numbers of a channel mean that are codes or bits; nothing where this version does not know the channel.
+/// Meaning of the codes and bits of a channel; empty for an unknown channel.
 struct Meaning {
     /// For each field the names of its codes.
     codes: Vec<Option<&'static Words>>,

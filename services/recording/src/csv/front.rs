@@ -1,13 +1,13 @@
-//! What stands above the samples of a table: comments, the header, a row of units.
+//! The lines above the samples of a table: comments, the header, a row of units.
 
 use super::cells::{Cells, Record};
 use super::dialect::{self, BLANK, Dialect, separator_line};
 use crate::unit;
 
-/// Marks of a line that is a comment.
+/// Marks of a comment.
 const COMMENT: [&[u8]; 3] = [b"#", b"%", b"//"];
 
-/// What a line of a table is, for one who takes them in turn.
+/// Kind of a line of a table, for a reader of one line at a time.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Line {
     /// Blank, or the line that names the separator.
@@ -20,18 +20,18 @@ pub(crate) enum Line {
     FirstRow {
         /// The comment without its mark.
         header: Vec<u8>,
-        /// How it is written.
+        /// Its dialect.
         dialect: Dialect,
     },
-    /// Units in a row of their own below the header, a text for each column.
+    /// Units in a row below the header, a text for each column.
     Units(Vec<String>),
     /// A row of samples.
     Row,
 }
 
-/// Tells what the lines of a table are, in the order in which they come.
+/// Classifies the lines of a table, in their order.
 ///
-/// A line of comment above numbers is the header, as `numpy.savetxt` writes it, where it has as many cells as they.
+/// A comment above numbers is the header, as `numpy.savetxt` writes it, if it has as many cells as they.
 #[derive(Debug, Default)]
 pub(crate) struct Lines {
     separator: Option<u8>,
@@ -43,7 +43,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// What the next line is.
+    /// Kind of the next line.
     pub(crate) fn take(&mut self, line: &[u8]) -> Line {
         if line.trim_ascii().is_empty() || is_rule(line) {
             return Line::Nothing;
@@ -79,44 +79,44 @@ impl Lines {
     }
 }
 
-/// Whether a line is a rule that a database draws around its rows: `+------+------+`.
+/// Whether a line is a rule drawn by a database around its rows: `+------+------+`.
 pub(crate) fn is_rule(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     let dashes = line.iter().filter(|b| **b == b'-').count();
     dashes > 2 && 2 * dashes > line.len() && line.iter().all(|b| b"-+|".contains(b))
 }
 
-/// What a line of comment says.
+/// The text of a comment.
 pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
     let text = line.trim_ascii_start();
     let mark = COMMENT.iter().find(|mark| text.starts_with(mark))?;
     Some(text[mark.len()..].trim_ascii_start())
 }
 
-/// Whether a text begins like a table whose columns are separated by blanks.
+/// Whether a text begins like a table with columns separated by blanks.
 pub(crate) fn is_by_blanks(head: &[u8]) -> bool {
     // A header alone may be any words.
     let has_row = lines(head, 0).nth(1).is_some();
     has_row && Front::of(head).is_some_and(|front| front.dialect.separator == BLANK)
 }
 
-/// The front of a table.
+/// The lines above the samples of a table.
 pub(crate) struct Front {
     /// Bytes before the header.
     pub start: usize,
     pub dialect: Dialect,
-    /// Units in a line of their own, a text for each column.
+    /// Units in a separate line, a text for each column.
     pub units: Option<Vec<String>>,
-    /// How many lines below the header say more of the columns: units, kinds of numbers, means or samples.
+    /// Number of lines below the header that describe the columns: units, kinds of numbers, means or samples.
     pub below: usize,
-    /// Names in the row above the header, which count where it has an empty cell.
+    /// Names in the row above the header, used for its empty cells.
     pub above: Vec<String>,
-    /// Whether each row has a name before its cells, in quotes and without a header, as R's `write.table` writes it.
+    /// Whether each row begins with a name in quotes without a header, as R's `write.table` writes it.
     pub has_row_names: bool,
 }
 
 impl Front {
-    /// That of a text which begins like this; nothing where there is nothing in it.
+    /// Finds them in the beginning of a text; none in an empty one.
     pub(crate) fn of(head: &[u8]) -> Option<Self> {
         let mark: &[u8] = b"\xef\xbb\xbf";
         // Joined files have several.
@@ -132,7 +132,7 @@ impl Front {
                 Line::Comment => after_mark = comment(line).map_or(at, end_of),
                 Line::Header(dialect) => {
                     if let Some(preface) = preface(line, &head[at + line.len()..]) {
-                        // What stands above may use another separator.
+                        // The lines above may have another separator.
                         kinds = Lines::default();
                         lines = self::lines(head, at + line.len() + preface);
                         continue;
@@ -157,7 +157,7 @@ impl Front {
                         below = lines.next();
                     }
                     let units = units.or(further);
-                    // Blanks may also stand within the names.
+                    // With blanks as separators the names may contain them.
                     let width = cells(line, dialect).len();
                     let is_of = |width| below.is_none_or(|(_, row)| is_row(row, dialect, width));
                     let is_within =
@@ -198,7 +198,7 @@ impl Front {
     }
 }
 
-/// The names in the last line of what stands above a header, where it has as many cells: groups, and columns of none.
+/// The names in the last line above a header, if it has as many cells: names of groups, and of columns without a group.
 fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
     let last = lines(text, 0).last().map(|(_, line)| cells(line, dialect));
     let is_header = |row: &Record| {
@@ -209,11 +209,11 @@ fn above(text: &[u8], header: &Record, dialect: Dialect) -> Vec<String> {
     last.map_or_else(Vec::new, |row| row.iter().map(dialect::name).collect())
 }
 
-/// Units in a line away from the names: several, since one alone may be a word.
+/// Units in a line that is not directly below the names: several, since a single one may be a word.
 fn several_units(header: &Record, line: &[u8], dialect: Dialect) -> Option<Vec<String>> {
     let mut texts = units(header, &cells(line, dialect), dialect)?;
     for text in &mut texts {
-        // What names the line is no unit.
+        // The name of the line is no unit.
         if unit::guess(text).is_none() {
             text.clear();
         }
@@ -221,11 +221,11 @@ fn several_units(header: &Record, line: &[u8], dialect: Dialect) -> Option<Vec<S
     (texts.iter().filter(|text| !text.is_empty()).count() > 1).then_some(texts)
 }
 
-/// Lines below a header that may say more of its columns.
+/// Number of lines below a header that may describe its columns.
 const MOST_BELOW: usize = 3;
 
-/// Whether a line below a header has words alone, which are no samples and no times. An empty cell may be one, and a row of
-/// nothing is a sample that is missing.
+/// Whether a line below a header has words only, which are no samples and no times. An empty cell may be one, and an empty row
+/// is a missing sample.
 fn is_words(line: &[u8], dialect: Dialect, width: usize) -> bool {
     let row = cells(line, dialect);
     let mut written = row.iter().filter(|cell| !cell.is_empty()).peekable();
@@ -235,17 +235,17 @@ fn is_words(line: &[u8], dialect: Dialect, width: usize) -> bool {
             .is_some_and(|b| b.is_ascii_alphabetic() || b"<[(".contains(b));
         begins && !cell.contains(&b':') && dialect.number(cell).is_none()
     };
-    // Between blanks stand the words of a sentence.
+    // Separated by blanks it may be a sentence.
     dialect.separator != BLANK
         && row.len() == width
         && written.peek().is_some()
         && written.all(is_word)
 }
 
-/// Lines above a header that are looked for it.
+/// Number of lines in which the header is searched.
 pub(crate) const MOST_ABOVE: usize = 100;
 
-/// How many bytes below `first` the header stands, where `first` is none: words on the logger have fewer cells than the names,
+/// Offset of the header below `first`, if `first` is none: lines on the logger have fewer cells than the names,
 /// which have a row of as many numbers below them.
 fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
     let all: Vec<_> = lines(below, 0).take(MOST_ABOVE).collect();
@@ -273,7 +273,7 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
             let names = names_below_as_wide(first, &all[..=last], dialect);
             return names.filter(|_| !is_first);
         }
-        // Units may stand below the names.
+        // Units may follow the names.
         let words = all[..=last]
             .iter()
             .rev()
@@ -282,22 +282,22 @@ fn preface(first: &[u8], below: &[u8]) -> Option<usize> {
     })
 }
 
-/// Where the names stand, the last of these lines or the one above its units, if `first` is words with as many cells: padded to the
+/// Place of the names, the last of these lines or the one above its units, if `first` is words with as many cells: padded to the
 /// width of the names, or a name with its value above two columns.
 fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -> Option<usize> {
     let (last, above) = all.split_last()?;
     let below = cells(last.1, dialect);
-    // Any two words may stand above each other: units are all units, and `t` is a name.
+    // Any two words may be above each other: units are all units, and `t` is a name.
     let is_unit = |text: &String| text.is_empty() || unit::guess(text).is_some();
     let are_units = |line: &[u8]| {
         units(&cells(line, dialect), &below, dialect).is_some_and(|texts| texts.iter().all(is_unit))
     };
-    // A logger may say more of its columns below their units.
+    // A logger may describe its columns further below their units.
     let over_units = all
         .windows(2)
         .find(|two| several_units(&cells(two[0].1, dialect), two[1].1, dialect).is_some());
     if let Some([names, _]) = over_units {
-        // Kinds of numbers stand below the names, and repeat; so do names below those of groups, which have gaps.
+        // Kinds of numbers below the names are repeated; so are names below groups, which have gaps.
         let [of_first, of_names] = [first, names.1].map(|line| cells(line, dialect));
         let are_kinds =
             repeats(&of_names) && !repeats(&of_first) && !is_padded(&of_first, &of_names);
@@ -321,14 +321,14 @@ fn is_padded(first: &Record, names: &Record) -> bool {
     pairs.any(|(first, name)| first.is_empty() && !name.is_empty())
 }
 
-/// Whether two cells say the same.
+/// Whether a text occurs in two cells.
 fn repeats(cells: &Record) -> bool {
     let mut all: Vec<_> = cells.iter().filter(|cell| !cell.is_empty()).collect();
     all.sort_unstable();
     all.windows(2).any(|two| two[0] == two[1])
 }
 
-/// Whether a line may be a row of so many cells. Sentences have blanks and numbers too.
+/// Whether a line may be a row of this width. Sentences have blanks and numbers too.
 fn is_row(line: &[u8], dialect: Dialect, width: usize) -> bool {
     let row = cells(line, dialect);
     let number = |cell: &[u8]| dialect.number(cell);
@@ -341,7 +341,7 @@ fn is_row(line: &[u8], dialect: Dialect, width: usize) -> bool {
     row.len() == width && enough
 }
 
-/// The lines of a text that are not blank, each with where it begins.
+/// The lines of a text that are not blank, each with its offset.
 fn lines(text: &[u8], begin: usize) -> impl Iterator<Item = (usize, &[u8])> {
     let mut at = begin;
     let lines = text
@@ -359,7 +359,7 @@ fn cells(line: &[u8], dialect: Dialect) -> Record {
     Cells::new(dialect).split(line).clone()
 }
 
-/// Whether a comment names the columns of the row below it, which has numbers; beside words, where the comment has none.
+/// Whether a comment names the columns of the row below it. That row has only numbers, or words too if the comment has no number.
 fn is_header_of(comment: &[u8], dialect: Dialect, below: &[u8]) -> bool {
     let (names, row) = (cells(comment, dialect), cells(below, dialect));
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
@@ -368,7 +368,7 @@ fn is_header_of(comment: &[u8], dialect: Dialect, below: &[u8]) -> bool {
     names.len() > 1 && names.len() == row.len() && (are_numbers || is_row)
 }
 
-/// Units of the columns, where the row below the header holds some and no number.
+/// Units of the columns, if the row below the header has some and no number.
 fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String>> {
     let texts: Vec<String> = below
         .iter()
@@ -376,7 +376,7 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .collect();
     let plain = |text: &String| {
         let text = text.trim_matches(['[', ']', '(', ')']).trim();
-        // A dash stands where there is no unit.
+        // A dash means no unit.
         text.trim_matches('-').to_owned()
     };
     let has_number = below
@@ -388,7 +388,7 @@ fn units(header: &Record, below: &Record, dialect: Dialect) -> Option<Vec<String
         .filter(|text| unit::guess(text).is_some())
         .count();
     let written = texts.iter().filter(|text| !text.is_empty()).count();
-    // Words between blanks may be units too: all of them must be.
+    // Separated by blanks, words may be units by chance: all of them must be units.
     let enough = match dialect.separator {
         BLANK => known == written,
         _ => 2 * known >= written,
@@ -442,7 +442,7 @@ mod tests {
                 b',',
             ),
             ("t speed\n2026-11-26 01:02:03 1\n", "t speed", b','),
-            // What a logger says of itself has blanks too.
+            // Lines on the logger contain blanks too.
             (
                 "Logger 2.1\nMachine: EX-22\nt speed\n0 0\n",
                 "t speed",
@@ -455,7 +455,7 @@ mod tests {
             ),
             ("Made on day 3\nt,speed\n0,0\n", "t,speed", b','),
             ("t speed\n0 0\nt speed\n0 1\n", "t speed", BLANK),
-            // R's names of rows.
+            // R's row names.
             ("\"t\" \"speed\"\n\"1\" 0 1\n", "\"t\" \"speed\"", BLANK),
             ("t speed\n1 0 1\n", "t speed", BLANK),
         ] {
@@ -480,7 +480,7 @@ mod tests {
             ("Site;North\nDate;2026-11-21\n", "t;speed\n0;1\n1;1\n"),
             ("Site;North\nDate;2026-11-21\n", "t;speed\n[s];[m/s]\n0;1\n"),
             ("Serial;12\nSite;North\n\n", "t;speed\n0;1\n"),
-            // As a sheet pads them, and groups above names.
+            // Padded as in sheets, and groups above names.
             ("Site;North;;\nBy;K. Ito;;\n;;;\n", "t;speed;x;y\n0;1;2;3\n"),
             ("Logger;;;\n", "t;speed;x;y\ns;m/s;-;-\n0;1;2;3\n"),
             (";Drive;;Cabin\n", "t;speed;x;y\n0;1;2;3\n"),
@@ -493,7 +493,7 @@ mod tests {
             let (header, ..) = of(&format!("{front}{rest}"));
             assert_eq!(Some(header.as_str()), rest.lines().next(), "{front}");
         }
-        // What belongs to no group stands in the upper row alone.
+        // Columns without a group have their names in the upper row only.
         for groups in ["t;Drive;;Cabin", "t;Drive;Drive;Cabin", "t;Drive;;"] {
             let text = format!("{groups}\n;speed;slope;x\n0;1;2;3\n");
             assert_eq!(of(&text).0, ";speed;slope;x", "{groups}");
@@ -508,7 +508,7 @@ mod tests {
         ] {
             assert_eq!(Some(of(header).0.as_str()), header.lines().next());
         }
-        // A header that lacks a name is one all the same.
+        // A header with a missing name is still a header.
         assert_eq!(of("t,speed\n0,1,2\n1,1,2\n").0, "t,speed");
         assert_eq!(of("t,speed\ns,m/s\n0,1\n").0, "t,speed");
     }

@@ -10,7 +10,7 @@ use crate::signal::Sensors;
 use crate::suggest::names::fitting;
 use crate::unit;
 
-/// The names in the header of a table, which numbers are not, told by the names `above` them.
+/// The names in the header of a table, which must not be numbers, completed by the names `above` them.
 pub(crate) fn header(
     record: &Record,
     above: &[String],
@@ -20,7 +20,7 @@ pub(crate) fn header(
 ) -> Result<Vec<String>, Error> {
     let header = told(record.iter().map(dialect::name).collect(), above);
     check_names(&header, file)?;
-    // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
+    // Half of a program, or of UTF-16 text, is zeros; a single zero in quotes is an unusual name.
     let zeros = record.iter().flatten().filter(|b| **b == 0).count();
     let length: usize = record.iter().map(<[u8]>::len).sum();
     if 10 * zeros > length {
@@ -41,8 +41,8 @@ pub(crate) fn header(
     Ok(header)
 }
 
-/// Names that are told from each other: those of the row above where the header has none, and those of the group above, which stands
-/// once over the first of its columns, before one that stands several times.
+/// Unambiguous names: an empty name is replaced by the one in the row above. A repeated name is prefixed by that of its group, which is
+/// above the first of its columns.
 fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     for name in &names {
@@ -65,7 +65,7 @@ fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
     named.collect()
 }
 
-/// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
+/// A column that is named as a signal and not in the map is taken in SI: its unit below the header, if any, must be that.
 pub(crate) fn check_units<S: Sensors>(
     header: &[String],
     units: &[String],
@@ -93,7 +93,7 @@ pub(crate) fn check_units<S: Sensors>(
     Ok(())
 }
 
-/// Whether no name stands twice.
+/// Refuses repeated names.
 fn check_names(names: &[String], file: &str) -> Result<(), Error> {
     let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {

@@ -1,26 +1,26 @@
-//! Marks between thousands that pass for decimal marks: `12.345` in a table that has `0,5` too.
+//! Detects thousands separators that could be taken for decimal marks: `12.345` in a table that also has `0,5`.
 
 /// Point and comma.
 const MARKS: [u8; 2] = [b'.', b','];
 
-/// What points and commas were in the numbers of a column.
+/// Use of points and commas in the numbers of a column.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Marks {
-    /// Before three digits and behind one to three: between thousands, or a decimal mark.
+    /// Before three digits and after one to three: a thousands separator or a decimal mark.
     either: [bool; 2],
-    /// Nothing but a decimal mark.
+    /// Certainly a decimal mark.
     decimal: [bool; 2],
-    /// Numbers of the first kind, those below a thousand without a mark, and whether any other had none.
+    /// Numbers of the first kind, numbers below a thousand without a mark, and whether any other had none.
     groups: u32,
     small: u32,
     has_large: bool,
 }
 
-/// So many numbers of each kind tell: of those with three decimals one in ten ends with a zero, which is left out where others are.
+/// Fewest numbers of each kind for a verdict: of numbers with three decimals one in ten ends with a zero, which some programs omit.
 const ENOUGH: u32 = 50;
 
 impl Marks {
-    /// Looks at a number.
+    /// Takes a number.
     pub(super) fn see(&mut self, cell: &[u8]) {
         let Some(at) = memchr::memrchr2(MARKS[0], MARKS[1], cell) else {
             let digits = cell.strip_prefix(b"-").unwrap_or(cell);
@@ -40,15 +40,15 @@ impl Marks {
         self.decimal[mark] |= !is_either;
     }
 
-    /// Whether no thousand is without a mark, and no number below it has one.
+    /// Whether no number of a thousand or more lacks a mark, and none below has one.
     fn is_grouped(&self) -> bool {
         self.groups > ENOUGH && self.small > ENOUGH && !self.has_large
     }
 }
 
-/// The first column whose numbers cannot be told, with the mark in them: its marks may stand between thousands, and the table
-/// has the other mark for decimals, or only what is larger than a thousand has one. Commas in quotes between commas are decimal
-/// marks only where some of them can be nothing else, and no number has a point.
+/// The first column with ambiguous numbers, and their mark. The mark may separate thousands if the table
+/// has the other mark for decimals, or if only numbers above a thousand have it. Commas in quotes in a table separated by commas are
+/// decimal marks only if some of them certainly are, and no number has a point.
 pub(super) fn unclear(columns: &[Marks], separator: u8) -> Option<(usize, char)> {
     let has = |mark: usize| columns.iter().any(|column| column.decimal[mark]);
     (0..MARKS.len()).find_map(|mark| {
@@ -72,7 +72,7 @@ pub(super) fn unclear(columns: &[Marks], separator: u8) -> Option<(usize, char)>
 mod tests {
     use super::*;
 
-    /// What is unclear in columns of these cells.
+    /// The ambiguity in columns of these cells.
     fn unclear_of(columns: &[&[&str]], separator: u8) -> Option<(usize, char)> {
         let marks = columns.iter().map(|cells| {
             let mut marks = Marks::default();

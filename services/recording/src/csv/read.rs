@@ -15,10 +15,10 @@ use crate::signal::{Row, Sensors};
 use crate::unit;
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
-/// and `rear_load` \[N\]; a row of units below the header may name others.
+/// and `rear_load` \[N\]; a row of units below the header may state others.
 ///
 /// # Errors
-/// The file cannot be read, lacks a column, has one in a unit of something else, or a cell holds no finite number.
+/// The file cannot be read, lacks a column, has one in a unit of another dimension, or a cell holds no finite number.
 pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     const NAMES: [(&str, &str); 3] = [("pitch", "rad"), ("front_load", "N"), ("rear_load", "N")];
     let table = Table::open(path.as_ref())?;
@@ -26,7 +26,7 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     let (mut at, mut factors) = ([0; 3], [1.0; 3]);
     for ((at, factor), (name, si)) in at.iter_mut().zip(&mut factors).zip(NAMES) {
         let found = header.iter().position(|h| h == name);
-        // There is no map of it.
+        // Weighings have no signal map.
         *at = found.ok_or_else(|| Error {
             remedy: format!("add or rename it; the file has {}", listed(&header)),
             ..absent(&[name], "weighing", &header, &table.file)
@@ -48,7 +48,7 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
                     let line = table.line(records.start());
                     let error =
                         NoNumber::of(cell, &header[at], &header, false).at(line, &table.file);
-                    // No number of a weighing can be missing.
+                    // No number of a weighing may be missing.
                     let remedy = "write a number, or delete the row";
                     Error::new(error.what, error.place, remedy)
                 })?;
@@ -58,7 +58,7 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     Ok(rows)
 }
 
-/// A file and how it is written.
+/// A file and its format.
 struct Table {
     path: PathBuf,
     file: String,
@@ -68,20 +68,20 @@ struct Table {
     is_plain: bool,
     /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
-    /// Units in a line of their own, a text for each column.
+    /// Units in a separate line, a text for each column.
     units: Option<Vec<String>>,
     /// Lines below the header that are no samples.
     below: usize,
-    /// Names above those that the header leaves empty.
+    /// Names in the row above, for empty ones in the header.
     above: Vec<String>,
-    /// Whether each row has a name, of which the header says nothing.
+    /// Whether each row has a name without a column in the header.
     has_row_names: bool,
 }
 
 /// The lines below the header.
 type Lines = Records<BufReader<Box<dyn Read>>>;
 
-/// The header is within so many bytes.
+/// Number of bytes in which the header must be.
 const HEAD: u64 = 1 << 18;
 
 impl Table {
@@ -90,7 +90,7 @@ impl Table {
         let mut head = Vec::new();
         let mut content = packed::open(path).map_err(failed)?;
         match content.by_ref().take(HEAD).read_to_end(&mut head) {
-            // A packed file that was cut off within its head still has a head.
+            // A compressed file that was cut off within these bytes may still contain the header.
             Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => return Err(failed(e)),
             _ => {}
         }
@@ -127,7 +127,7 @@ impl Table {
         })
     }
 
-    /// What one of a column's unit is in SI; that of a column without a unit is the SI unit.
+    /// One of a column's unit in SI; a column without a unit is in SI.
     fn factor(&self, at: usize, name: &str, si: &str) -> Result<f64, Error> {
         let text = self.units.as_ref().and_then(|units| units.get(at));
         let Some(text) = text.filter(|text| !text.is_empty()) else {
@@ -157,7 +157,7 @@ impl Table {
         Ok(Box::new(content))
     }
 
-    /// The records, the last line above the samples taken, and the header.
+    /// The records after the last line above the samples, and the header.
     fn records(&self) -> Result<(Lines, Vec<String>), Error> {
         let content = BufReader::with_capacity(1 << 16, self.content(self.preface)?);
         let mut records = Records::new(content, self.dialect);
@@ -184,25 +184,25 @@ impl Table {
         more.map_err(|e| Error::system("read the data", &self.path, &e))
     }
 
-    /// Whether this says that a packed file ends early.
+    /// Whether this error means that a compressed file ends early.
     fn is_cut(&self, error: &io::Error) -> bool {
         self.is_packed && error.kind() == io::ErrorKind::UnexpectedEof
     }
 
-    /// Whether a line end closes the last row.
+    /// Whether the last row has a line end.
     fn is_closed(&self) -> Result<bool, Error> {
         let failed = |e| Error::system("read the data", &self.path, &e);
         let last = if self.is_plain {
             last_byte(&self.path).map_err(failed)?
         } else {
-            // To where it ends there is no way but through it.
+            // The end of the text is reached only by reading all of it.
             let bytes = BufReader::new(self.content(0)?).bytes();
             bytes.last().transpose().map_err(failed)?
         };
         Ok(last == Some(b'\n'))
     }
 
-    /// Line of the record that begins at this byte, counted from 1; empty lines before it are counted too.
+    /// Line of the record that begins at this byte, counted from 1, empty lines included.
     fn line(&self, start: u64) -> usize {
         let start = self.preface + start as usize;
         let content = self
@@ -233,12 +233,12 @@ pub(crate) struct TableRows<S: Sensors> {
     columns: Columns<S>,
     count: u64,
     has_ended: bool,
-    /// The last row was cut off: where.
+    /// Place of a last row that was cut off.
     cut_off: Option<String>,
 }
 
 impl<S: Sensors> TableRows<S> {
-    /// Opens a table, to be read as the map says.
+    /// Opens a table, to be read with the map.
     pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
         let table = Table::open(path)?;
         let (records, header) = table.records()?;
@@ -261,17 +261,17 @@ impl<S: Sensors> TableRows<S> {
         self.records.end()
     }
 
-    /// Words on a last row that was cut off, once the rows were read.
+    /// Message on a last row that was cut off, after all rows were read.
     pub(crate) fn cut_off(&self) -> Option<&str> {
         self.cut_off.as_deref()
     }
 
-    /// Words on columns without a value, once the rows were read.
+    /// Messages on columns without a value, after all rows were read.
     pub(crate) fn empty(&self) -> Vec<String> {
         self.columns.empty().collect()
     }
 
-    /// The next row; nothing at the end.
+    /// The next row; none at the end.
     pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
             if let Some(row) = self.columns.row() {
@@ -337,7 +337,7 @@ impl<S: Sensors> TableRows<S> {
         self.columns.check_values(&self.table.file)
     }
 
-    /// A last row that no line end closes was cut off while it was written: it is left out.
+    /// A last row without a line end was cut off while it was written: it is left out.
     fn end_early(&mut self, too_short: Error) -> Result<(), Error> {
         let (table, start) = (&self.table, self.records.start());
         if self.count == 0 || table.is_closed()? || table.advance(&mut self.records)? {
@@ -361,7 +361,7 @@ pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     std::iter::from_fn(|| rows.row().transpose()).collect()
 }
 
-/// Columns of a table that are no signal, each with the absent signal that its name is nearest to; none where it
+/// Columns of a table that are no signal, each with the most similar name of an absent signal; none if the table
 /// cannot be read.
 pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
     let header = Table::open(path).and_then(|table| Ok(table.records()?.1));
@@ -381,7 +381,7 @@ pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
 pub(crate) struct Look {
     /// Names of the columns.
     pub header: Vec<String>,
-    /// Units in a row below the header, empty texts where there are none.
+    /// Units in a row below the header, empty texts if there are none.
     pub units: Vec<String>,
     /// Numbers by column; NaN where a cell holds none.
     pub columns: Vec<Vec<f64>>,
@@ -404,7 +404,7 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
         match records.advance() {
             Ok(true) => {}
             Ok(false) => break,
-            // The rows before the cut tell the units.
+            // The rows before the cut suffice for the units.
             Err(e) if row > 0 && table.is_cut(&e) => break,
             Err(e) => return Err(Error::system("read the data", path, &e)),
         }
@@ -427,7 +427,7 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     })
 }
 
-/// Whether a time has no part of a second: behind its last colon, or in all of it, there is no decimal mark.
+/// Whether a time has no fraction of a second: no decimal mark after its last colon.
 fn is_of_whole_seconds(cell: &[u8]) -> bool {
     let seconds = cell.rsplit(|b| *b == b':').next().unwrap_or_default();
     !seconds.iter().any(|b| b".,eE".contains(b))

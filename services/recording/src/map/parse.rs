@@ -9,7 +9,7 @@ use super::{
 use crate::unit::Unit;
 use crate::{Error, unit};
 
-/// Most rows a second that are made of CAN frames: no bus carries a signal more often.
+/// Largest rate of rows from CAN frames [Hz]: no bus carries a signal more often.
 const MAX_RATE: f64 = 1000.0;
 
 /// Reads a map.
@@ -22,7 +22,7 @@ struct Parser<'a> {
     path: &'a Path,
 }
 
-/// Where the entries of a table come from.
+/// Kind of origins in a table of entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
     Columns,
@@ -292,7 +292,7 @@ impl Parser<'_> {
         })
     }
 
-    /// When there is a row.
+    /// Times of the rows.
     fn rows(&self, table: &dyn TableLike, name: &str, line: usize) -> Result<Rows, Error> {
         let rate = self.within(table, "rate", 0.1, MAX_RATE)?;
         match (self.word(table, "master")?, rate) {
