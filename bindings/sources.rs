@@ -1,6 +1,6 @@
-// For build scripts: which code a state is a state of.
+// For build scripts: the sources to which a saved state belongs.
 
-/// A sum of all sources below these folders; cargo runs the script again when one changes.
+/// A checksum of all sources below these folders; cargo runs the script again when one changes.
 fn sum_of_sources(folders: &[&str]) -> u64 {
     let mut files = Vec::new();
     for folder in folders {

@@ -1,5 +1,5 @@
-//! Recordings without end: parts of a bounded length, bounded room, a logger that is killed, a disk
-//! that is full.
+//! Endless recordings: parts of a bounded length, a bounded size, a logger that is killed, a full
+//! disk.
 
 mod common;
 
@@ -44,7 +44,7 @@ fn parts_are_whole_and_are_read_as_one() {
         assert!(begun.starts_with("20"), "{begun}");
     }
     assert_eq!(numbers(folder.path()), (0..=800).collect::<Vec<_>>());
-    // Every reader takes the folder.
+    // Every reader accepts the folder.
     let verified = run_ok(&["replay", text(folder.path()), "--verify"]);
     assert!(verified.contains("bit-identical"), "{verified}");
     let out = folder.path().join("out");
@@ -81,7 +81,7 @@ fn old_parts_make_room_for_new_ones() {
         .iter()
         .map(|f| std::fs::metadata(f).map_or(0, |m| m.len()))
         .collect();
-    // Beside what is kept there is the part that is being written, of at most twice the length.
+    // Beside the parts that are kept there is the part being written, of at most twice the length.
     let total: u64 = sizes.iter().sum();
     assert!((200_000..1_400_000).contains(&total), "{sizes:?}: {said}");
     assert!(sizes.iter().all(|s| *s < 400_000), "{sizes:?}: {said}");
@@ -90,14 +90,14 @@ fn old_parts_make_room_for_new_ones() {
     let answers = EXCAVATOR_INERTIA_UKF.name;
     let answers = common::sequences::<ExcavatorEstimate>(folder.path(), answers);
     let is_whole = kept.last() == Some(&9000) && answers.last() == Some(&9000);
-    // On a host without a processor to spare a service may hang; what that costs is told, with its status.
+    // On a host without a spare processor a service may hang; its losses are reported, with their status.
     assert!(
         is_whole || second.status.code() == Some(1),
         "lost without a word: {:?}, {:?}: {said}",
         kept.last(),
         answers.last()
     );
-    // Whoever takes files takes the name of the first part too, and who takes folders finds it.
+    // Commands that take files accept the name of the removed first part too, and those that take folders find the recording.
     let name = folder.path().join("run-2.mcap");
     assert!(!name.exists(), "{sizes:?}: {said}");
     run_ok(&["loads", text(folder.path())]);
@@ -112,7 +112,7 @@ fn a_logger_that_is_killed_at_the_end_of_parts_loses_no_sample() {
     run.wait_for_services();
     std::thread::sleep(Duration::from_millis(1500));
     for n in 0..6 {
-        // Now before, now after the end of a part.
+        // Sometimes before, sometimes after the end of a part.
         std::thread::sleep(Duration::from_millis(1400 + 130 * n));
         let old = run.service("logger").expect("a logger");
         kill(old, Signal::KILL);
@@ -123,7 +123,7 @@ fn a_logger_that_is_killed_at_the_end_of_parts_loses_no_sample() {
     let (output, folder) = run.wait();
     let said = both(&output);
     assert_eq!(said.matches("logger died").count(), 6, "{said}");
-    // The writers hold five seconds at 100 Hz: more than a flush, a visit and the start of a logger take.
+    // The writers buffer five seconds at 100 Hz: more than a flush, a visit and the start of a logger take.
     let all: Vec<u64> = (0..=1600).collect();
     assert_eq!(numbers(folder.path()), all, "each once, in order: {said}");
     let answers = EXCAVATOR_INERTIA_UKF.name;

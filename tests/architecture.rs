@@ -1,4 +1,4 @@
-//! Who may import whom: the arrows of the design, held by a test.
+//! Allowed imports between crates: the arrows of the design, enforced by a test.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Each crate of ours with the crates of ours that it depends on, no more and no fewer.
+/// Each crate of this project with those that it depends on, no more and no fewer.
 const ARROWS: &[(&str, &str)] = &[
     ("services/sheet", ""),
     ("services/estimation", "sheet"),
@@ -25,7 +25,7 @@ const ARROWS: &[(&str, &str)] = &[
         "services/view",
         "estimation messages recording sheet statistics steps",
     ),
-    // A workspace of its own, because of Zenoh.
+    // A separate workspace, because of Zenoh.
     (
         "services/gateway",
         "diagnostics messages recording runtime statistics steps view",
@@ -52,7 +52,7 @@ const ARROWS: &[(&str, &str)] = &[
     ),
 ];
 
-/// What stands at the top of the repository, no more and no fewer.
+/// Names at the top of the repository, no more and no fewer.
 const TOP: &str = ".ci .dockerignore .github .gitignore ARCHITECTURE.md CHANGELOG.md CITATION.cff CONTRIBUTING.md Cargo.lock \
     Cargo.toml LICENSE-APACHE LICENSE-MIT README.md SECURITY.md bench bindings build.rs clippy.toml deny.toml docs \
     examples services sim tests";
@@ -76,7 +76,7 @@ fn dependencies(folder: &str, section: &str) -> BTreeSet<String> {
     names
 }
 
-/// Every package of ours by its name.
+/// Every package of this project by its name.
 fn ours() -> BTreeSet<&'static str> {
     let folders = ARROWS.iter().map(|(folder, _)| *folder);
     folders.filter_map(|f| f.rsplit('/').next()).collect()
@@ -256,7 +256,7 @@ fn the_product_has_no_unsafe_code() {
     }
 }
 
-/// The files of each target of a package that cargo is told not to compile for tests.
+/// The files of each target of a package that cargo does not compile for tests.
 fn untested(folder: &Path) -> Vec<PathBuf> {
     let text = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
     let mut files = Vec::new();

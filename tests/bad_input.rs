@@ -1,4 +1,4 @@
-//! Wrong use and bad input: what, where, what to do; exit 2; nothing half-written.
+//! Wrong use and bad input: messages of what, where, what to do; exit status 2; no partial output.
 
 mod common;
 #[path = "bad_input/misplaced.rs"]
@@ -80,7 +80,7 @@ fn text_in_a_number_is_named_with_row_and_column() {
 #[test]
 fn what_a_cell_should_be_is_said_where_it_is_something_else() {
     let refused = |content: &str, words: &[&str]| estimate("excavator", "in.csv", content, words);
-    // The day of an American date may be its month.
+    // An American date may begin with its month.
     let date = "t,swing_velocity\n03/04/2026 12:59:50 PM,0.1\n";
     let ambiguous = "may begin with its day or with its month";
     refused(date, &["03/04/2026", ambiguous, "2026-11-21 16:00:00.25"]);
@@ -88,7 +88,7 @@ fn what_a_cell_should_be_is_said_where_it_is_something_else() {
     refused(thousands, &["1,250.5", "decimal point"]);
     let twice = "t,swing_velocity\n0,0\n0.01,0\nt,swing_velocity\n0,0\n";
     refused(twice, &["in.csv:4", "header stands here once more"]);
-    // Without the second header its rows would be of other columns.
+    // Without the second header its rows would be assigned to other columns.
     let turned = "t,swing_velocity\n0,0\n0.01,0\nswing_velocity,t\n0,0\n";
     refused(turned, &["in.csv:4", "make a file of each"]);
     let quote = "t,swing_velocity\n0,0\n\"0.01,0\n0.02,0\n";
@@ -111,7 +111,7 @@ fn a_map_that_lacks_what_is_needed_says_so() {
         words.contains("needed: swing_velocity or swing_angle;"),
         "{words}"
     );
-    // Nor is a header what a logger says of itself.
+    // A line on the logger is no header either.
     fs::write(input, "Logger 2.1\nTime [s],Boom [deg],A7\n0,1,2\n").expect("a file");
     let words = both(&run(&["map", input, "--machine", "excavator"]));
     assert!(
@@ -322,7 +322,7 @@ fn a_service_without_a_supervisor_says_how_to_start_one() {
     says(&result, "what to do");
 }
 
-/// Runs a shell script in mount namespace of its own; `None`, with a word, where that is forbidden.
+/// Runs a shell script in a mount namespace of its own; `None`, with a message, if that is forbidden.
 fn with_own_mounts(script: &str) -> Option<std::process::Output> {
     let output = std::process::Command::new("unshare")
         .args(["--mount", "sh", "-c", script])

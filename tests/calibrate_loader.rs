@@ -1,4 +1,4 @@
-//! `heft calibrate loader` as a user runs it, on a simulated machine off the line.
+//! `heft calibrate loader` as a user runs it, on a simulated machine from production.
 
 mod common;
 
@@ -14,7 +14,7 @@ const MACHINE: u64 = 7;
 const LOAD: f64 = 1500.0;
 const OFFSET: f64 = 0.05;
 
-/// A machine with tyres of its own, a late speed and an accelerometer that is askew.
+/// A machine with its own tyres, a delayed speed and a misaligned accelerometer.
 fn run_of(scenario: Scenario, course: u64, payload: Option<f64>) -> Run {
     Run {
         seed: 1000 * MACHINE + course,
@@ -38,7 +38,7 @@ fn drive(run: &Run) -> Simulation {
     Simulation::new(run).expect("a run")
 }
 
-/// The way back from where a drive ended, as long as it was.
+/// The path back from the end of a drive, of the same length.
 fn back(there: &Run) -> Vec<Row> {
     let way = |rows: &[Row]| -> f64 {
         let steps = rows.windows(2);
@@ -122,7 +122,7 @@ impl Recordings {
         std::fs::write(self.path(name), text).expect("a file");
     }
 
-    /// Calibrates from some of the files, with further words.
+    /// Calibrates from some of the files, with further arguments.
     fn calibrate(&self, files: &[&str], more: &[&str]) -> (Output, PathBuf) {
         let text = |p: &Path| p.to_str().expect("a path").to_owned();
         let output = self.path("machine.toml");
@@ -135,7 +135,7 @@ impl Recordings {
     }
 }
 
-/// Three standard deviations as stated, and no more than what a calibration is for.
+/// Within three of the stated standard deviations, and these no larger than a calibration needs.
 fn assert_is_of_the_machine(d: &config::Loader, recordings: &Recordings) {
     let m = &recordings.machine;
     for (what, found, std, truth, useful) in [

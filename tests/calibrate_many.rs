@@ -1,4 +1,4 @@
-//! `heft calibrate` over many machines, and what it must never overwrite.
+//! `heft calibrate` over many machines, and files that it must never overwrite.
 
 mod common;
 
@@ -9,7 +9,7 @@ use common::{both, path_in, run, run_ok, says};
 use config::Tables as _;
 use evaluate::excavator::calibration::Truth;
 
-/// A table of what the sensors of a machine show while it works with a load [kg].
+/// A table of a machine's sensors while it works with a load [kg].
 fn record(file: &Path, machine: u64, load: f64) {
     let mut text = "t,swing_velocity,swing_torque,boom_angle,arm_angle,bucket_angle\n".to_owned();
     for s in Truth::new(machine).record(load, 2 * machine + u64::from(load > 0.0)) {
@@ -26,7 +26,7 @@ fn record(file: &Path, machine: u64, load: f64) {
 struct Site(tempfile::TempDir);
 
 impl Site {
-    /// Three machines with an empty and a loaded recording each; the load of the last is forgotten.
+    /// Three machines with an empty and a loaded recording each; the load of the last one is not stated.
     fn new() -> Self {
         let site = Self(tempfile::tempdir().expect("a folder"));
         for (name, machine) in [("a", 3), ("b", 5), ("c", 8)] {
@@ -54,7 +54,7 @@ impl Site {
             "--each",
             "--payload",
             "empty.csv=0",
-            // Their lengths are as drawn, and their angles exact.
+            // Their geometry is as described, and their angles are exact.
             "--set",
             "machine.geometry_tolerance=0",
             "--set",
@@ -101,7 +101,7 @@ fn each_folder_is_a_machine_and_what_is_done_is_kept_until_something_else_is_ask
         lines.map(|l| l.split(',').count()).collect::<Vec<_>>(),
         [columns; 2]
     );
-    // The same again costs nothing; another load, and a machine without its recording, are reported.
+    // The same command again computes nothing; another load, and a machine without its recording, are reported.
     let again = run_all(&["a", "b"], "loaded.csv=423±0.5");
     assert_eq!(
         both(&again).matches("up to date").count(),

@@ -1,4 +1,4 @@
-//! No files of one crate import each other in a loop: each can be read after those below it.
+//! The files of a crate do not import each other in a cycle: each can be read after those below it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 const CRATES: &[&str] = &["services", "sim", "bench", "bindings"];
 
-/// A module by its path in the crate; the crate's root has none.
+/// Path of a module in the crate; that of the crate's root is empty.
 type Module = Vec<String>;
 
-/// What a module imports: the name it goes by here, the path that it stands for, and whether it is only handed on (`pub use`).
+/// Imports of a module: the local name, the imported path, and whether it is only re-exported (`pub use`).
 type Imports = BTreeMap<String, (Vec<String>, bool)>;
 
 struct Source {
@@ -57,7 +57,7 @@ fn sources(src: &Path, folder: &Path, found: &mut BTreeMap<Module, Source>) {
     }
 }
 
-/// The paths of one `use`, its braces opened: `a::{b, c as d}` is `b` for `a::b`, and `d` for `a::c`.
+/// The paths of one `use`, with its braces expanded: `a::{b, c as d}` is `b` for `a::b`, and `d` for `a::c`.
 fn opened(text: &str, before: &[String], is_handed_on: bool, imports: &mut Imports) {
     let (mut depth, mut from) = (0, 0);
     let mut parts = Vec::new();
@@ -109,7 +109,7 @@ fn imports(code: &str) -> Imports {
     found
 }
 
-/// The module that defines what a path names, seen from `module`; none where it is of another crate.
+/// The module that defines the target of a path, seen from `module`; none in another crate.
 fn home(
     all: &BTreeMap<Module, Source>,
     module: &Module,
@@ -149,7 +149,7 @@ fn home(
     None
 }
 
-/// The files that each file takes a name from. A re-export (`pub use`) takes nothing.
+/// The files whose names each file uses. A re-export (`pub use`) uses none.
 fn arrows(all: &BTreeMap<Module, Source>) -> BTreeMap<&Module, BTreeSet<Module>> {
     let arrows = all.iter().map(|(module, source)| {
         let own = source
@@ -180,7 +180,7 @@ fn arrows(all: &BTreeMap<Module, Source>) -> BTreeMap<&Module, BTreeSet<Module>>
     arrows.collect()
 }
 
-/// Of each file all that it reaches along the arrows.
+/// All files that each file reaches along the arrows.
 fn reached(arrows: &BTreeMap<&Module, BTreeSet<Module>>, from: &Module) -> BTreeSet<Module> {
     let (mut reached, mut next) = (BTreeSet::new(), vec![from.clone()]);
     while let Some(module) = next.pop() {
@@ -192,7 +192,7 @@ fn reached(arrows: &BTreeMap<&Module, BTreeSet<Module>>, from: &Module) -> BTree
     reached
 }
 
-/// The files of a crate that are in a loop.
+/// The files of a crate that are in a cycle.
 fn in_loops(src: &Path) -> Vec<String> {
     let mut all = BTreeMap::new();
     sources(src, src, &mut all);

@@ -1,4 +1,4 @@
-//! What others wrote and we ship: licences that fit ours, few things twice.
+//! Dependencies that are shipped: compatible licences, few duplicates.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Licences that may be linked into what is MIT or Apache-2.0.
+/// Licences that may be linked into MIT or Apache-2.0 code.
 const LICENCES: &[&str] = &[
     "MIT",
     "MIT-0",
@@ -23,8 +23,8 @@ const LICENCES: &[&str] = &[
     "0BSD",
 ];
 
-/// What is in the tree more than once, and why it cannot be helped. The peers of `bench`, and what
-/// only builds or tests need, are not shipped and not counted.
+/// Accepted duplicates in the tree, with the reason. The peers of `bench`, and dependencies for
+/// builds or tests only, are not shipped and not counted.
 const TWICE: &[&str] = &[
     // At build time only: iceoryx2 and ratatui, serde and tracing.
     "darling",
@@ -38,7 +38,7 @@ const TWICE: &[&str] = &[
     "embedded-io",
     "toml_datetime",
     "winnow",
-    // Features of nalgebra that nothing switches on.
+    // Features of nalgebra that no crate enables.
     "glam",
 ];
 
@@ -54,7 +54,7 @@ fn metadata() -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-/// Packages that the binary `heft` is made of, by their ids.
+/// Ids of the packages in the binary `heft`.
 fn shipped(metadata: &Value) -> BTreeSet<&str> {
     let nodes: BTreeMap<&str, &Value> = metadata["resolve"]["nodes"]
         .as_array()
@@ -90,7 +90,7 @@ fn packages(metadata: &Value) -> Vec<&Value> {
         .collect()
 }
 
-/// Whether one of the licences of each alternative fits.
+/// Whether one of the licences of each alternative is compatible.
 fn fits(expression: &str) -> bool {
     let expression = expression.replace('/', " OR ").replace(['(', ')'], "");
     expression
@@ -126,10 +126,10 @@ fn nothing_is_shipped_in_two_versions_without_a_reason() {
     assert_eq!(found, TWICE.iter().copied().collect(), "{versions:?}");
 }
 
-/// What fleets compile with other features, and nothing stands on but ours, or what runs while compiling.
+/// Packages that fleets compile with other features, if only our crates depend on them or they run at compile time.
 const UNLIKE: &[&str] = &["anyhow", "fastrand", "flate2", "libc", "tracing-subscriber"];
 
-/// Each package with a set of features that a workspace compiles it with for its tests; none where the registry's part of it is not here.
+/// Each package with its features in the tests of a workspace; none if the registry's part of it is not available.
 fn compiled(manifest: &str) -> Option<BTreeSet<(String, String)>> {
     let output = Command::new(env!("CARGO"))
         .args(["tree", "--manifest-path", manifest, "--workspace", "-e"])

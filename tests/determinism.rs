@@ -1,4 +1,4 @@
-//! One thread, several processes, a replay: the same bits.
+//! One thread, several processes and a replay give identical bits.
 
 mod common;
 
@@ -13,7 +13,7 @@ fn path(path: &Path) -> &str {
     path.to_str().expect("a printable path")
 }
 
-/// Rows of a CSV file as text: two files agree if every digit does.
+/// Rows of a CSV file as text: two files are equal if every digit is.
 fn rows(file: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(file).expect("a CSV file");
     text.lines().map(str::to_owned).collect()
@@ -200,7 +200,7 @@ fn a_changed_estimate_is_found_by_the_replay() {
     let sensors: Vec<ExcavatorSensors> = reader.messages("excavator/sensors").expect("sensors");
     let mut estimates: Vec<ExcavatorEstimate> =
         reader.messages("excavator/inertia_ukf").expect("estimates");
-    // The smallest change that there is, in one number of one estimate.
+    // The smallest possible change, in one number of one estimate.
     estimates[100].inertia = f64::from_bits(estimates[100].inertia.to_bits() + 1);
     for message in &sensors {
         writer

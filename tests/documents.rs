@@ -1,12 +1,12 @@
-//! README and docs: their sentences are short, their links lead somewhere, and their commands exist.
+//! README and docs: sentences are short, links are valid, and commands exist.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Words of a sentence, wherever it stands.
+/// Largest number of words of a sentence.
 const LONGEST_SENTENCE: usize = 25;
-/// Words of a page of docs; what is longer is two pages.
+/// Largest number of words of a page; a longer page is to be split.
 const LONGEST_PAGE: usize = 1200;
 
 /// README and every page of docs.
@@ -22,7 +22,7 @@ fn pages() -> Vec<PathBuf> {
     pages
 }
 
-/// The text without what stands between fences, and what does.
+/// The text outside of fences, and the text within.
 fn split(text: &str) -> (Vec<&str>, Vec<&str>) {
     let (mut words, mut fenced, mut inside) = (Vec::new(), Vec::new(), false);
     for line in text.lines() {
@@ -38,7 +38,7 @@ fn split(text: &str) -> (Vec<&str>, Vec<&str>) {
     (words, fenced)
 }
 
-/// What is read in one breath: paragraphs, points of lists and cells of tables.
+/// Units of text: paragraphs, points of lists and cells of tables.
 fn pieces(lines: &[&str]) -> Vec<String> {
     let mut all = vec![String::new()];
     for line in lines.iter().map(|l| l.trim()) {
@@ -64,7 +64,7 @@ fn pieces(lines: &[&str]) -> Vec<String> {
     all
 }
 
-/// Text between back quotes counts as one word, an address of a link as none.
+/// Text between back quotes counts as one word, the address of a link as none.
 fn without_code(text: &str) -> String {
     let quoted = text.split('`').enumerate();
     let text: String = quoted
@@ -116,7 +116,7 @@ fn no_sentence_is_too_long_to_read() {
 fn no_page_is_too_long_to_read() {
     let mut long = Vec::new();
     for page in pages() {
-        // The reference that heft writes and the journals of measurements are looked up, not read.
+        // The generated reference and the journals of measurements are excluded.
         let is_journal = page.parent().is_some_and(|f| f.ends_with("measurements"));
         if page.ends_with("docs/messages.md") || is_journal {
             continue;
@@ -145,7 +145,7 @@ fn the_summary_of_the_site_lists_every_page_of_docs_once() {
     assert_eq!(listed, expected);
 }
 
-/// Numbers of a text, without the markup about them.
+/// Numbers of a text, without their markup.
 fn numbers(text: &str) -> Vec<&str> {
     let parts = text.split(|c: char| !c.is_ascii_digit() && c != '.');
     let bare = parts.map(|part| part.trim_end_matches('.'));
@@ -193,7 +193,7 @@ fn a_long_sentence_is_found_and_code_is_one_word() {
     );
 }
 
-/// Names by which links reach the headings of a page: small letters, digits and hyphens for blanks.
+/// Anchors of the headings of a page: small letters, digits, and hyphens for blanks.
 fn anchors(page: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(page).expect("a page");
     let headings = split(&text).0.into_iter().filter(|l| l.starts_with('#'));
@@ -221,7 +221,7 @@ fn every_link_of_a_page_leads_to_a_file_and_to_a_heading() {
                 "" => page.canonicalize(),
                 file => page.parent().expect("a folder").join(file).canonicalize(),
             };
-            // A page of the site can show nothing that is not in docs.
+            // A page of the site can link only to files within docs.
             let is_shown = |f: &PathBuf| !page.starts_with(&docs) || f.starts_with(&docs);
             let is_there =
                 |f: &PathBuf| anchor.is_empty() || anchors(f).iter().any(|a| a == anchor);
@@ -264,8 +264,8 @@ fn commands(text: &str) -> Vec<Vec<String>> {
     found
 }
 
-/// Of the commands in README and docs: the subcommand exists, and so does every option. They are not run here, because
-/// they need data, a bus or minutes; those that need nothing run in the next test.
+/// The commands in README and docs: the subcommand exists, and so does every option. They are not run here, because
+/// they need data, a bus or minutes; those without needs run in the next test.
 #[test]
 fn every_command_of_the_pages_exists_with_its_options() {
     let mut helps: BTreeMap<String, String> = BTreeMap::new();
@@ -273,7 +273,7 @@ fn every_command_of_the_pages_exists_with_its_options() {
     for page in pages() {
         let text = std::fs::read_to_string(&page).expect("a page");
         for words in commands(&text) {
-            // `heft fleet` is a program of its own build; capitals and dots stand for something.
+            // `heft fleet` is a separate program; capitals and dots are placeholders.
             let Some(name) = words
                 .first()
                 .filter(|w| w.chars().all(|c| c.is_ascii_lowercase()))

@@ -1,4 +1,4 @@
-//! What leaves a running pipeline: frames on a bus, lines and bytes in a pipe, a program in C.
+//! Outputs of a running pipeline: frames on a bus, lines and bytes in a pipe, a program in C.
 
 mod common;
 mod vcan;
@@ -27,7 +27,7 @@ fn recorded(path: &Path) -> BTreeMap<i64, ExcavatorEstimate> {
     all.iter().map(|e| (micro(e), *e)).collect()
 }
 
-/// What `heft tail` prints of a run in `seconds`, and the recording of that run.
+/// The output of `heft tail` of a run in `seconds`, and the recording of that run.
 fn tailed(name: &str, arguments: &[&str], seconds: u64) -> (Vec<u8>, tempfile::TempDir) {
     let running = Running::start(name, &["excavator"]);
     running.wait_for_services();
@@ -51,7 +51,7 @@ fn tailed(name: &str, arguments: &[&str], seconds: u64) -> (Vec<u8>, tempfile::T
     (reader.join().expect("what it printed"), folder)
 }
 
-/// A program that draws what it reads must not draw a sensor that is not there.
+/// A program that plots its input must not plot an absent sensor.
 #[test]
 fn what_is_not_measured_is_null_in_json_and_absent_in_the_line_protocol() {
     let sensors = ["excavator/sensors", "--format"];

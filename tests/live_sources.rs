@@ -1,8 +1,8 @@
-//! Live sources: what comes on standard input or on a bus is what a log of it says, bit for bit;
-//! what cannot be used is reported; nothing false is trusted.
+//! Live sources: standard input or a bus gives the same samples as a log of it, bit for bit;
+//! unusable data are reported; no wrong estimate is trusted.
 //!
-//! The bus is a real one (`vcan0`) where the kernel has it, or one that `tests/tools/with-can`
-//! boots; where neither is possible the tests on it say so and pass.
+//! The bus is a real one (`vcan0`) if the kernel supports it, or one of a kernel that `tests/tools/with-can`
+//! boots; without either the tests on it report that and pass.
 
 #[path = "live_sources/bus.rs"]
 mod bus;
@@ -41,7 +41,7 @@ fn mapped() -> (tempfile::TempDir, PathBuf) {
     (dir, map)
 }
 
-/// Simulated swings: when, velocity, torque; and the true inertia at each.
+/// Simulated swings: time, velocity, torque; and the true inertia at each time.
 fn swings(seconds: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
     let scenario = Scenario::parse("constant").expect("a scenario");
     let mut run = sim::excavator::Run::new(scenario);
@@ -93,8 +93,8 @@ fn piped(machine: &str, input: &Path, map: Option<&Path>, out: &Path) -> Output 
     command.output().expect("heft starts")
 }
 
-/// The estimates that `heft estimate` makes of a file of excavators, or of the truck's log as a loader, which is in doubt: the map
-/// takes the engine's torque for the wheels', which the truck's mass contradicts.
+/// The estimates of `heft estimate` for a file of excavators, or for the truck's log as a loader. The latter is doubtful: the map
+/// takes the engine's torque for the wheels', which contradicts the truck's mass.
 fn estimates(machine: &str, input: &Path, map: Option<&Path>) -> String {
     let dir = tempfile::tempdir().expect("a folder");
     let out = dir.path().join("out.csv");
@@ -113,8 +113,8 @@ fn estimates(machine: &str, input: &Path, map: Option<&Path>) -> String {
     std::fs::read_to_string(&out).expect("estimates")
 }
 
-/// That a run's samples and estimates are those of the file. A bus is listened to for longer than its log: as long
-/// as the test takes to end it.
+/// Checks that a run's samples and estimates are those of the file. A bus is read for longer than its log, as long
+/// as the test takes to end the run.
 fn assert_same(machine: &str, run: &Path, file: &str, is_bus: bool) {
     run_ok(&["replay", text(run), "--verify"]);
     let live = estimates(machine, run, None);
@@ -191,7 +191,7 @@ fn rows_of_a_table_come_on_standard_input_and_give_the_bits_of_their_file() {
     let file = estimates("excavator", &table, None);
     assert_same("excavator", &out.path().join("run.mcap"), &file, false);
 
-    // A row of something else is left out and reported.
+    // A row of another kind is left out and reported.
     lines.push_str("nonsense\n5000,00;0,1;7\n");
     std::fs::write(&table, &lines).expect("writable");
     let rows = lines.lines().count() - 3;

@@ -1,4 +1,4 @@
-//! Loads as people count them: from a simulated run and its recording to rows, sums, a page; a target, trucks, and what is refused.
+//! Loads from a simulated run and its recording: rows, sums, a page; a target, trucks, and refusals.
 
 mod common;
 
@@ -11,7 +11,7 @@ use messages::{LoaderLoads, SIMULATED, loads_bits};
 use recording::Reader;
 use serde_json::Value;
 
-/// A minute of loading, recorded as fast as it goes.
+/// A minute of loading, recorded at full speed.
 fn recorded(folder: &Path, machine: &str, scenario: &str, more: &[&str]) -> (String, String) {
     let out = folder.join(machine);
     let out = out.to_str().expect("a path");
@@ -36,7 +36,7 @@ fn number(value: &Value, key: &str) -> f64 {
         .unwrap_or_else(|| panic!("{key} in {value}"))
 }
 
-/// What `heft loads` says of a recording, as JSON.
+/// The result of `heft loads` for a recording, as JSON.
 fn counted(folder: &Path, recording: &str, more: &[&str]) -> Value {
     let json = folder.join("loads.json");
     let json = json.to_str().expect("a path");
@@ -45,7 +45,7 @@ fn counted(folder: &Path, recording: &str, more: &[&str]) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// The report of a recording, and that of its estimates made anew, have a row for each counted load.
+/// Checks that the report of a recording, and that of its recomputed estimates, have a row for each counted load.
 fn the_pages_show(folder: &Path, recording: &str, loads: &[Value]) {
     let [of_run, of_estimates, rows] =
         ["run.html", "est.html", "est.csv"].map(|name| common::path_in(folder, name));
@@ -82,7 +82,7 @@ fn the_pages_show(folder: &Path, recording: &str, loads: &[Value]) {
 #[test]
 fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum() {
     let folder = tempfile::tempdir().expect("a folder");
-    // The gain of these sensors was checked: it is that of the simulator.
+    // The gain of these sensors is exactly that of the simulator.
     let more = words("--payload 1200 --set sensors.pressure_gain_std=0.01");
     let (recording, said) = recorded(folder.path(), "loader", "loading", &more);
     assert!(
@@ -101,7 +101,7 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
             "{load}"
         );
     }
-    // From the first dump on the emptied bucket is a known weight.
+    // After the first dump the empty bucket is a known weight.
     let stds: Vec<f64> = loads
         .iter()
         .map(|load| number(&load["in_bucket"], "std"))
@@ -136,7 +136,7 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
         "ten times a second: {}",
         reported.len()
     );
-    // What both loads share adds up: the sum is less certain than two independent ones.
+    // Errors that both loads have in common add up: the sum is less certain than that of independent ones.
     let own: f64 = loads
         .iter()
         .map(|l| number(&l["delivered"], "std").powi(2))
@@ -144,7 +144,7 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
     assert!(number(&truck["total"], "std") > own.sqrt(), "{truck}");
 }
 
-/// What was dumped of a recording of others: the most that was in the bucket, less what stayed, of each load \[kg\].
+/// Dumped mass of each load of an independent recording: the largest content minus the carry-back \[kg\].
 fn dumped(file: &Path) -> Vec<f64> {
     let recording = Table::read(file);
     let payloads: Vec<f64> = recording.rows().map(|r| r.number("true_payload")).collect();
@@ -267,7 +267,7 @@ fn an_excavator_s_loads_are_rows_of_a_table_and_of_a_page_and_the_witness_is_bot
     let said = run_ok(&[
         "loads", &recording, "-o", &table, "--report", &page, "--pause", "12",
     ]);
-    // What the cycle carries, in turn.
+    // The loads of the cycle, in turn.
     let table = Table::read(&table);
     assert!(table.rows().len() >= 3, "{said}");
     for (row, truth) in table.rows().zip([288.0, 423.0, 200.0]) {
@@ -275,7 +275,7 @@ fn an_excavator_s_loads_are_rows_of_a_table_and_of_a_page_and_the_witness_is_bot
         assert!(low < truth && truth < high, "{low} to {high}: {truth}");
         assert_eq!(row.cell("witness"), "motion and pressure");
     }
-    // Twelve seconds without a load: another truck each.
+    // Twelve seconds without a load: the next load goes to another truck.
     assert!(said.contains("truck 3:"), "{said}");
     let page = std::fs::read_to_string(&page).expect("a page");
     assert!(page.contains("truck 1:") && page.contains("motion and pressure"));
@@ -334,13 +334,13 @@ fn an_exported_recording_is_counted_once() {
     run_ok(&["export", of, "-o", of]);
     let said = run_ok(&["loads", of, "--machine", "loader"]);
     assert!(!said.contains("loader_sensors.csv"), "{said}");
-    // Named, it is a table as others are.
+    // Named explicitly it is a table like any other.
     let sensors = common::path_in(Path::new(of), "loader_sensors.csv");
     let said = run_ok(&["loads", &sensors, "--machine", "loader"]);
     assert!(said.contains("loader_sensors.csv"), "{said}");
 }
 
-/// Where the first block of samples of an MCAP file begins: records are an opcode, a length of 8 bytes, and their content.
+/// Begin of the first chunk of samples in an MCAP file: records are an opcode, a length of 8 bytes, and their content.
 fn first_block(bytes: &[u8]) -> usize {
     const MAGIC: usize = 8;
     const CHUNK: u8 = 6;
@@ -362,17 +362,17 @@ fn of_a_folder_what_can_be_read_is_counted_and_the_rest_is_named() {
     std::fs::create_dir(&few).expect("a folder");
     let put = |name: &str, bytes: &[u8]| std::fs::write(few.join(name), bytes).expect("a file");
     put("whole.mcap", &bytes);
-    // Within the first block of samples.
+    // Within the first chunk of samples.
     put("cut.mcap", &bytes[..first_block(&bytes) + 100]);
     put("rain.csv", b"day,rain\n1,2\n");
-    // Its last row was cut off.
+    // Its last row is cut off.
     put("still.csv", b"t,swing_velocity\n0,0\n0.01,0\n0.0");
     let out = common::path_in(folder.path(), "out.csv");
     let few = few.to_str().expect("a path");
     let output = run(&["loads", few, "--machine", "excavator", "-o", &out]);
     let said = both(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    // Its own result is no input of the next time.
+    // Its own result is no input of the next call.
     let result = common::path_in(Path::new(few), "loads.csv");
     for _ in 0..2 {
         let again = both(&run(&[

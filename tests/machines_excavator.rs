@@ -1,4 +1,4 @@
-//! Eight excavators that are not our simulator: of what they call trusted, at most one row of twenty is wrong.
+//! Eight excavators of independent simulators: at most one of twenty trusted rows is wrong.
 //!
 //! The recordings and the settings that a competent user states are in `golden/machines`. A trusted row is
 //! wrong if its 95 % interval misses the truth or the value is more than 10 % off.
@@ -26,7 +26,7 @@ const COLUMNS: Columns = Columns {
     posture: true,
 };
 
-/// What a competent user states.
+/// The settings that a competent user states.
 fn settings(stated: &Value) -> Settings {
     let mut description = config::Excavator::default();
     let sets = machines::sets(stated);
@@ -39,7 +39,7 @@ fn rows(name: &str) -> Vec<(Sample, f64, bool)> {
     rows_with(name, 1.0)
 }
 
-/// The same with a torque that is wrong by a factor.
+/// The same with a torque multiplied by a factor.
 fn rows_with(name: &str, gain: f64) -> Vec<(Sample, f64, bool)> {
     let recording = Table::read(golden(&format!("machines/{name}.csv")));
     let rows = recording.rows().map(|row| {
@@ -56,7 +56,7 @@ fn rows_with(name: &str, gain: f64) -> Vec<(Sample, f64, bool)> {
     rows.collect()
 }
 
-/// The estimator of a recording as `heft estimate` makes it, and the tally over its rows.
+/// Tally of a recording with the estimator of `heft estimate`.
 fn tally(name: &str, sets: &Value, method: Method) -> Tally {
     tally_of(rows(name), sets, method)
 }
@@ -83,7 +83,7 @@ fn recordings() -> Map<String, Value> {
     machines::described("machines/excavator.json")
 }
 
-/// A maker who states the masses of his machine: the spread that all of them had once by default.
+/// The settings of a manufacturer who knows the masses of his machine, with a small spread.
 fn stated(sets: &Value) -> Value {
     let mut stated = sets.clone();
     for key in ["machine.upper_tolerance", "machine.bucket_tolerance"] {
@@ -107,7 +107,7 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
         println!("{said}");
         let trusted = match (name.contains("level"), name.contains("flexible"), masses) {
             (true, ..) => 0.68,
-            // A boom that gives sideways hides what the masses of any machine of the class leave open.
+            // A laterally flexible boom hides the uncertainty of the masses within the class.
             (_, true, "") => 0.30,
             _ => 0.50,
         };
@@ -145,7 +145,7 @@ fn a_torque_that_was_always_wrong_by_a_quarter_is_hardly_ever_believed() {
     }
 }
 
-/// A row in motion as it was known on line and as all rows know it, and the true inertia.
+/// The filtered and the smoothed estimate of a row in motion, and the true inertia.
 fn smoothed(
     name: &str,
     sets: &Value,
@@ -171,7 +171,7 @@ fn smoothed(
     moving.into_iter().map(row).collect()
 }
 
-/// Errors in standard deviations, and relative to the truth, on line and smoothed.
+/// Errors in standard deviations, and relative to the truth, of the filtered and the smoothed estimate.
 fn errors((online, moment, truth): &(Estimate, Smoothed, f64)) -> [[f64; 2]; 2] {
     let of = |value: f64, std: f64| [(value - truth) / std, (value - truth) / truth];
     let Quantity { value, std } = moment.inertia;
@@ -202,12 +202,12 @@ fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds
     assert!(rms(1) < 0.9 * rms(0) && covered > 0.93, "{said}");
 }
 
-/// What a fault makes of a row.
+/// Effect of a fault on a row.
 type Change = fn(&mut Sample);
 
 #[test]
 fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_other() {
-    // With the rows that must be there for the share to say something.
+    // With the fewest rows for a meaningful share.
     let faults: [(&str, u32, Change); 4] = [
         ("nothing", 500, |_| {}),
         ("velocity x 1.2", 300, |s| {
@@ -232,7 +232,7 @@ fn what_is_doubted_on_line_is_not_trusted_because_later_rows_agree_with_each_oth
                 if sound && !flags.changing && moment.converged(share) {
                     trusted += 1;
                     let is_wrong = deviations.abs() > 1.96 || relative.abs() > 0.1;
-                    // What is wrong and trusted on line is another test's.
+                    // Wrong filtered estimates that are trusted are subject of another test.
                     wrong += u32::from(is_wrong && !flags.converged);
                 }
             }

@@ -1,4 +1,4 @@
-//! `heft run M --machines N`: each machine gets what it would get in a run of its own.
+//! `heft run M --machines N`: each machine gives the same estimates as in a run of its own.
 
 mod common;
 
@@ -22,7 +22,7 @@ fn by_machine(table: &Table) -> BTreeMap<&str, Vec<Row<'_>>> {
     found
 }
 
-/// Runs one machine and three, and holds the estimates of the second of those against the recording of the one.
+/// Runs one machine and three, and compares the estimates of the second of the three with the recording of the single one.
 fn the_second_is_the_one<E: Message>(
     machine: &str,
     scenario: &str,
@@ -105,7 +105,7 @@ fn a_simulated_loader_gets_what_a_run_of_its_seed_gives() {
     the_second_is_the_one::<LoaderEstimate>("loader", "work-cycle", "loader/cg_ukf", &fields);
 }
 
-/// Each simulated machine is prepared, which takes minutes where they are many.
+/// Each simulated machine is prepared, which takes minutes for many.
 #[test]
 fn many_machines_are_refused_or_ended_while_they_are_made() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -187,7 +187,7 @@ fn recordings_are_a_machine_each() {
     says(&output, "holds 2 recordings, not 3");
 }
 
-/// Rows of the machine that has fewest of so many, in the table that a run has not finished.
+/// Number of rows of the machine with the fewest, in the unfinished table of a run with this number of machines.
 fn fewest(folder: &Path, machines: usize) -> usize {
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let texts = files.filter_map(|f| std::fs::read_to_string(f.path()).ok());

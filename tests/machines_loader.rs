@@ -1,4 +1,4 @@
-//! Eight loaders that are not our simulator, by sigma points and by the tangent: of what they call trusted, at most one row of twenty is wrong.
+//! Eight loaders of independent simulators, by sigma points and by linearization: at most one of twenty trusted rows is wrong.
 //!
 //! The recordings and the settings that a competent user states are in `golden/machines`. A trusted row is
 //! wrong if its 95 % interval misses the truth or the value is more than 10 % off.
@@ -16,12 +16,12 @@ use statistics::judge::{JudgedRow, Tally};
 /// True speed above which the machine moves [m/s].
 const MOVING: f64 = 0.1;
 
-/// Tallies of ratio and height over a recording, with the estimator as `heft estimate` makes it.
+/// Tallies of ratio and height over a recording, with the estimator of `heft estimate`.
 fn tallies(name: &str, stated: &Value, method: Method) -> [Tally; 2] {
     tallies_of(name, stated, method, |_| ())
 }
 
-/// The same of rows that are `changed` before.
+/// The same for rows that are `changed` before.
 fn tallies_of(
     name: &str,
     stated: &Value,
@@ -68,7 +68,7 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     for (name, about) in &machines::described("machines/loader.json") {
         for method in [Method::Full, Method::FullEkf] {
             let [ratio, height] = tallies(name, &about["sets"], method);
-            // Half of the machines need a minute or more until the height is known to a tenth, so none is asked for.
+            // For half of the machines the height takes a minute or more to be known to a tenth, so no share is required.
             for (what, found, trusted) in [("ratio", ratio, 0.70), ("height", height, 0.0)] {
                 let said = format!("{name}, {method}, {what}: {}", machines::scores(&found));
                 println!("{said}");
@@ -107,7 +107,7 @@ fn axles_that_are_a_quarter_apart_are_no_load_of_a_machine_that_was_weighed() {
     let recordings = machines::described("machines/loader.json");
     let name = "loader_1_5t_sound";
     let mut sets = recordings[name]["sets"].clone();
-    // Its axles stood on a scale, to 2 % of the ratio.
+    // Its axles stood on a scale, with an accuracy of 2 % of the ratio.
     sets["prior.cg_ratio"] = 0.449.into();
     sets["prior.cg_ratio_std"] = 0.01.into();
     for apart in [0.89, 1.12] {

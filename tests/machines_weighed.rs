@@ -1,7 +1,7 @@
-//! Two excavators and two loaders with cylinder pressures that are not our simulator: `heft estimate` trusts them, and is right.
+//! Two excavators and two loaders of independent simulators, with cylinder pressures: `heft estimate` trusts them correctly.
 //!
-//! What they are known for: noise of 4 mrad of a loader's angles is no turning bucket, and an excavator whose brake holds under torque
-//! tells nothing of it. The recordings and what a competent user states are in `golden/weighed`.
+//! Special cases: noise of 4 mrad in a loader's angles must not count as a turning bucket, and an excavator whose brake holds under torque
+//! gives no information. The recordings and the settings of a competent user are in `golden/weighed`.
 
 mod common;
 
@@ -11,7 +11,7 @@ use common::{golden, path_in, run_ok};
 use serde_json::Value;
 use statistics::judge::{JudgedRow, Tally};
 
-/// A quantity, by the columns of value, deviation and verdict, its truth, and above which true speed the machine moves.
+/// A quantity: columns of value, standard deviation and verdict, its truth, and the true speed above which the machine moves.
 struct Quantity {
     value: &'static str,
     trusted: &'static str,
@@ -36,7 +36,7 @@ fn tally(recording: &Table, estimates: &Table, quantity: &Quantity) -> Tally {
     tally
 }
 
-/// A recording, and what `heft estimate` makes of it.
+/// A recording, and its estimates by `heft estimate`.
 fn estimated(name: &str, about: &Value) -> (Table, Table) {
     let scratch = tempfile::tempdir().expect("a folder");
     let recording = golden(&format!("weighed/{name}.csv"));

@@ -1,5 +1,5 @@
-//! Many inputs in one command: each result beside its input, one table, nothing done twice, one bad input harms no
-//! other.
+//! Many inputs in one command: each result beside its input, one table, no result computed twice; one bad input does not affect
+//! the others.
 
 mod common;
 
@@ -12,7 +12,7 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("a path")
 }
 
-/// A folder with two good tables, a recording deeper in it, and a table of something else.
+/// A folder with two valid tables, a recording in a subfolder, and a table of another kind.
 fn site() -> (tempfile::TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().expect("a folder");
     let inner = folder.path().join("night");
@@ -53,7 +53,7 @@ fn a_folder_gives_a_result_beside_each_input_and_is_not_done_twice() {
     assert!(said.contains("other.csv"), "{said}");
     assert!(said.contains("1 of 4 inputs"), "{said}");
 
-    // The same as one by one.
+    // The same as individually.
     let results: Vec<PathBuf> = good
         .iter()
         .map(|g| g.with_extension("estimates.csv"))
@@ -85,7 +85,7 @@ fn a_folder_gives_a_result_beside_each_input_and_is_not_done_twice() {
     assert_eq!(again.matches(" up to date\n").count(), 3, "{again}");
     assert!(results.iter().map(|r| made(r)).eq(before.iter().copied()));
 
-    // Another method, another result; and on request the same again.
+    // Another method gives another result; on request the same is computed again.
     let other = run(&[&command[..], &["--method", "torque"]].concat());
     assert_eq!(
         both(&other).matches(" done\n").count(),
@@ -164,7 +164,7 @@ fn the_size_of_the_machine_counts_in_a_folder_as_for_one_file() {
     assert_eq!(again.matches("up to date").count(), 2, "{again}");
 }
 
-/// A recording of others needs its map wherever it is given; nobody said how large its machine is.
+/// A foreign recording needs its map in every command; the size of its machine is not stated.
 #[test]
 fn a_bag_is_read_through_its_map_with_and_without_an_output() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-/// `HEFT_PYTHON=venv/bin/python cargo test --workspace --test notebooks` takes that one.
+/// The interpreter of `HEFT_PYTHON=venv/bin/python cargo test --workspace --test notebooks`, or the default one.
 fn python() -> Option<String> {
     let python = std::env::var("HEFT_PYTHON").unwrap_or_else(|_| "python3".into());
     let needed = "import heft, pandas, matplotlib, nbconvert, ipykernel; print(heft.__version__)";

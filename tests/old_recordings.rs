@@ -1,5 +1,5 @@
-//! Recordings of earlier versions: read for ever; replayed, or the difference explained by the build. What the estimators of today make of them
-//! is kept in `tests/golden/recordings/numbers.csv`, with the reason of each change.
+//! Recordings of earlier versions are readable for ever; a replay agrees, or the difference is explained by the build. The present
+//! estimates of them are stored in `tests/golden/recordings/numbers.csv`, with the reason of each change.
 
 mod common;
 
@@ -85,7 +85,7 @@ fn an_old_recording_replays_bit_for_bit_or_the_build_explains_why_not() {
     }
 }
 
-/// Of a quantity: rows, those trusted, those trusted and wrong; means over all rows.
+/// Of a quantity: number of rows, of trusted ones, of wrong ones among these; means over all rows.
 #[derive(Clone, Copy, Default)]
 struct Numbers {
     rows: f64,
@@ -117,7 +117,7 @@ impl Numbers {
         }
     }
 
-    /// A hundredth of the rows may change their trust; a tenth of what is claimed, and a twentieth of the claim itself, is rounding.
+    /// Tolerances: a hundredth of the rows in trust, a tenth of the standard deviation in the value, and a twentieth of it in itself.
     fn is_like(&self, kept: &Self) -> bool {
         let few = |a: f64, b: f64| (a - b).abs() <= 0.01 * kept.rows;
         let is_near = |a: f64, b: f64, most: f64| (a - b).abs() <= most * kept.std;
@@ -145,7 +145,7 @@ impl fmt::Display for Numbers {
 /// Numbers by recording, method and quantity.
 type All = BTreeMap<String, Numbers>;
 
-/// What every method makes of the samples of a recording.
+/// The estimates of every method for the samples of a recording.
 fn replayed<S: Sensors, E: Estimate<Truth = S::Truth>>(name: &str, all: &mut All) {
     let reader = Reader::open(old(name)).expect("a recording");
     let text = &reader.metadata()["description"];
@@ -186,7 +186,7 @@ fn an_old_recording_gives_the_numbers_and_the_trust_that_are_kept_or_the_file_sa
     replayed::<ExcavatorSensors, ExcavatorEstimate>(ALL[0], &mut all);
     replayed::<LoaderSensors, LoaderEstimate>(ALL[2], &mut all);
     let kept = std::fs::read_to_string(old("numbers.csv")).expect("the numbers");
-    // Of a key the last row counts; those before it are what it was, each with its reason.
+    // The last row of a key is valid; rows before it are its history, each with the reason.
     let mut last = BTreeMap::new();
     for line in kept.lines().skip(1) {
         let cells: Vec<&str> = line.splitn(9, ',').collect();

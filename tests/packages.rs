@@ -1,11 +1,11 @@
-//! What is handed out: where the command starts, and the package of a fleet, from programs that stand for those of
+//! Packaging: the start of the command, and the package of a fleet, with programs in the place of those of
 //! `services/gateway`.
 
 use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-/// Runs a program of the system; `None` where it is not installed.
+/// Runs a program of the system; `None` if it is not installed.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     assert!(
@@ -93,7 +93,7 @@ fn a_debug_build_is_not_handed_out() {
     );
 }
 
-/// RHEL 9 has this one: `GLIBC_2.NEWEST`.
+/// Newest glibc that may be required, that of RHEL 9: `GLIBC_2.NEWEST`.
 const NEWEST: u32 = 34;
 
 #[test]
@@ -112,7 +112,7 @@ fn the_command_starts_where_the_c_library_is_older() {
     );
 }
 
-/// What a unit starts, with the options that its file of defaults has.
+/// The command of a unit, with the options of its file of defaults.
 fn command(unit: &str, defaults: &str) -> Vec<String> {
     let line = unit.lines().find_map(|l| l.strip_prefix("ExecStart="));
     let options = defaults.lines().find_map(|l| l.strip_prefix("OPTIONS="));

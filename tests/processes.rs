@@ -1,4 +1,4 @@
-//! The pipeline as processes: completeness, order, ends, deaths, isolation.
+//! The pipeline as processes: completeness, order, end, deaths, isolation.
 
 mod common;
 
@@ -202,7 +202,7 @@ fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
         text.contains("bit-identical") && !text.contains("differ"),
         "{text}"
     );
-    // What lies between a death and the next state is not verified, and the status says so.
+    // Answers between a death and the next state are not verified, and the status shows that.
     let unchecked = text.contains("cannot be checked");
     assert_eq!(output.status.code(), Some(i32::from(unchecked)), "{text}");
 }
@@ -332,7 +332,7 @@ fn a_domain_in_use_is_refused() {
 
 #[test]
 fn start_up_in_any_order_loses_nothing() {
-    // Whoever comes first waits for the others: hold each service up in turn while it starts.
+    // Services wait for those that start later: each one is held up in turn while it starts.
     for slow in ["sensor", "kalman", "rls", "ukf", "logger"] {
         let running = Running::start(
             &format!("slow-{slow}"),
@@ -369,7 +369,7 @@ fn start_up_in_any_order_loses_nothing() {
     }
 }
 
-/// The numbers of the reports of health, by process.
+/// The sequence numbers of the health reports, by process.
 fn reports_of_health(recording: &Path) -> BTreeMap<u32, Vec<u64>> {
     let reader = recording::Reader::open(recording).expect("a recording");
     let mut reports = BTreeMap::<u32, Vec<u64>>::new();

@@ -1,4 +1,4 @@
-//! Parameters of real axes, from data recorded by others; where it is not here, these tests say so and pass.
+//! Parameters of real axes, from independent recordings; without the data these tests report that and pass.
 
 mod common;
 #[path = "common/theirs.rs"]

@@ -1,4 +1,4 @@
-//! No command destroys a recording, an input or another file: what a user can type by mistake.
+//! No command destroys a recording, an input or another file, even if the user names the wrong one.
 
 mod common;
 
@@ -79,7 +79,7 @@ fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are(
         std::fs::read(folder.path().join("report.html")).expect("a report"),
         page
     );
-    // Two at once.
+    // Two runs at once.
     let start = |name: &str| {
         let mut command = common::heft();
         command.args("run excavator --quiet --no-report --duration 1 --domain".split(' '));
@@ -266,7 +266,7 @@ fn a_recording_brings_its_machine_and_its_description_unless_another_is_named() 
     assert_eq!(own, first_inertia(&["--machine", "excavator"]));
     assert_ne!(own, first_inertia(&["--class", "36t"]));
     assert_ne!(own, first_inertia(&["--set", "prior.payload=100"]));
-    // For a program in C, or another recording: what it brings is a machine file.
+    // For a program in C, or another recording: a recording contains a machine file.
     let file = folder.path().join("machine.toml");
     let text = run_ok(&["check", path(&recording), "--print"]);
     std::fs::write(&file, text).expect("a machine file");

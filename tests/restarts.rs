@@ -1,4 +1,4 @@
-//! A service that was killed goes on from its last state: its intervals hold at once, it says so, and a
+//! A killed service continues from its last state: its intervals hold at once, it reports the restart, and a
 //! replay follows it.
 
 mod common;
@@ -27,7 +27,7 @@ fn read<M: Message>(running: &std::path::Path, channel: &str) -> Vec<M> {
     reader.messages(channel).expect("its messages")
 }
 
-/// Of `replay --verify`: answers, and those among them that cannot be checked.
+/// From `replay --verify`: number of answers, and of those that cannot be checked.
 fn replayed(recording: &std::path::Path) -> (u64, u64) {
     let output = run(&["replay", recording.to_str().expect("a path"), "--verify"]);
     let text = both(&output);
@@ -39,13 +39,13 @@ fn replayed(recording: &std::path::Path) -> (u64, u64) {
     };
     let all = number(" of ", "estimates are bit-identical").expect("a count");
     let unknown = number("", "cannot be checked").unwrap_or(0);
-    // What was not checked is not verified.
+    // Unchecked answers are not verified.
     let status = output.status.code();
     assert_eq!(status, Some(i32::from(unknown > 0)), "{text}");
     (all, unknown)
 }
 
-/// The first answers of every later life, by their place among the answers.
+/// Indices of the first answers of every later life.
 fn first_answers(restarts: impl Iterator<Item = u32>) -> Vec<usize> {
     let all: Vec<u32> = restarts.collect();
     let pairs = all.windows(2).enumerate();
@@ -97,7 +97,7 @@ fn killed_excavator_services_go_on_from_their_states() {
                 );
             }
             assert!(compared > 0, "{channel}: no truth of this life");
-            // Untrusted until it is trusted, and then it says no more.
+            // Restarted until it is trusted; after that the flag is not set any more.
             for answer in &life {
                 let said = answer.flags & excavator_bits::RESTARTED != 0;
                 assert!(!(said && answer.flags & excavator_bits::TRUSTED != 0));
@@ -105,13 +105,13 @@ fn killed_excavator_services_go_on_from_their_states() {
         }
     }
     let (all, unknown) = replayed(&recording);
-    // What a death takes along, and up to the next state of who reads from the dead.
+    // Answers lost with a death, and those up to the next state of stages that read from the dead one.
     assert!(unknown * 10 < all, "{unknown} of {all}");
 }
 
 #[test]
 fn a_killed_loader_service_keeps_what_took_it_long_to_learn() {
-    // Whoever knows his tyres learns on a drive one way: from the slips, which is what takes long.
+    // With known tyres a drive in one direction suffices: the slips determine the ratio, which takes long.
     let tyres = "machine.radius_load_sensitivity_std=0.001";
     let slips = ["loader", "--without", "pressure", "--duration", "60"];
     let running = Running::start("learnt", &[&slips[..], &["--set", tyres]].concat());
@@ -136,7 +136,7 @@ fn a_killed_loader_service_keeps_what_took_it_long_to_learn() {
         let (before, after) = (&answers[at - 1], &answers[at]);
         assert!(after.flags & loader_bits::RESTARTED != 0);
         assert!(after.flags & loader_bits::TRUSTED_RATIO == 0, "not at once");
-        // At most a second of learning is lost, of sixteen.
+        // At most a second of information is lost, of sixteen.
         assert!(
             before.cg_ratio_std < 0.5 * fresh.cg_ratio_std,
             "it had learnt"
@@ -194,7 +194,7 @@ fn what_was_trusted_is_the_prior_of_the_next_run_and_its_replay_knows() {
         let args =
             words("run loader --without pressure --pace max --duration 60 --quiet --no-report");
         let more = ["--state", state, "--domain", &domain, "--out", &out];
-        // Whoever knows his tyres trusts a drive one way.
+        // With known tyres a drive in one direction is trusted.
         let tyres = words(
             "--set machine.radius_load_sensitivity=0.01 --set machine.radius_load_sensitivity_std=0.001",
         );
@@ -235,7 +235,7 @@ fn a_service_that_dies_after_an_upgrade_is_the_old_one_again() {
     let running = Running::start_with(heft, "upgrade", &args);
     running.wait_for_services();
     std::thread::sleep(Duration::from_secs(2));
-    // As package managers do it: another file under the same name. This one would end at once.
+    // As package managers replace a file: another one under the same name, which would end at once.
     let other = place.path().join("heft.new");
     std::fs::copy("/bin/false", &other).expect("another program");
     std::fs::rename(&other, &copy).expect("in its place");
@@ -252,7 +252,7 @@ fn a_service_that_dies_after_an_upgrade_is_the_old_one_again() {
     }
     let answers: Vec<ExcavatorEstimate> =
         read(&folder.path().join("run.mcap"), "excavator/inertia_ukf");
-    // The state of another build would have been refused, and it would have begun anew.
+    // A state of another build would have been refused, and the estimator would have restarted without it.
     let first = first_answers(answers.iter().map(|a| a.hops.estimate_restarts));
     assert_eq!(first.len(), 1, "{text}");
     assert!(

@@ -1,6 +1,6 @@
-//! Another user of the same host: can neither lead heft astray, nor look in, nor hold it up.
+//! Another user of the same host can neither mislead heft, nor read its data, nor block it.
 //!
-//! Needs root, who plays both parts, and a shared memory of the tests' own; skips elsewhere.
+//! Needs root, to act as both users, and a separate shared memory for the tests; skips elsewhere.
 
 mod common;
 
@@ -13,8 +13,8 @@ use common::both;
 /// The group of an operator's display.
 const GROUP: u32 = 61_234;
 
-/// Runs `script` with a `/dev/shm` of its own, `foe` as a command that runs a line as another user, `friend` as one of [`GROUP`],
-/// and `heft`, `OUT` (a new folder that anybody may use) set. `None`, with a word, where that is not possible.
+/// Runs `script` with its own `/dev/shm`, with `foe` as a command that runs a line as another user, `friend` as one of [`GROUP`],
+/// and `heft`, `OUT` (a new folder writable by all) set. `None`, with a message, if that is not possible.
 fn with_a_foe(script: &str) -> Option<Output> {
     let folder = tempfile::tempdir().expect("a folder");
     let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
@@ -225,7 +225,7 @@ fn a_display_believes_no_window_that_is_not_made_for_its_group() {
     );
 }
 
-/// Root's processes are not limited in number.
+/// The number of root's processes is not limited.
 #[test]
 fn a_user_with_too_few_processes_is_told_so() {
     passes(

@@ -1,4 +1,4 @@
-//! `heft run --spin`: a process that looks for messages all the time answers them all, and is refused where the host would
+//! `heft run --spin`: a process that polls for messages answers them all, and is refused if the host would
 //! starve.
 
 mod common;
@@ -10,7 +10,7 @@ use messages::ExcavatorEstimate;
 use rustix::process::Signal;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-/// How often the main thread of a process went to sleep by itself.
+/// Number of voluntary context switches of a process's main thread.
 fn sleeps(pid: u32) -> u64 {
     let text = std::fs::read_to_string(format!("/proc/{pid}/status")).expect("it runs");
     let count = text
@@ -36,7 +36,7 @@ fn a_process_that_spins_answers_everything_and_never_sleeps() {
     });
     let pid = |name| running.service(name).expect("it runs");
     let before = [sleeps(pid("rls")), sleeps(pid("ukf"))];
-    // On a busy host one that is woken may find several samples, and sleeps less often than they come.
+    // On a busy host a process that wakes up may find several samples, and sleeps less often than they come.
     wait_until("ukf has slept", Duration::from_secs(30), || {
         sleeps(pid("ukf")) - before[1] > 250
     });
@@ -70,7 +70,7 @@ fn what_would_starve_the_host_or_cannot_spin_is_refused() {
     if !runtime::realtime::isolated_cores().is_empty() {
         return;
     }
-    // What this thread starts has one core.
+    // Processes started by this thread have one core.
     let all = sched_getaffinity(None).expect("a set");
     let mut one = CpuSet::new();
     one.set(runtime::realtime::cores()[0]);

@@ -1,4 +1,4 @@
-//! `heft run --state`: what is remembered outlives versions of heft, and neither damage nor a changed description is believed.
+//! `heft run --state`: remembered parameters outlive versions of heft; a damaged state, or one of a changed description, is refused.
 
 mod common;
 
@@ -8,7 +8,7 @@ use std::path::Path;
 use common::{both, run, says};
 use recording::Reader;
 
-/// What a run of the excavator says of its state.
+/// The line of a run of the excavator on its state.
 fn run_with(folder: &Path, name: &str, state: &str, duration: &str, set: &[&str]) -> String {
     let (state, out) = (
         common::path_in(folder, state),
@@ -26,7 +26,7 @@ fn run_with(folder: &Path, name: &str, state: &str, duration: &str, set: &[&str]
     line.expect("a line of the state").to_owned()
 }
 
-/// The text without the fields that the first format did not have, and with the one that it had.
+/// The text without the fields that the first format did not have, and with its own one.
 fn first_format(text: &str, description: &str) -> String {
     let mut state: serde_json::Value = serde_json::from_str(text).expect("JSON");
     let fields = state.as_object_mut().expect("an object");
@@ -53,12 +53,12 @@ fn a_state_is_read_again_unless_it_is_damaged_or_the_user_changed_the_descriptio
     let value = "\"value\": 1";
     assert!(learnt.contains(value), "a damping of some 1500: {learnt}");
 
-    // The same description, said in other words.
+    // The same description in another notation.
     let other_words = ["machine.rated_payload=1.9e3"];
     let said = run_with(folder, "again", "s.json", "1", &other_words);
     assert!(said.contains("restored damping 1"), "{said}");
 
-    // One digit is another: still a number, and in range.
+    // One digit differs: still a number, and in range.
     write("flipped.json", &learnt.replace(value, "\"value\": 2"));
     let said = run_with(folder, "flipped", "flipped.json", "1", &set);
     assert!(said.contains("not used: damaged: its checksum"), "{said}");
@@ -73,7 +73,7 @@ fn a_state_is_read_again_unless_it_is_damaged_or_the_user_changed_the_descriptio
     assert!(said.contains(why), "{said}");
     assert_eq!(read("changed.json.refused"), learnt);
 
-    // Of a heft before formats: what it was learnt with is in the recording.
+    // A state from before formats had versions: its description is in the recording.
     let recorded = Reader::open(folder.join("first/run.mcap")).expect("a recording");
     let description = &recorded.metadata()["description"];
     write("older.json", &first_format(&learnt, description));

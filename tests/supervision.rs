@@ -1,5 +1,5 @@
-//! What the supervisor notices, says and survives: services that hang, that die while the run starts
-//! or ends, signals, a standard output that nobody reads.
+//! Faults that the supervisor detects, reports and survives: services that hang, or die while the run starts
+//! or ends; signals; a standard output without a reader.
 
 mod common;
 
@@ -91,7 +91,7 @@ fn a_death_before_the_service_is_ready_is_a_death_like_any_other() {
     }
 }
 
-/// What a run printed whose service was killed as soon as it appeared. `None` where it had been ready by
+/// The output of a run whose service was killed as soon as it appeared. `None` if it had been ready by
 /// then, as on a busy machine: it was ready twice.
 fn killed_before_it_was_ready(name: &str) -> Option<(Output, String)> {
     let mut heft = heft();
@@ -114,7 +114,7 @@ fn killed_before_it_was_ready(name: &str) -> Option<(Output, String)> {
 fn a_logger_that_dies_while_the_run_ends_is_reported_and_its_recording_can_be_read() {
     let running = cycle("drain", "60");
     std::thread::sleep(Duration::from_millis(1500));
-    // The drain waits for a stage that is held up.
+    // The drain waits for a blocked stage.
     kill(running.service("ukf").expect("it runs"), Signal::STOP);
     running.signal(Signal::TERM);
     std::thread::sleep(Duration::from_millis(200));
@@ -181,7 +181,7 @@ fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() 
     }
 }
 
-/// As `| head` does.
+/// As with `| head`.
 #[test]
 fn a_reader_who_has_seen_enough_is_told_nothing() {
     let (reader, writer) = std::io::pipe().expect("a pipe");
@@ -195,7 +195,7 @@ fn a_reader_who_has_seen_enough_is_told_nothing() {
     assert_eq!(output.status.code(), Some(141));
 }
 
-/// As programs do that care for no child of theirs: ignored signals are inherited.
+/// As programs do that do not wait for their children: ignored signals are inherited.
 #[test]
 fn a_run_that_was_started_with_the_ends_of_children_ignored_ends_in_order() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -256,7 +256,7 @@ fn the_service_manager_is_notified_that_a_run_is_ready_and_awake() {
     assert!(awake >= 4, "{received:?}");
 }
 
-/// Whether a gateway that takes so many seconds had come to its end when `heft run` ended.
+/// Whether a gateway that takes this number of seconds had ended by itself when `heft run` ended.
 fn run_with_gateway(seconds: u32, is_service: bool) -> bool {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! The theory of both machines, computed anew: the pages `docs/theory/MACHINE-steps.md` in the standard library of Python, beside heft.
+//! The theory of both machines in an independent computation: the pages `docs/theory/MACHINE-steps.md`, in Python's standard library.
 
 mod common;
 
@@ -12,13 +12,13 @@ use common::table::Table;
 use config::Tables as _;
 use estimation::loader::{CgEstimator, Columns, Method, Settings};
 
-/// What another computation may differ by, in standard deviations: rounding of numbers of 64 bits.
+/// Largest difference of two computations, in standard deviations: rounding of 64-bit numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// A guess so wide that heft's answer leaves the ratio of the slips alone.
+/// A prior so wide that heft's answer does not change the ratio of the slips.
 const WIDE_GUESS: &str = "prior.cg_ratio_std=0.1";
 
-/// The loader's states, as the example names them.
+/// Names of the loader's states in the example.
 const STATES: [&str; 12] = [
     "v", "w_f", "w_r", "K", "h", "lam", "F_x", "d_f", "d_r", "b", "e", "tau",
 ];
@@ -38,7 +38,7 @@ fn heft(folder: &Path, arguments: &[&str]) -> String {
     run(folder, env!("CARGO_BIN_EXE_heft"), arguments)
 }
 
-/// What is recorded of a simulated minute, in `tables`, and the machine file, of which these lines are stated.
+/// Records a simulated minute in `tables`, and writes the machine file, of which these lines are stated.
 fn record(folder: &Path, machine: &str, stated: &str, scenario: &str) {
     let stated = format!("[machine]\nkind = \"{machine}\"\n{stated}");
     std::fs::write(folder.join("stated.toml"), stated).expect("a machine file");
@@ -53,7 +53,7 @@ fn record(folder: &Path, machine: &str, stated: &str, scenario: &str) {
     heft(folder, &["export", "run/run.mcap", "-o", "tables"]);
 }
 
-/// What heft answers to it, in `estimates.csv`.
+/// Writes heft's estimates of it to `estimates.csv`.
 fn estimate(folder: &Path, machine: &str, method: &str) {
     let samples = format!("tables/{machine}_sensors.csv");
     let how = ["--config", "machine.toml", "--method", method];
@@ -61,7 +61,7 @@ fn estimate(folder: &Path, machine: &str, method: &str) {
     heft(folder, &[&["estimate", &samples][..], &how, &out].concat());
 }
 
-/// How far the example is from that, in standard deviations: what it says last.
+/// Largest difference of the example from heft, in standard deviations: the last word of its output.
 fn apart(folder: &Path, machine: &str) -> f64 {
     let example = format!(
         "{}/examples/theory/{machine}.py",
@@ -81,7 +81,7 @@ fn apart(folder: &Path, machine: &str) -> f64 {
     largest.unwrap_or_else(|| panic!("{machine}: {said}"))
 }
 
-/// Adds every state of the loader's filter, with its deviation, to `estimates.csv`.
+/// Adds every state of the loader's filter, with its standard deviation, to `estimates.csv`.
 fn add_states(folder: &Path, method: Method) {
     let mut description = config::Loader::default();
     description.set(WIDE_GUESS).expect("a key");

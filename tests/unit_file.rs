@@ -1,9 +1,9 @@
-//! The systemd unit, as far as a shell can try it.
+//! The systemd unit, as far as a shell can test it.
 
 use std::io::Write as _;
 use std::process::{Command, Output};
 
-/// Runs what the unit runs, with `heft` replaced by a program that says its arguments, and the description at `described`.
+/// Runs the command of the unit, with `heft` replaced by a program that prints its arguments, and the description at `described`.
 fn started(environment: &[(&str, &str)], described: &str) -> Output {
     let unit = include_str!("../services/heft/heft@.service");
     let line = unit
@@ -95,7 +95,7 @@ fn the_options_of_the_unit_are_options_of_heft_and_give_way_to_those_that_are_wr
     let options = options
         .strip_prefix("Environment=\"OPTIONS=")
         .and_then(|o| o.strip_suffix('"'));
-    // Refused for what is missing only, after every option was understood.
+    // It is refused for the missing file only, after all options were parsed.
     let output = Command::new(env!("CARGO_BIN_EXE_heft"))
         .args(["run", "excavator", "--input", "/nowhere.csv"])
         .args(options.expect("in quotes").split(' '))
@@ -105,7 +105,7 @@ fn the_options_of_the_unit_are_options_of_heft_and_give_way_to_those_that_are_wr
     assert!(said.contains("/nowhere.csv"), "{said}");
 }
 
-/// What `systemd-analyze` says of the unit; `None`, with a word, where it is not installed.
+/// The output of `systemd-analyze` on the unit; `None`, with a message, if it is not installed.
 fn analyzed(arguments: &[&str]) -> Option<Output> {
     let unit = concat!(env!("CARGO_MANIFEST_DIR"), "/services/heft/heft@.service");
     let mut command = Command::new("systemd-analyze");

@@ -1,8 +1,8 @@
-//! One version: everything that is handed out says that of `Cargo.toml`.
+//! A single version: all published files state that of `Cargo.toml`.
 
 use std::path::Path;
 
-/// Files that write the version out, and what stands before it there.
+/// Files that contain the version, and the text before it.
 const PLACES: &[(&str, &str)] = &[
     (
         "bindings/python/Cargo.toml",

@@ -1,4 +1,4 @@
-//! `HEFT_BUILD`: a sum of everything that decides how an estimator lies in memory. A saved state of another build is
+//! `HEFT_BUILD`: a checksum of everything that determines the memory layout of an estimator. A saved state of another build is
 //! refused.
 
 include!("../sources.rs");

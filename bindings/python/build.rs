@@ -1,5 +1,5 @@
-//! `HEFT_SOURCES`: version, and a sum of the sources that a state is a state of. A state that other estimators
-//! wrote is refused, even if both have the same version.
+//! `HEFT_SOURCES`: version, and a checksum of the sources to which a saved state belongs. A state of other
+//! estimators is refused, even if both have the same version.
 
 include!("../sources.rs");
 

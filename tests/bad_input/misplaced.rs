@@ -1,11 +1,11 @@
-//! Something at a place of the command line where something else belongs: what it is, and its own place.
+//! Arguments at the wrong place of the command line: the message names the argument and its place.
 
 use std::fs;
 
 use crate::common::{both, golden, path_in, run, run_ok};
 use crate::refused;
 
-/// Refused with these words, beside the golden excavator of 13 t as `day 1.csv`, a map, and a folder with the same data.
+/// Checks that a line is refused with these words. Present are the golden excavator of 13 t as `day 1.csv`, a map, and a folder of the data.
 fn said(line: &[&str], words: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let place = |name: &str| path_in(folder.path(), name);
@@ -115,7 +115,7 @@ fn a_command_that_heft_proposes_runs_as_it_stands() {
     assert!(folder.path().join("out.csv").exists(), "{line}");
 }
 
-/// What a stated mass stands for, and nothing of it about data that cannot be read.
+/// The values that follow from a stated mass; none of them for data that cannot be read.
 #[test]
 fn who_states_the_mass_is_told_what_follows_from_it() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -144,7 +144,7 @@ fn who_states_the_mass_is_told_what_follows_from_it() {
     ];
     let text = excavator(&stated);
     assert!(!text.contains("boom_length 4"), "{text}");
-    // The command shows what was taken.
+    // The command shows the assumed values.
     let (_, command) = text.split_once("`heft ").expect("a command");
     let command = command.split('`').next().expect("a command");
     let all = run_ok(&command.split(' ').collect::<Vec<_>>());
@@ -163,7 +163,7 @@ fn who_states_the_mass_is_told_what_follows_from_it() {
         "{text}"
     );
 
-    // Who runs on data is told it too.
+    // A run on data reports it too.
     let data = golden("machines/excavator_1_13t_level.csv");
     let line = [
         "run",

@@ -1,4 +1,4 @@
-//! What is wrong with the data is named, and nothing of it is lost in silence.
+//! Faults of the data are named, and no data are dropped silently.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::common::{both, golden, heft, path_in, run, run_ok, says};
 
-/// The golden excavator of 13 t with one column treated.
+/// The golden excavator of 13 t with one column changed.
 fn treated(folder: &Path, column: &str, treat: impl Fn(usize, f64) -> String) -> String {
     let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
     let mut lines = text.lines();
@@ -30,14 +30,14 @@ fn estimate(input: &str, folder: &Path) -> Output {
     estimate_of("excavator", input, folder, &["--class", "13t"])
 }
 
-/// The same of a machine, with other options.
+/// The same for a machine, with other options.
 fn estimate_of(machine: &str, input: &str, folder: &Path, options: &[&str]) -> Output {
     let out = path_in(folder, "out.csv");
     let args = ["estimate", input, "--machine", machine, "-o", &out];
     run(&[&args[..], options].concat())
 }
 
-/// `heft run` of the same on standard input.
+/// `heft run` of the same data on standard input.
 fn piped(input: &str, folder: &Path) -> Output {
     let out = path_in(folder, "run");
     heft()
@@ -48,7 +48,7 @@ fn piped(input: &str, folder: &Path) -> Output {
         .expect("heft starts")
 }
 
-/// Both end with status 1 and say so.
+/// Checks that both end with status 1 and these words.
 fn in_doubt(input: &str, folder: &Path, words: &str) {
     for output in [estimate(input, folder), piped(input, folder)] {
         assert_eq!(output.status.code(), Some(1), "{}", both(&output));
@@ -217,7 +217,7 @@ fn a_mass_is_no_weight() {
     let output = run(&["weigh", &file]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
     says(&output, "N, kN, lbf");
-    // Without a row of units the mass of the machine tells.
+    // Without a row of units the machine's mass determines the unit.
     fs::write(&file, "pitch,front_load,rear_load\n0,2500,2200\n").expect("writable");
     let output = run(&["weigh", &file]);
     assert_eq!(output.status.code(), Some(2), "{}", both(&output));
@@ -354,7 +354,7 @@ fn whoever_ends_a_command_of_many_inputs_ends_their_processes() {
     let dir = tempfile::tempdir().expect("a folder");
     let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
     let (header, rows) = text.split_once('\n').expect("rows");
-    // Long enough to be read for seconds: only the first round counts, the rest is refused.
+    // Long enough to be read for seconds: only the first round is accepted, the rest is refused.
     let file = path_in(dir.path(), "day.csv");
     fs::write(&file, format!("{header}\n{}", rows.repeat(200))).expect("writable");
     let mut command = heft();
@@ -711,7 +711,7 @@ fn a_loader_s_units_and_size_are_doubted_too() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = path_in(dir.path(), "day.csv");
     let (kmh, knm) = (Some("unit = \"km/h\""), Some("unit = \"kNm\""));
-    // As one table, and as two that were merged, whose columns never come in the same row.
+    // As one table, and as two merged ones, whose columns never come in the same row.
     for (class, column, by, is_merged, words) in [
         ("5t", "speed", 1.0, false, None),
         ("5t", "speed", 3.6, false, kmh),
@@ -747,7 +747,7 @@ fn a_loader_s_units_and_size_are_doubted_too() {
     }
 }
 
-/// To open a pipe waits until somebody writes it.
+/// Opening a pipe blocks until it has a writer.
 #[test]
 fn pipes_in_a_folder_of_recordings_are_passed_over() {
     let dir = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Pipes in the place of files, and what an interruption leaves.
+//! Pipes in the place of files, and files after an interruption.
 
 use std::fs;
 use std::path::Path;
@@ -54,7 +54,7 @@ fn estimates_on_standard_output_are_rows_and_nothing_else() {
         assert!(both(&result).contains("The swing inertia is"), "{output}");
     }
     assert!(!Path::new("-").exists());
-    // Who has read enough needs no word.
+    // A reader that leaves early gets no message.
     let heft = env!("CARGO_BIN_EXE_heft");
     let script = format!("{heft} \"$@\" -o /dev/stdout | head -1; echo ${{PIPESTATUS[0]}}");
     let left = std::process::Command::new("bash")
@@ -66,7 +66,7 @@ fn estimates_on_standard_output_are_rows_and_nothing_else() {
     let words = String::from_utf8_lossy(&left.stderr).into_owned();
     assert!(shown.ends_with("141\n"), "{shown}");
     assert!(!words.contains("heft:"), "{words}");
-    // A file behind the device's name is written, and takes nothing's place.
+    // A file behind the device's name is written, and replaces no other file.
     let behind = folder.path().join("behind.csv");
     let status = common::heft()
         .args(args)
@@ -91,7 +91,7 @@ fn an_estimate_that_is_interrupted_leaves_nothing_behind() {
     let files = || fs::read_dir(folder.path()).expect("the folder").count();
     let limit = std::time::Duration::from_secs(20);
     common::wait_until("a file in the making", limit, || files() > 1);
-    // Who starts the tests in the background ignores SIGINT, and so does heft.
+    // A shell that starts the tests in the background ignores SIGINT, and so does heft.
     common::kill(heft.id(), rustix::process::Signal::TERM);
     let status = heft.wait().expect("an end");
     assert_eq!(status.signal(), Some(15), "{status}");
@@ -102,7 +102,7 @@ fn an_estimate_that_is_interrupted_leaves_nothing_behind() {
 fn a_copy_that_is_interrupted_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
     let copy = folder.path().join("copy.mcap");
-    // What is cut off is written anew.
+    // A recording that is cut off is written again.
     let mut big = fs::read(golden("recordings/loader-cfdbb98.mcap")).expect("golden");
     big.truncate(big.len() - 40);
     let input = folder.path().join("cut.mcap");

@@ -1,4 +1,4 @@
-//! Machines that are not our simulator: their recordings, what a competent user states of them, and how an estimator is judged on them.
+//! Machines of independent simulators: their recordings, the settings of a competent user, and the criteria for an estimator.
 
 use estimation::loader::Sample;
 use serde_json::{Map, Value};
@@ -13,7 +13,7 @@ pub fn described(file: &str) -> Map<String, Value> {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// What is stated of a machine, `KEY=VALUE` each, as `--set` takes it.
+/// The stated settings of a machine, `KEY=VALUE` each, as `--set` takes them.
 pub fn sets(stated: &Value) -> Vec<String> {
     let stated = stated.as_object().expect("settings by key");
     stated
@@ -22,7 +22,7 @@ pub fn sets(stated: &Value) -> Vec<String> {
         .collect()
 }
 
-/// What a row of a loader's recording says.
+/// The sample in a row of a loader's recording.
 pub fn loader_sample(row: &Row) -> Sample {
     Sample {
         time: row.number("t"),
@@ -42,7 +42,7 @@ pub fn loader_sample(row: &Row) -> Sample {
     }
 }
 
-/// How much is trusted, how much of that is wrong, and whether the interval holds all the time.
+/// Shares of trusted and of wrong rows, and coverage over all time.
 pub fn scores(tally: &Tally) -> String {
     format!(
         "trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
@@ -53,7 +53,7 @@ pub fn scores(tally: &Tally) -> String {
     )
 }
 
-/// What is asked of an estimator on a machine, from 0 to 1.
+/// Requirements on an estimator for a machine, from 0 to 1.
 pub struct Limits {
     /// Least trusted share of the time in motion.
     pub trusted: f64,

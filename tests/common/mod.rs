@@ -1,4 +1,4 @@
-//! What the integration tests share: running the binary as a user does.
+//! Common functions of the integration tests: running the binary as a user does.
 #![allow(dead_code, reason = "each test uses its own part")]
 
 pub mod machines;
@@ -18,7 +18,7 @@ pub fn heft() -> Command {
     command
 }
 
-/// The words of a command, as they are typed.
+/// The words of a command line.
 pub fn words(command: &str) -> Vec<&str> {
     command.split(' ').collect()
 }
@@ -46,7 +46,7 @@ pub fn path_in(folder: &Path, name: &str) -> String {
     path.to_str().expect("a path").to_owned()
 }
 
-/// Everything that a run printed.
+/// The whole output of a run.
 pub fn both(output: &Output) -> String {
     format!(
         "{}{}",
@@ -55,7 +55,7 @@ pub fn both(output: &Output) -> String {
     )
 }
 
-/// That a run printed these words.
+/// Checks that the output of a run contains these words.
 #[track_caller]
 pub fn says(output: &Output, words: &str) {
     let said = both(output);
@@ -187,7 +187,7 @@ pub fn survivors(domain: &str) -> Vec<u32> {
         .collect()
 }
 
-/// What a domain has in shared memory.
+/// Files of a domain in shared memory.
 pub fn shared_memory(domain: &str) -> Vec<String> {
     let names = |path: &str| -> Vec<String> {
         std::fs::read_dir(path)
@@ -205,7 +205,7 @@ pub fn shared_memory(domain: &str) -> Vec<String> {
     found
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 pub fn wait_until(what: &str, limit: Duration, mut condition: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !condition() {

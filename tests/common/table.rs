@@ -1,4 +1,4 @@
-//! A table as the tests read it: rows of cells, each by the name of its column.
+//! A table as tests read it: rows of cells, by the names of their columns.
 
 use std::path::Path;
 

@@ -1,10 +1,10 @@
-//! Data recorded by others: not ours to ship. The one place that knows where they are, and says so where they are not.
+//! Independent recordings, which are not shipped. The only place that knows their folder, and reports if they are missing.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// A file or folder of the data that `HEFT_DATA` names; without that, those in `shared/data` beside the checkout. `None`
-/// where it is missing: the test that asked says that it is skipped, and passes.
+/// A file or folder of the data in `HEFT_DATA`; without that variable, of `shared/data` beside the checkout. `None`
+/// if it is missing: the test reports that it is skipped, and passes.
 pub fn data(name: &str) -> Option<PathBuf> {
     let mut beside = std::env::current_dir().expect("the folder of a package");
     while !beside.join("Cargo.lock").exists() && beside.pop() {}

@@ -1,5 +1,5 @@
-//! A bus for tests: talkers, a recorder that writes what candump would, and the way to a kernel that
-//! has one.
+//! A bus for tests: senders, a recorder that writes as candump does, and access to a kernel that
+//! supports one.
 #![allow(dead_code, reason = "each test uses its own part")]
 
 use std::fmt::Write as _;
@@ -15,8 +15,8 @@ use socketcan::{
     CanFdSocket, CanFrame, EmbeddedFrame, ExtendedId, Id, Socket, SocketOptions, StandardId,
 };
 
-/// Runs the tests of this file that need a bus, on a kernel that has one: where `HEFT_CAN` is set, since they play
-/// in real time and a kernel in user mode keeps it only on a machine that is otherwise quiet.
+/// Runs the tests of this file that need a bus, on a kernel that has one, if `HEFT_CAN` is set: they play
+/// in real time, which a kernel in user mode keeps up only on an idle machine.
 pub fn run_ignored_tests() {
     if std::env::var_os("HEFT_CAN").is_none() {
         let _ = writeln!(
@@ -42,7 +42,7 @@ pub fn run_ignored_tests() {
     }
 }
 
-/// A frame and when to send it [s].
+/// A frame and the time to send it [s].
 #[derive(Debug, Clone)]
 pub struct Frame {
     pub time: f64,
@@ -51,7 +51,7 @@ pub struct Frame {
     pub data: Vec<u8>,
 }
 
-/// One that sends.
+/// A sender.
 pub struct Talker(CanFdSocket);
 
 impl Talker {
@@ -81,7 +81,7 @@ impl Talker {
             let due = Duration::from_secs_f64(due.max(0.0));
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
             self.say(&frame);
-            // Who is behind sends many at once: a listener on the same core gets its turn before its queue is full.
+            // After a delay many frames are sent at once: a listener on the same core gets its turn before its queue is full.
             std::thread::yield_now();
         }
     }
@@ -106,7 +106,7 @@ pub fn frames_of_log(log: &Path) -> Vec<Frame> {
     text.lines().filter_map(frame).collect()
 }
 
-/// Writes what it hears as `candump -L` does.
+/// Writes received frames as `candump -L` does.
 pub struct Recorder(JoinHandle<String>, Arc<AtomicBool>);
 
 impl Recorder {
@@ -140,7 +140,7 @@ impl Recorder {
         Self(thread, stop)
     }
 
-    /// Everything heard until now.
+    /// The text received up to now.
     pub fn stop(self) -> String {
         std::thread::sleep(Duration::from_millis(300));
         self.1.store(true, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! Writes `include/heft.h` from the tables of the machines; words and units come from the table of
+//! Writes `include/heft.h` from the tables of the machines; meanings and units come from the table of
 //! messages and from the keys: `cargo run -p heft_c --example header`.
 
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use messages::{
 };
 use sheet::loads::{STAGES, WITNESSES};
 
-/// Where the header is kept.
+/// Path of the header.
 pub const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/include/heft.h");
 
 #[allow(dead_code, reason = "the test of the header includes this file")]
@@ -71,7 +71,7 @@ pub fn header() -> String {
     out
 }
 
-/// Which header this is.
+/// Version of the header.
 fn version(out: &mut String) {
     let number = env!("CARGO_PKG_VERSION");
     let parts = number
@@ -239,7 +239,7 @@ fn close(out: &mut String, table: &str) {
     }
 }
 
-/// Unit and words of a signal or a value; the boom's motion and the brakes are bits of the messages.
+/// Unit and meaning of a signal or a value; the boom's motion and the brakes are bits of the messages.
 fn field<M: Message>(name: &str) -> (&'static str, &'static str) {
     let found = M::FIELDS.iter().find(|field: &&Field| field.name == name);
     match found {
@@ -311,7 +311,7 @@ int32_t heft_NAME_save(const void *memory, void *state, size_t size);
  * `memory` is as it was: the state is damaged, of another machine, or of another build of the library. */
 int32_t heft_NAME_restore(void *memory, size_t size, const void *state, size_t state_size);
 "#;
-    // What tells a size.
+    // Keys that determine the size of a machine.
     let sizes = match name {
         "excavator" => {
             "machine.operating_mass, rated_payload and swing_torque, lengths of boom and arm"
@@ -321,7 +321,7 @@ int32_t heft_NAME_restore(void *memory, size_t size, const void *state, size_t s
     out.push_str(&text.replace("NAME", name).replace("SIZES", sizes));
 }
 
-/// Makes a book for a machine; behind what is the same for every machine.
+/// The function that makes a ledger for a machine, after the part common to all machines.
 fn book(out: &mut String, name: &str) {
     let text = r#"
 /* What heft_NAME_loads_init calls. */
@@ -339,7 +339,7 @@ static inline int32_t heft_NAME_loads_init(void *memory, size_t size, const heft
     out.push_str(&text.replace("NAME", name));
 }
 
-/// Loads: what is the same for every machine.
+/// Loads: the part common to all machines.
 fn loads(out: &mut String) {
     out.push_str("\n/* ---- loads of either machine ---- */\n\n/* Bits of `flags`. */\n");
     for flag in sheet::loads::FLAGS {

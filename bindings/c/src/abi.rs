@@ -1,4 +1,4 @@
-//! One number for everything that a program compiles in from the header: another header gives another number.
+//! A checksum of everything that a program compiles in from the header: another header gives another number.
 
 use core::mem::size_of;
 
@@ -9,7 +9,7 @@ use crate::settings::places;
 use crate::table::{Bit, Machine};
 use crate::{Excavator, Loader};
 
-/// `HEFT_ABI` of the header that belongs to this library.
+/// `HEFT_ABI` of the header of this library.
 #[must_use]
 pub fn sum() -> u32 {
     let sum = machine::<Loader>(machine::<Excavator>(0x811c_9dc5));
@@ -17,7 +17,7 @@ pub fn sum() -> u32 {
     add(sum, &loads)
 }
 
-/// FNV-1a; each text ends with a byte that no text has.
+/// FNV-1a; each text is terminated by a byte that occurs in no text.
 fn add(sum: u32, text: &[u8]) -> u32 {
     text.iter().chain(&[0xff]).fold(sum, |sum, byte| {
         (sum ^ u32::from(*byte)).wrapping_mul(0x0100_0193)

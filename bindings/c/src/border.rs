@@ -1,7 +1,7 @@
 //! Memory and pointers of the caller: all the unsafe code of the library.
 //!
-//! Every function checks what can be checked (null, size, alignment, whether the memory was made
-//! by `init` for this machine) and says the rest in the header.
+//! Every function checks what can be checked (null, size, alignment, whether the memory was initialised
+//! by `init` for this machine); the header states the other requirements.
 #![allow(unsafe_code)]
 
 use core::ffi::{CStr, c_char, c_void};
@@ -28,20 +28,20 @@ pub enum Code {
     Null = -1,
     /// The memory is too small, or not aligned to 8 bytes.
     Memory = -2,
-    /// A setting, the method or the columns cannot be used; `error` tells which.
+    /// A setting, the method or the columns cannot be used; `error` names it.
     Refused = -3,
     /// The memory holds no estimator of this machine.
     NotInitialised = -4,
     /// No key has this name.
     NoSuchKey = -5,
-    /// A mistake of the library; the memory must be initialised anew. Without an operating system the program stops instead.
+    /// An error of the library; the memory must be initialised again. Without an operating system the program stops instead.
     Internal = -6,
     /// The program was compiled with the header of another library.
     OtherHeader = -7,
 }
 
 impl Code {
-    /// All codes, with their names in the header and what they say.
+    /// All codes, with their names in the header and their meanings.
     pub const ALL: [(Self, &'static str, &'static str); 8] = [
         (Self::Ok, "HEFT_OK", "done"),
         (Self::Null, "HEFT_NULL", "a pointer is null"),
@@ -77,16 +77,16 @@ impl Code {
 /// Enough memory for either machine on every platform, for arrays of a fixed size \[byte\].
 pub const SIZE_MAX: usize = 34 * 1024;
 
-/// What the caller's memory holds.
+/// Contents of the caller's memory.
 #[repr(C)]
 struct Block<M> {
-    /// [`mark`] of the machine where `machine` is one; anything else where it is not.
+    /// [`mark`] of the machine if `machine` is valid; any other value if not.
     mark: u64,
     text: Text,
     machine: M,
 }
 
-/// Words with a 0 at the end.
+/// A text terminated by 0.
 #[repr(C)]
 struct Text {
     bytes: [u8; 184],
@@ -101,7 +101,7 @@ impl Text {
 }
 
 impl Write for Text {
-    /// What does not fit is left out.
+    /// Text beyond the capacity is dropped.
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for byte in text.bytes() {
             let at = self.length as usize;
@@ -114,7 +114,7 @@ impl Write for Text {
     }
 }
 
-/// Tells initialised memory of this machine from any other.
+/// Marks initialised memory of this machine.
 fn mark<M: Machine>() -> u64 {
     let name = M::NAME
         .bytes()
@@ -239,7 +239,7 @@ unsafe fn step<M: Machine, const N: usize>(
     if unsafe { addr_of_mut!((*block).mark).read() } != mark::<M>() {
         return Code::NotInitialised;
     }
-    // SAFETY: the mark says that the machine is there; the row has as many doubles as signals.
+    // SAFETY: the mark shows that the machine is initialised; the row has as many doubles as signals.
     let (machine, row) = unsafe {
         (
             &mut (*block).machine,
@@ -321,7 +321,7 @@ unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     unsafe { core::ptr::addr_of!((*block).text.bytes).cast() }
 }
 
-/// Nothing if `body` panicked: a panic must not cross the border, where the profile lets it unwind (`bindings` does).
+/// None if `body` panicked: a panic must not leave the library, where the profile unwinds (`bindings` does).
 /// Without an operating system (`controller`) a panic ends in the panic handler.
 #[cfg(any(feature = "std", test))]
 fn guarded<T>(body: impl FnOnce() -> T) -> Option<T> {

@@ -51,7 +51,7 @@ impl fmt::Display for Refusal {
             Self::NoSuchMethod => f.write_str("the excavator has no method of this number"),
             #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
-            // A number as text takes 15 kB of code.
+            // Formatting a number as text takes 15 kB of code.
             #[cfg(not(feature = "std"))]
             Self::Settings(error) => match error {
                 SettingsError::OutOfRange { key, .. } => write!(f, "{key} is outside its range"),
@@ -73,7 +73,7 @@ impl From<SettingsError> for Refusal {
     }
 }
 
-/// Bits of the columns: positions in [`Machine::SIGNALS`], the time not counted.
+/// Bits of the columns: positions in [`Machine::SIGNALS`], without the time.
 fn columns(bits: u32) -> Columns {
     let all = |mask: u32| bits & mask == mask;
     Columns {

@@ -1,17 +1,17 @@
-//! The estimators for C: `heft.h` is the interface, this is what stands behind it.
+//! The estimators for C: the implementation of `heft.h`.
 //!
-//! The caller gives the memory, and then one row after the other. Nothing here allocates, opens a
-//! file, reads a clock or panics on data; every number that comes out is finite. Structures cross
-//! the border as plain numbers in the order of one table per machine ([`Machine`]), from which the
-//! header and the model descriptions of the FMUs are written.
+//! The caller provides the memory, and then one row after the other. No function here allocates, opens a
+//! file, reads a clock or panics on data; every output number is finite. Structures are passed
+//! as plain numbers in the order of one table per machine ([`Machine`]), from which the
+//! header and the model descriptions of the FMUs are generated.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `table` | what a machine must tell to be offered outside |
+//! | `table` | the interface of a machine for other languages |
 //! | `settings` | a description as doubles |
 //! | `excavator`, `loader` | the tables |
-//! | `loads` | from estimates to loads |
-//! | `abi` | one number for what the header promises |
+//! | `loads` | loads from estimates |
+//! | `abi` | a checksum of the header |
 //! | `border` | memory and pointers of the caller: all the unsafe code |
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
@@ -29,7 +29,7 @@ pub use loader::Loader;
 pub use loads::LoadsRow;
 pub use table::{Answer, Bit, Machine, Signal, Value, answer, bits, sample};
 
-/// Without an operating system there is nobody to tell: the step was wrong, not the data.
+/// Without an operating system a panic has no output: the program stops.
 #[cfg(not(any(feature = "std", test)))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -38,7 +38,7 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     }
 }
 
-/// `core` of a target with an operating system is made to unwind and names this function; nothing here ever unwinds.
+/// `core` of a target with an operating system is compiled for unwinding and refers to this function; nothing here unwinds.
 #[cfg(all(target_os = "linux", not(any(feature = "std", test))))]
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]

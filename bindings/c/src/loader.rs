@@ -39,7 +39,7 @@ impl fmt::Display for Refusal {
             Self::NoSuchMethod => f.write_str("the loader has no method of this number"),
             #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
-            // A number as text takes 15 kB of code.
+            // Formatting a number as text takes 15 kB of code.
             #[cfg(not(feature = "std"))]
             Self::Settings(error) => match error.must_be {
                 MustBe::Within(_) => write!(f, "{} is outside its range", error.key),
@@ -50,7 +50,7 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// Position of the specific force in [`Machine::SIGNALS`], the time not counted.
+/// Position of the specific force in [`Machine::SIGNALS`], without the time.
 const ACCELERATION: u32 = 6;
 
 impl Machine for Loader {

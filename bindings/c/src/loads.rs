@@ -1,4 +1,4 @@
-//! Loads: what was filled, carried and dumped, from the estimates of either machine.
+//! Loads (filled, carried, dumped) from the estimates of either machine.
 
 use estimation::Quantity;
 use estimation::excavator::Reason;
@@ -6,7 +6,7 @@ use estimation::loads::{Ledger, Load, LoadReport, Row, Settings, Witness};
 
 use crate::table::present;
 
-/// An estimate as a caller hands it in.
+/// An estimate as the caller passes it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct LoadsRow {
@@ -21,7 +21,7 @@ pub struct LoadsRow {
     witness: u32,
 }
 
-/// Whether a truck can hold it: nothing asked for, or a weight \[kg\].
+/// Whether this is a valid target of a truck: none, or a mass \[kg\].
 pub(crate) fn can_be_target(target: Option<f64>) -> bool {
     target.is_none_or(|kg| kg.is_finite() && kg > 0.0)
 }
@@ -33,7 +33,7 @@ pub(crate) struct Loads {
 }
 
 impl Loads {
-    /// For a machine of which `usual` is known. Nothing where the payload of a full bucket is no weight.
+    /// For a machine with the values `usual`. None if the payload of a full bucket is no valid mass.
     pub(crate) fn new(usual: Settings, target: f64, pause: f64) -> Option<Self> {
         let settings = Settings {
             target: present(target),
@@ -55,7 +55,7 @@ impl Loads {
         let witness = usize::try_from(row.witness).ok();
         let witness = witness.and_then(|i| Witness::ALL.get(i).copied());
         let witness = witness.unwrap_or_default();
-        // Reasons are those of the machine, and its own motion weighs an excavator's load alone.
+        // Reason codes belong to a machine; only an excavator's load is weighed by its own motion.
         let is_excavator = matches!(witness, Witness::Motion | Witness::Both);
         let events = self.ledger.step(&Row {
             time: row.t,

@@ -1,4 +1,4 @@
-//! A description as a row of doubles: one for each key, as many as it has numbers for a list.
+//! A description as an array of doubles: one for each key, for a list its length.
 //!
 //! Flags are 0 or 1, choices count from 0, NaN is "none" and ends a list.
 
@@ -58,7 +58,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Doubles that it takes.
+    /// Number of its doubles.
     #[must_use]
     pub fn width(&self) -> usize {
         width(self.key.form)
@@ -96,7 +96,7 @@ pub fn places<S: Settings>(settings: &S) -> impl Iterator<Item = Place> + '_ {
     })
 }
 
-/// Hands over the doubles of a description, each with its position.
+/// Calls `put` with the doubles of a description, each with its position.
 pub fn write<S: Settings>(settings: &S, mut put: impl FnMut(usize, f64)) {
     for place in places(settings) {
         let table = settings.table(place.at.0);
@@ -124,7 +124,7 @@ fn number(value: &Value, form: Form, i: usize) -> f64 {
     }
 }
 
-/// A double that its key cannot take.
+/// A double that is not valid for its key.
 pub struct Unfit {
     place: Place,
     #[cfg(feature = "std")]
@@ -145,7 +145,7 @@ impl fmt::Display for Unfit {
         }
     }
 
-    /// Without numbers: as text they take 15 kB of code.
+    /// Without numbers: formatting them takes 15 kB of code.
     #[cfg(not(feature = "std"))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { table, key, .. } = self.place;
@@ -156,7 +156,7 @@ impl fmt::Display for Unfit {
 /// A description from its doubles.
 ///
 /// # Errors
-/// The first key whose doubles it cannot take.
+/// The first key whose doubles are not valid.
 pub fn read<S: Settings>(get: impl Fn(usize) -> f64) -> Result<S, Unfit> {
     let defaults = S::default();
     let mut settings = S::default();
@@ -183,8 +183,8 @@ pub fn read<S: Settings>(get: impl Fn(usize) -> f64) -> Result<S, Unfit> {
     Ok(settings)
 }
 
-/// A description whose keys that still have the reference machine's value get that of a machine of the stated size, as those of
-/// a machine file do that it does not state.
+/// A description in which keys with the reference machine's value get that of a machine of the stated size, like keys that a machine
+/// file does not state.
 pub fn completed<S: Settings>(stated: S) -> S {
     let (plain, sized) = (S::default(), stated.of_its_size());
     let mut all = stated;
@@ -192,14 +192,14 @@ pub fn completed<S: Settings>(stated: S) -> S {
         let of = |settings: &S| settings.table(at.0).and_then(|table| table.get(at.1));
         let is_open = of(&all) == of(&plain);
         if let (true, Some(value), Some(table)) = (is_open, of(&sized), all.table_mut(at.0)) {
-            // A default fits its key.
+            // A default is valid for its key.
             table.set(at.1, &value);
         }
     }
     all
 }
 
-/// The value that these doubles mean.
+/// The value of these doubles.
 fn value(form: Form, numbers: &[f64]) -> Option<Value<'static>> {
     let first = numbers[0];
     match form {
@@ -222,7 +222,7 @@ fn value(form: Form, numbers: &[f64]) -> Option<Value<'static>> {
     }
 }
 
-/// Whether the key whose first double is at `first` can take this number.
+/// Whether this number is valid for the key whose first double is at `first`.
 #[must_use]
 pub fn can_take<S: Settings>(first: usize, number: f64) -> bool {
     let defaults = S::default();
@@ -234,7 +234,7 @@ pub fn can_take<S: Settings>(first: usize, number: f64) -> bool {
 }
 
 /// Position of the double of the key of this name with its table, such as `sensors.rate`; of a list
-/// of any length its first. A list of a fixed length has no one double.
+/// of variable length its first. A list of fixed length has no single double.
 #[must_use]
 pub fn position<S: Settings>(path: &[u8]) -> Option<usize> {
     let found = places(&S::default()).find(|place| {

@@ -1,5 +1,5 @@
-//! What a machine must tell to be offered outside: its numbers in their order, each with a way in
-//! or out of the types of `estimation`.
+//! The interface of a machine for other languages: its numbers in their order, each with a conversion to
+//! or from the types of `estimation`.
 
 use core::fmt::Display;
 
@@ -7,11 +7,11 @@ use estimation::loads;
 
 use crate::settings::Settings;
 
-/// A signal of a row; its bit in `columns` is its position, the time not counted.
+/// A signal of a row; its bit in `columns` is its position, without the time.
 pub struct Signal<T> {
     /// Name in data.
     pub name: &'static str,
-    /// Takes a value; NaN is a missing sample.
+    /// Sets a value; NaN is a missing sample.
     pub put: fn(&mut T, f64),
 }
 
@@ -23,7 +23,7 @@ pub struct Value<E> {
     pub get: fn(&E) -> f64,
 }
 
-/// A bit of an answer; its position in the table is its position in the word.
+/// A bit of an answer; its position in the table is the bit number.
 pub struct Bit<E> {
     /// Name.
     pub name: &'static str,
@@ -31,7 +31,7 @@ pub struct Bit<E> {
     pub get: fn(&E) -> bool,
 }
 
-/// A machine with an estimator that can be offered to another language.
+/// A machine with an estimator for another language.
 pub trait Machine: Sized + Clone + 'static {
     /// Name on the command line.
     const NAME: &'static str;
@@ -54,16 +54,16 @@ pub trait Machine: Sized + Clone + 'static {
     /// Methods by their number.
     const METHODS: &'static [&'static str];
 
-    /// An estimator that waits for its first row. `columns`: bits of the signals that there are.
+    /// An estimator before its first row. `columns`: bits of the existing signals.
     ///
     /// # Errors
-    /// What is wrong with a setting, the method or the columns, in words.
+    /// Which setting, method or columns are not valid, as text.
     fn new(settings: &Self::Settings, method: usize, columns: u32) -> Result<Self, impl Display>;
 
-    /// What counts the loads of such a machine is given.
+    /// Settings of the ledger of loads for such a machine.
     fn loads(settings: &Self::Settings) -> loads::Settings;
 
-    /// Takes one row and always answers.
+    /// Takes one row and returns an answer in every case.
     fn step(&mut self, sample: &Self::Sample) -> Self::Estimate;
 
     /// Number of the method that made an answer.
@@ -72,17 +72,17 @@ pub trait Machine: Sized + Clone + 'static {
     /// Code of the reason why the answer is not trusted, 0 for none.
     fn reason(estimate: &Self::Estimate) -> u32;
 
-    /// Rows refused so far.
+    /// Number of refused rows.
     fn refused(estimate: &Self::Estimate) -> u64;
 }
 
-/// An answer as it crosses the border.
+/// An answer in the C interface.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer<const N: usize> {
     /// In the order of [`Machine::VALUES`].
     pub values: [f64; N],
-    /// Rows refused so far.
+    /// Number of refused rows.
     pub refused: u64,
     /// Verdict bits.
     pub flags: u32,
@@ -119,7 +119,7 @@ pub fn answer<M: Machine, const N: usize>(estimate: &M::Estimate) -> Answer<N> {
     }
 }
 
-/// The word of these bits.
+/// These bits as a word.
 pub fn bits<E>(bits: &[Bit<E>], estimate: &E) -> u32 {
     let set = bits
         .iter()
@@ -128,12 +128,12 @@ pub fn bits<E>(bits: &[Bit<E>], estimate: &E) -> u32 {
     set.fold(0, |all, (i, _)| all | 1 << i)
 }
 
-/// A number, or nothing for NaN.
+/// A number; none for NaN.
 pub(crate) fn present(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
 }
 
-/// `VALUES` of a machine, the time first, and `ESTIMATED`, each at the place of its bit.
+/// `VALUES` of a machine, the time first, and `ESTIMATED`, each at the position of its bit.
 macro_rules! quantities {
     (
         estimated { $( $bit:literal $const:ident $bit_name:ident ($($has:tt)*) $bit_doc:tt; )* }
@@ -165,7 +165,7 @@ macro_rules! quantities {
     };
 }
 
-/// Whether an estimate has something; always, where no place says so.
+/// Whether an estimate contains a quantity; always, without a condition.
 macro_rules! has {
     ($e:ident,) => {
         true
@@ -175,7 +175,7 @@ macro_rules! has {
     };
 }
 
-/// `SIGNALS` of a machine, the time first, then each at the place of its bit.
+/// `SIGNALS` of a machine, the time first, then each at the position of its bit.
 macro_rules! signals {
     (
         first { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $unit:tt $doc:tt $presence:ident; )* }
@@ -194,7 +194,7 @@ macro_rules! signals {
     };
 }
 
-/// `FLAGS` of a machine, each at the place of its bit; what only a process can say is never set here.
+/// `FLAGS` of a machine, each at the position of its bit; flags that only a process can set are never set here.
 macro_rules! flags {
     (
         estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt $facts:tt; )* }

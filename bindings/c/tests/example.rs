@@ -1,4 +1,4 @@
-//! The example of the header compiles without a warning and says what the command line says.
+//! The example of the header compiles without a warning and prints the same as the command line.
 
 mod common;
 

@@ -27,7 +27,7 @@ fn rows<M: Machine, S: Message>(messages: &[S]) -> Vec<u8> {
             let there = i == 0 || bits & 1 << (i - 1) != 0;
             let number = match message.number(signal.name) {
                 Some(value) if there => value,
-                // The boom's motion is a bit alone.
+                // The boom's motion is only a bit.
                 None if there => 1.0,
                 _ => f64::NAN,
             };
@@ -41,7 +41,7 @@ fn columns<S: Message>(messages: &[S]) -> u32 {
     messages[0].bits_of("columns")
 }
 
-/// What C answered, number by number, must be what the steps answered.
+/// Compares the answers of C with those of the steps, number by number.
 fn compare<M: Machine, E: Message, const N: usize>(bytes: &[u8], expected: &[E], what: &str) {
     let size = size_of::<Answer<N>>();
     assert_eq!(
@@ -56,7 +56,7 @@ fn compare<M: Machine, E: Message, const N: usize>(bytes: &[u8], expected: &[E],
         for (i, value) in M::VALUES.iter().enumerate() {
             let ours = f64::from_bits(word(8 * i));
             let theirs = field(message, value.name);
-            // A time that is no number is refused; C gets 0 in its place.
+            // A time that is not finite is refused; C gets 0 in its place.
             let no_time = value.name == "t" && !theirs.as_f64().is_finite() && ours == 0.0;
             let same = no_time || theirs.same_bits(Value::F64(ours));
             assert!(
@@ -193,7 +193,7 @@ fn every_loader_method_gives_the_bits_of_the_processes() {
     }
 }
 
-/// A recording of a machine with pressures, and what a competent user states of it, `KEY=VALUE` each.
+/// A recording of a machine with pressures, and the settings that a competent user states, `KEY=VALUE` each.
 fn weighed<S: Sensors>(name: &str) -> (Vec<S>, Vec<String>) {
     let rows = recording::load::<S>(golden(&format!("weighed/{name}")), None).expect("a table");
     let path = golden("weighed/machines").replace(".csv", ".json");
@@ -218,7 +218,7 @@ fn without<M: Machine, S: Message + Copy>(rows: &[S], signals: &[&str]) -> Vec<S
     cleared.collect()
 }
 
-/// Whether what the signals say moves the number in more than half of the estimates.
+/// Whether these signals change the number in more than half of the estimates.
 fn moves<E: Message>(with: &[E], without: &[E], field: &str) -> bool {
     let pairs = with.iter().zip(without);
     let moved = pairs.filter(|(with, without)| with.number(field) != without.number(field));

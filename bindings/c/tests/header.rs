@@ -1,4 +1,4 @@
-//! The committed header is the one that the tables make.
+//! The committed header is the one generated from the tables.
 
 #[path = "../examples/header.rs"]
 mod generator;

@@ -1,4 +1,4 @@
-//! What a machine file can state can be stated in C.
+//! All keys of a machine file can be set in C.
 
 use config::{Excavator, Keyed, Loader};
 use heft_c::settings::{Settings, places};

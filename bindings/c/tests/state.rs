@@ -1,4 +1,4 @@
-//! States are saved and restored; versions and headers are told apart.
+//! States are saved and restored; other versions and headers are detected.
 
 mod common;
 

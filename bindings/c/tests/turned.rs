@@ -1,4 +1,4 @@
-//! Joints that are a whole turn off are the same joints.
+//! Joint angles that differ by a whole turn are equal.
 
 mod common;
 

@@ -13,7 +13,7 @@ use crate::model::reference::{
 };
 use crate::model::{default_columns, unstated};
 
-/// Where words, units and ranges of a machine stand.
+/// Messages with the meanings, units and ranges of a machine's variables.
 pub trait Words: Machine {
     /// Message of its sensors.
     type Sensors: Message;
@@ -37,7 +37,7 @@ pub fn identifier<M: Machine>() -> String {
     format!("heft_{}", M::NAME)
 }
 
-/// Tells that library and description belong together, and which machine is meant.
+/// Identifies the machine, and that library and description belong together.
 #[must_use]
 pub fn token<M: Machine>() -> String {
     format!("heft-{}-{}", M::NAME, env!("CARGO_PKG_VERSION"))
@@ -50,11 +50,11 @@ struct Variable {
     reference: u32,
     causality: &'static str,
     text: String,
-    /// Further attributes, each with a space before it.
+    /// Further attributes, each after a space.
     more: String,
 }
 
-/// The page that an importer shows: how to use it, and every input and output.
+/// The page that an importer shows: usage, and every input and output.
 #[must_use]
 pub fn page<M: Words>() -> String {
     let mut rows = String::new();
@@ -211,7 +211,7 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
         }
         for i in 0..place.width() {
             let start = starts[place.first + i];
-            // Behind the end of a list.
+            // NaN marks the end of a list.
             if start.is_nan() {
                 continue;
             }
@@ -235,7 +235,7 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
     }
 }
 
-/// Flags that say which keys count whose default is "none".
+/// Flags of the keys with default "none", whether they count.
 fn stated<M: Words>(all: &mut Vec<Variable>) {
     for (i, key) in unstated(&M::Settings::default()).iter().enumerate() {
         all.push(Variable {
@@ -318,7 +318,7 @@ fn reasons<M: Message>() -> &'static [messages::Entry] {
     }
 }
 
-/// What a bit of a word of an estimate means.
+/// Meaning of a bit in a word of an estimate.
 fn meaning<M: Message>(word: &str, bit: usize) -> String {
     let entries = match messages::Words::of_field(M::WORDS, word) {
         Some(messages::Words::Bits(entries)) => *entries,
@@ -328,13 +328,13 @@ fn meaning<M: Message>(word: &str, bit: usize) -> String {
     found.map_or_else(|| "Bit of the verdict.".to_owned(), |e| e.doc.to_owned())
 }
 
-/// Unit and words of a signal or a value; what is only a bit of the messages has no field.
+/// Unit and meaning of a signal or a value; those that are only a bit of the messages have no field.
 fn words<M: Message>(name: &str) -> (&'static str, &'static str) {
     let field = M::FIELDS.iter().find(|field| field.name == name);
     field.map_or(("", "Above 0 while it is so."), |f| (f.unit, f.doc.trim()))
 }
 
-/// Units that people read in others: the SI unit, the other one, and how many of it are one of the first.
+/// Display units: the SI unit, the display unit, and the number of display units per SI unit.
 const SHOWN: [(&str, &str, f64); 5] = [
     ("rad", "deg", 180.0 / PI),
     ("rad/s", "deg/s", 180.0 / PI),
@@ -343,7 +343,7 @@ const SHOWN: [(&str, &str, f64); 5] = [
     ("kg", "t", 1e-3),
 ];
 
-/// Unit of a variable, and the one that is shown.
+/// Attributes for the unit of a variable and its display unit.
 fn unit_attribute(unit: &str) -> String {
     if unit.is_empty() {
         return String::new();
@@ -357,7 +357,7 @@ fn unit_attribute(unit: &str) -> String {
     format!(" unit=\"{unit}\"{shown}")
 }
 
-/// The definitions of all units that the variables have.
+/// Definitions of all units of the variables.
 fn units<M: Words>(out: &mut String) {
     let settings = M::Settings::default();
     let keys = places(&settings).map(|place| place.key.unit);
@@ -390,7 +390,7 @@ fn units<M: Words>(out: &mut String) {
     out.push_str("  </UnitDefinitions>\n");
 }
 
-/// Exponents of kg, m, s and rad in a unit such as `N m s/rad`; nothing where a symbol is not known.
+/// Exponents of kg, m, s and rad in a unit such as `N m s/rad`; none if it contains an unknown symbol.
 fn exponents(unit: &str) -> Option<[i32; 4]> {
     let mut sum = [0; 4];
     for (part, sign) in unit.split('/').zip([1, -1, -1]) {

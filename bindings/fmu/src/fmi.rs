@@ -1,7 +1,7 @@
 //! The functions of FMI 3.0 that an importer calls: all the unsafe code of the FMU.
 //!
-//! The same library serves both machines: the instantiation token says which. What a co-simulation
-//! unit without events, clocks and partial derivatives need not do returns `fmi3Error`.
+//! The same library serves both machines: the instantiation token identifies the machine. Functions that a co-simulation
+//! unit without events, clocks and partial derivatives need not support return `fmi3Error`.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -18,17 +18,17 @@ const ERROR: c_int = 3;
 
 type Log = Option<unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char)>;
 
-/// What an importer's handle points to.
+/// The object behind an importer's handle.
 struct Instance {
     model: Box<dyn Model>,
     log: Log,
     environment: *mut c_void,
-    /// Inputs that are ignored were named.
+    /// The warning on ignored inputs was given.
     is_warned: bool,
 }
 
 impl Instance {
-    /// Names inputs that change and are not said to be connected, once.
+    /// Warns once of inputs that change and are not declared as connected.
     fn warn(&mut self) {
         let ignored = match self.is_warned {
             true => Vec::new(),
@@ -181,7 +181,7 @@ unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Why a variable did not take a value.
+/// Message on a variable that did not accept a value.
 fn not_set(reference: u32, value: &str) -> String {
     format!(
         "the variable with the value reference {reference} does not take {value}: parameters, `has...` and `method` are fixed \
@@ -189,7 +189,7 @@ fn not_set(reference: u32, value: &str) -> String {
     )
 }
 
-/// Why a variable was not read.
+/// Message on a variable that does not exist.
 fn not_there(reference: u32, function: &str) -> String {
     format!(
         "{function}: no variable of this type has the value reference {reference}; take it from the modelDescription.xml of this unit"
@@ -310,7 +310,7 @@ unsafe extern "C" fn fmi3FreeFMUState(_instance: *mut c_void, state: *mut *mut c
     OK
 }
 
-/// Functions with nothing to do: of their arguments they look at none.
+/// Functions without effect: they read none of their arguments.
 macro_rules! always {
     ($status:expr; $($name:ident),* $(,)?) => {$(
         #[unsafe(no_mangle)]

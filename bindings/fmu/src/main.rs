@@ -18,7 +18,7 @@ const LICENCES: &str = concat!(
     include_str!("../../../LICENSE-APACHE")
 );
 
-/// What an importer draws for a block, and how large.
+/// Icon of a block in an importer, and its size.
 const ICON: [(&str, &[u8]); 3] = [
     ("icon.svg", include_bytes!("../icon/icon.svg")),
     ("icon.png", include_bytes!("../icon/icon.png")),
@@ -31,9 +31,9 @@ const ICON: [(&str, &[u8]); 3] = [
 /// A platform of FMI.
 struct Platform {
     name: &'static str,
-    /// Name of the library that cargo makes.
+    /// File name of the library built by cargo.
     library: &'static str,
-    /// The target where it is not this machine's own, and its linker.
+    /// Target triple if it is not this machine's own, and its linker.
     target: Option<(&'static str, &'static str)>,
 }
 
@@ -103,7 +103,7 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
     write::<Loader>(&folder, &libraries, notices.as_deref())
 }
 
-/// The folder of this program without the profile.
+/// The target folder: that of this program, without the profile.
 fn target() -> PathBuf {
     let program = std::env::current_exe().unwrap_or_default();
     program
@@ -113,7 +113,7 @@ fn target() -> PathBuf {
         .to_owned()
 }
 
-/// Whether the core library of a target and its linker are here.
+/// Whether the core library of a target and its linker are installed.
 fn can_build(target: &str, linker: &str) -> bool {
     let said = Command::new("rustc").args(["--print", "sysroot"]).output();
     let root = said.ok().and_then(|o| String::from_utf8(o.stdout).ok());

@@ -20,21 +20,21 @@ pub mod reference {
     pub const VALUE: u32 = 5_000;
     /// Outputs: bits of the verdict.
     pub const FLAG: u32 = 6_000;
-    /// Outputs: the method has an opinion on this quantity.
+    /// Outputs: the method estimates this quantity.
     pub const ESTIMATED: u32 = 7_000;
     /// Output: the method at work.
     pub const METHOD_USED: u32 = 8_000;
     /// Output: why it is not trusted.
     pub const REASON: u32 = 8_001;
-    /// Flags: this key counts, whose default is "none".
+    /// Flags: this key counts; its default is "none".
     pub const STATED: u32 = 9_000;
 }
 use reference::{
     ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, STATED, TIME, VALUE,
 };
 
-/// What an importer can do with a machine, whichever it is. Setters and getters say whether there
-/// is such a variable.
+/// Operations of an importer on a machine of any kind. Setters and getters return whether
+/// the variable exists.
 pub trait Model {
     /// A number: input, parameter, output or the time.
     fn float(&self, reference: u32) -> Option<f64>;
@@ -51,16 +51,16 @@ pub trait Model {
     /// Makes the estimator from the parameters.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Which parameter is not valid, and why.
     fn start(&mut self) -> Result<(), String>;
-    /// Takes in the inputs as the row of this time \[s\], and goes on to the end of the step; false before [`Model::start`].
+    /// Takes the inputs as the row of this time \[s\], and advances to the end of the step; false before [`Model::start`].
     fn step(&mut self, time: f64, length: f64) -> bool;
-    /// Inputs that have a value and are not said to be connected, and keys that are not said to count: the flags that are not
-    /// set, as the values are not used.
+    /// Inputs with a value that are not declared as connected, and keys with a value that are not declared as counting: the flags to be
+    /// set, because these values are ignored.
     fn ignored(&self) -> Vec<String>;
-    /// Back to the start values.
+    /// Resets to the start values.
     fn reset(&mut self);
-    /// The whole state.
+    /// A copy of the whole state.
     fn copy(&self) -> Box<dyn Model>;
 }
 
@@ -109,8 +109,8 @@ impl<M: Machine> Default for Variables<M> {
     }
 }
 
-/// The signals without which there is no estimate, the first of each group. Others count only where
-/// the user says so: an importer gives 0 to an input that is not connected.
+/// The signals required for an estimate, the first of each group. Others count only if
+/// the user declares them: an importer gives 0 to an input that is not connected.
 pub fn default_columns<M: Machine>() -> u32 {
     let required = M::REQUIRED.iter().filter_map(|group| group.first());
     let position = |name: &&str| M::SIGNALS.iter().position(|s| s.name == *name);
@@ -125,7 +125,7 @@ pub struct Unstated {
     pub at: usize,
     /// Its name with its table.
     pub path: &'static str,
-    /// What stands there until somebody states it: "none" has no number that every importer can read.
+    /// Start value until the user states one: no number means "none" in every importer.
     pub start: f64,
 }
 
@@ -146,7 +146,7 @@ pub fn unstated<S: Settings>(settings: &S) -> Vec<Unstated> {
     .collect()
 }
 
-/// Position behind `first` in a table of this length.
+/// Position relative to `first` in a table of this length.
 fn at(reference: u32, first: u32, length: usize) -> Option<usize> {
     let i = reference.checked_sub(first)? as usize;
     (i < length).then_some(i)
@@ -301,7 +301,7 @@ mod tests {
         let key = KEY + model.unstated[i].at as u32;
         assert_eq!(model.float(key), Some(0.0));
         assert!(model.ignored().is_empty());
-        // Out of its range, and nobody looks.
+        // Out of its range, but ignored.
         assert!(model.set_float(key, 7.0) && model.start().is_ok());
         assert_eq!(model.ignored(), ["stated.sensors.swing_torque_gain_std"]);
         let mut model = Variables::<Excavator>::default();

@@ -1,8 +1,8 @@
-//! The file that an FMU is: a zip archive, its members deflated where that makes them smaller.
+//! Zip archive of an FMU; its members are deflated if that makes them smaller.
 
 use miniz_oxide::deflate::compress_to_vec;
 
-/// Of 10; more takes longer and is hardly smaller.
+/// Compression level of 10: higher ones take longer and save little.
 const LEVEL: u8 = 9;
 
 /// Appends members and then the table of contents.
@@ -13,7 +13,7 @@ pub struct Zip {
     count: u16,
 }
 
-/// 1 January 1980: the same input makes the same file.
+/// 1 January 1980, so that the same input gives the same file.
 const DATE: u16 = 1 << 5 | 1;
 
 impl Zip {

@@ -1,4 +1,4 @@
-//! One estimator that is fed sample by sample.
+//! An estimator that takes sample by sample.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -12,12 +12,12 @@ use recording::frame::Cell;
 use crate::kind::{AnyFeed, Stages, answer, kind, method, way};
 use crate::{described, machine, refused};
 
-/// Steps through samples as they come; `heft.Estimator` stands before it.
+/// Steps through samples as they come; wrapped by `heft.Estimator`.
 #[pyclass(module = "heft._heft", frozen)]
 pub struct Estimator {
     description: Description,
     method: String,
-    /// The time first.
+    /// Names of the signals, the time first.
     signals: Vec<Py<PyString>>,
     state: Mutex<State>,
 }
@@ -27,9 +27,9 @@ struct State {
     way: Stages,
 }
 
-/// How a state begins: what wrote it.
+/// First bytes of a state: the version that wrote it.
 const HEAD: &str = concat!("heft state ", env!("HEFT_SOURCES"), "\n");
-/// Most bytes that the state of a stage may have.
+/// Largest state of a stage [bytes].
 const MOST: usize = 1 << 20;
 
 #[pymethods]
@@ -66,14 +66,14 @@ impl Estimator {
         })
     }
 
-    /// The cells of the estimate that a sample gives, in the order of `header`.
+    /// The cells of the estimate of a sample, in the order of `header`.
     fn step<'py>(
         &self,
         py: Python<'py>,
         t: f64,
         values: &Bound<'py, PyDict>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        // Python code runs where numbers are taken and made: never while the state is held, where it could step again.
+        // Converting numbers may run Python code: never while the state is locked, where it could step again.
         let mut row = Vec::with_capacity(self.signals.len());
         row.push(t);
         let mut taken = 0;
@@ -107,7 +107,7 @@ impl Estimator {
         PyTuple::new(py, cells.collect::<Vec<_>>())
     }
 
-    /// The complete state, with what it is a state of.
+    /// The complete state, with the identity of its estimator.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let state = self.held(py);
         let mut bytes = HEAD.as_bytes().to_vec();
@@ -190,13 +190,13 @@ impl Estimator {
 }
 
 impl Estimator {
-    /// The state for this thread alone; another one that waits for it lets Python go on.
+    /// Locks the state for this thread; a waiting thread releases Python's lock.
     fn held(&self, py: Python<'_>) -> MutexGuard<'_, State> {
         let state = self.state.lock_py_attached(py);
         state.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The error that names a value which is none of the signals.
+    /// The error for a value whose name is no signal.
     fn unknown(&self, values: &Bound<'_, PyDict>) -> PyErr {
         let known: Vec<String> = self.signals[1..].iter().map(|s| s.to_string()).collect();
         let given = values
@@ -227,13 +227,13 @@ fn saved(step: &dyn steps::stages::AnyStep) -> PyResult<Vec<u8>> {
     }
 }
 
-/// Appends bytes after their length.
+/// Appends bytes, preceded by their length.
 fn put(into: &mut Vec<u8>, bytes: &[u8]) {
     into.extend((bytes.len() as u64).to_le_bytes());
     into.extend(bytes);
 }
 
-/// Takes bytes that follow their length.
+/// Takes bytes that are preceded by their length.
 fn take<'a>(from: &mut &'a [u8]) -> Option<&'a [u8]> {
     let (length, rest) = from.split_first_chunk::<8>()?;
     let (bytes, rest) =
@@ -242,7 +242,7 @@ fn take<'a>(from: &mut &'a [u8]) -> Option<&'a [u8]> {
     Some(bytes)
 }
 
-/// Sum of bytes that tells damage (FNV-1a, 64 bits).
+/// Checksum that detects damage (FNV-1a, 64 bits).
 fn sum_of(bytes: &[u8]) -> u64 {
     let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)

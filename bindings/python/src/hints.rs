@@ -7,7 +7,7 @@ use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
 use recording::measurable::{self, Measured};
 use recording::{Gaps, Sensors, Together};
 
-/// Looks at the rows on their way.
+/// Checks the rows as they pass.
 pub struct Hints {
     plausible: Plausible,
     large: Large,
@@ -26,7 +26,7 @@ enum Plausible {
 /// Numbers that are larger than any measurement: they count as missing.
 struct Large {
     measured: Vec<Measured>,
-    /// Name of each, and in how many rows it was too large.
+    /// Name of each signal, and its number of rows beyond the range.
     counts: Vec<(&'static str, usize)>,
 }
 
@@ -53,7 +53,7 @@ impl Large {
     }
 }
 
-/// Times that are looked at: enough to know their step.
+/// Number of times that are checked: enough to find their step.
 const TIMES: usize = 1000;
 
 impl Hints {
@@ -110,7 +110,7 @@ impl Hints {
         }
     }
 
-    /// In words, as `heft estimate` says them.
+    /// The warnings as text, the same as of `heft estimate`.
     pub fn words(&self) -> Vec<String> {
         let mismatch = match &self.plausible {
             Plausible::Excavator(_, plausible) => plausible.mismatch().map(|m| m.to_string()),

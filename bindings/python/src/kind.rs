@@ -1,4 +1,4 @@
-//! What this crate does with a machine, its types put aside.
+//! Operations on a machine, independent of its types.
 
 use std::path::Path;
 
@@ -13,19 +13,19 @@ use steps::stages::{AnyStep, Pipeline};
 use crate::hints::Hints;
 use crate::refused;
 
-/// What was estimated.
+/// Result of an estimation.
 pub struct Estimates {
     pub columns: Vec<NamedColumn>,
-    /// Places of the rows that were refused.
+    /// Indices of the refused rows.
     pub refused: Vec<u32>,
     pub rows: usize,
-    /// What of the file cannot be read.
+    /// Missing and damaged parts of the file.
     pub lacks: Lacks,
-    /// What seems wrong with the data.
+    /// Warnings on the data.
     pub hints: Vec<String>,
 }
 
-/// The stages that lead to an estimate.
+/// The stages up to an estimate.
 pub type Stages = Vec<Box<dyn AnyStep>>;
 
 /// A machine.
@@ -49,7 +49,7 @@ pub trait Kind: Sync {
     fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>>;
 }
 
-/// Makes samples of numbers, and cells of estimates.
+/// Converts numbers to samples, and estimates to cells.
 pub trait AnyFeed: Send {
     /// Refuses signals that the method cannot use.
     fn check(&self, description: &Description, method: &str) -> PyResult<()>;
@@ -81,7 +81,7 @@ macro_rules! kinds {
 
 messages::machines!(kinds);
 
-/// The method that was asked for, or the usual one.
+/// The requested method, or the default one.
 pub fn method<'a>(description: &Description, asked: Option<&'a str>) -> &'a str {
     let pipeline = Pipeline::of(description.machine());
     let main = pipeline
@@ -90,7 +90,7 @@ pub fn method<'a>(description: &Description, asked: Option<&'a str>) -> &'a str 
     asked.or(main).unwrap_or_default()
 }
 
-/// The way to the estimate of a method.
+/// Builds the stages up to the estimate of a method.
 pub fn way(description: &Description, method: &str) -> PyResult<Stages> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);
@@ -100,7 +100,7 @@ pub fn way(description: &Description, method: &str) -> PyResult<Stages> {
         .collect()
 }
 
-/// The answer at the end of the way.
+/// The answer of the last stage.
 pub fn answer(way: &mut Stages, sample: Envelope) -> Option<Envelope> {
     way.iter_mut()
         .try_fold(sample, |message, step| step.answer(&message))
@@ -117,7 +117,7 @@ fn check<S: Message>(description: &Description, method: &str, first: &S) -> PyRe
     }
 }
 
-/// Takes row after row through the stages, as `heft estimate` does.
+/// Passes the rows through the stages one by one, as `heft estimate` does.
 fn run<S: Message, T, E: Estimate>(
     description: &Description,
     asked: Option<&str>,

@@ -1,5 +1,5 @@
 //! The native part of the Python package `heft`: the steps of the pipeline on columns, recordings as
-//! columns, the tables of messages. Numbers cross the border as the bytes of their array.
+//! columns, the tables of messages. Arrays of numbers are passed as bytes.
 
 mod estimator;
 mod hints;
@@ -64,7 +64,7 @@ fn signals(machine: &str) -> PyResult<Vec<String>> {
     Ok(frame::signals_of(self::machine(machine)?))
 }
 
-/// A description: the text, or the defaults, and then the keys that are set one by one.
+/// A description: the text, or the defaults, and then the keys that are set individually.
 fn described(machine: Machine, text: Option<&str>, settings: &[String]) -> PyResult<Description> {
     let mut description = match text {
         Some(text) => Description::parse(text, "config", Some(machine)).map_err(refused)?,
@@ -86,8 +86,8 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
 }
 
-/// Columns of the estimates, the places of the rows that were refused, the number of rows, what of the file cannot be
-/// read, and what seems wrong with the data.
+/// Columns of the estimates, indices of the refused rows, number of rows, missing and damaged parts of the file,
+/// and warnings on the data.
 type EstimateColumns<'py> = (
     Bound<'py, PyList>,
     Vec<u32>,
@@ -144,7 +144,7 @@ fn estimate_file<'py>(
     estimated(py, result?)
 }
 
-/// The description that a recording of heft brings.
+/// The description in a recording of heft.
 fn recorded_description(path: &str) -> PyResult<Option<String>> {
     let path = Path::new(path);
     if !path
@@ -246,7 +246,7 @@ fn nearest(word: &str, names: Vec<String>) -> Option<String> {
     config::nearest(word, names.iter().map(String::as_str)).map(str::to_owned)
 }
 
-/// Names of channels with their columns, what of the recording cannot be given, in words, and its description.
+/// Names of channels with their columns, missing and damaged parts of the recording as text, and its description.
 type RecordedChannels<'py> = (Bound<'py, PyList>, Vec<String>, Option<String>);
 
 #[pyfunction]

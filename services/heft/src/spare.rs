@@ -14,7 +14,7 @@ const NEEDED: u64 = 192;
 /// Descriptors of a run whose services are threads of the supervisor: 390 counted, without viewers.
 const NEEDED_WITH_THREADS: u64 = 512;
 
-/// Address space of one process with services as threads [bytes]: 1.13 GB were counted, most of it stacks and arenas of threads. With
+/// Address space of one process with services as threads \[bytes\]: 1.13 GB were counted, most of it stacks and arenas of threads. With
 /// less the allocator ends the process during a run.
 const ADDRESSES_WITH_THREADS: u64 = 1200 << 20;
 

@@ -20,7 +20,7 @@ const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// Number of consecutive starts refused by the system that ends the run: five seconds.
 const MAX_REFUSALS: u32 = 50;
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
-/// Shared memory [bytes] and file names there that a service needs to start, and time for which their lack is waited out: other
+/// Shared memory \[bytes\] and file names there that a service needs to start, and time for which their lack is waited out: other
 /// programs may free them.
 const SERVICE_BYTES: u64 = 16 << 20;
 const SERVICE_NAMES: u64 = 64;

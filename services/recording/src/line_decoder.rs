@@ -10,7 +10,7 @@ use crate::map::Map;
 use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
 
-/// Longest accepted line [bytes].
+/// Longest accepted line \[bytes\].
 pub const MAX_LINE: usize = 1 << 16;
 /// Number of remarks on lines that were left out; further ones are only counted.
 const MOST_REMARKS: u64 = 5;

@@ -1,4 +1,4 @@
-//! CAN logs that were recorded otherwise than thought.
+//! CAN logs that differ from what the map expects.
 
 use std::io::Write;
 
@@ -9,7 +9,7 @@ use recording::{Error, Lacks, LineDecoder, Map, load};
 
 const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n";
 
-/// What is wrong with a map whose DBC file is this, or whose master is that.
+/// The error of a map with this DBC file, or this master.
 fn refused(dbc: &[u8], master: &str) -> Error {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("run.log");
@@ -56,7 +56,7 @@ fn of_two_buses_that_carry_the_same_message_the_first_counts() {
     assert_eq!(velocities("run.log", "", log), Ok(vec![1.0, 1.0]));
     let second = ", interface = \"can1\"";
     assert_eq!(velocities("run.log", second, log), Ok(vec![0.0, 0.0]));
-    // One that was silent for long has left the signal to another.
+    // An interface that was silent for long leaves the signal to another one.
     let log = b"(0.0) can0 064#E803\n(6.0) can1 064#D007\n";
     let found = velocities("run.log", "", log).expect("rows");
     assert!(found.contains(&2.0), "{found:?}");
@@ -100,7 +100,7 @@ fn a_log_without_frames_and_one_whose_times_are_no_times_are_named() {
         let error = velocities("run.log", "", content.as_bytes()).expect_err(content);
         assert!(error.what.contains("there is no frame"), "{error}");
     }
-    // Differences of times, as candump -td writes them; and a log that is read from its end.
+    // Differences of times, as candump -td writes them; and a log that is read backwards.
     let log = |time: fn(u32) -> f64| -> String {
         let line = |k| format!("({:.3}) can0 064#E803\n", time(k));
         (0..1000).map(line).collect()
@@ -119,7 +119,7 @@ fn a_log_without_frames_and_one_whose_times_are_no_times_are_named() {
         let error = velocities("run.log", "", log(time).as_bytes()).expect_err("no times");
         assert!(error.what.contains("earlier than one before"), "{error}");
     }
-    // A clock that is set back once, and frames of two buses that come a little late, are nothing of the kind.
+    // A clock that is set back once, and frames of two buses with small delays, are accepted.
     let log = log(|k| {
         let late = if k % 3 == 0 { 0.015 } else { 0.0 };
         let set = if k < 500 { 10.0 } else { 6.0 };
@@ -128,7 +128,7 @@ fn a_log_without_frames_and_one_whose_times_are_no_times_are_named() {
     assert!(velocities("run.log", "", log.as_bytes()).is_ok());
 }
 
-/// A log of swings at 100 Hz; `other` says what stands before a line.
+/// A log of swings at 100 Hz; `other` gives the text before a line.
 fn swings(rows: u32, other: impl Fn(u32) -> &'static str) -> String {
     let line = |k| format!("{}({:.2}) can0 064#E803\n", other(k), 0.01 * f64::from(k));
     (0..rows).map(line).collect()
@@ -195,7 +195,7 @@ fn what_is_mostly_no_log_is_refused() {
         "{error}"
     );
     assert!(error.place.ends_with("run.log:1"), "{error}");
-    // What is long is judged before its end.
+    // A long line is judged before its end.
     let long = "once upon a time\n".repeat(100_000);
     let error = lacks(&long).expect_err("no log");
     assert!(error.what.starts_with("100 of 100 lines"), "{error}");

@@ -1,4 +1,4 @@
-//! Signal maps: foreign names and units, and what is said when a name does not fit.
+//! Signal maps: foreign names and units, and the messages for names that do not fit.
 
 #[path = "../../../tests/common/theirs.rs"]
 mod theirs;
@@ -76,7 +76,7 @@ fn a_unit_of_another_dimension_needs_a_scale() {
     let error = through(text, "t,x\n0,1\n").expect_err("a length is no angle");
     assert_eq!(error.what, "swing_angle is measured in rad, not in mm");
     assert!(error.remedy.contains("rad, mrad, deg, turn"), "{error}");
-    // What is the same in every row has a unit too.
+    // A constant has a unit too.
     let text = "[columns]\nswing_velocity = { constant = 1.0, unit = \"kg\" }\n";
     let error = through(text, "t\n0\n").expect_err("a mass is no velocity");
     assert!(error.remedy.contains("rad/s, deg/s, rpm"), "{error}");
@@ -407,7 +407,7 @@ fn interpolate(series: &[(f64, f64)], time: f64) -> Option<f64> {
     Some(v0 + (v1 - v0) * (time - t0) / (t1 - t0))
 }
 
-/// A driving truck's J1939 log against its published decoding at 10 Hz. That one interpolates
+/// A driving truck's J1939 log against its published decoding at 10 Hz. The publication interpolates
 /// between frames and is printed with six digits, hence the tolerance of 2e-5.
 #[test]
 fn a_trucks_log_decodes_as_published() {
@@ -434,7 +434,7 @@ fn a_trucks_log_decodes_as_published() {
         let series: Vec<(f64, f64)> = rows.iter().map(|(s, _)| (s.stamp.time, get(s))).collect();
         let mut compared = 0;
         for (time, expected) in published(&data, column) {
-            // The time is printed with six digits too: the value may be that of 50 us beside it.
+            // The time is printed with six digits too: the value may be that of up to 50 us beside it.
             let near = [-6e-5, 0.0, 6e-5].map(|d| interpolate(&series, time + d));
             if let [Some(a), Some(b), Some(c)] = near {
                 let tolerance = 2e-5 * expected.abs().max(1.0);
@@ -485,7 +485,7 @@ fn a_sensor_that_a_loader_does_not_have_is_none_and_not_an_error() {
     assert!(silent.what.contains("front_torque"), "{silent}");
     let time = through("[columns]\nt = \"none\"\n", "t,swing_velocity\n0,1\n");
     assert!(time.is_err(), "no time is no data");
-    // One of two ways to measure the swing is not needed; that both are absent must be said of both.
+    // One of two signals of the swing suffices; the absence of both must be stated for both.
     let both = "t,x\n0,1\n";
     assert!(through("[columns]\nswing_velocity = \"none\"\n", both).is_err());
 }
@@ -496,7 +496,7 @@ fn rows_at_even_steps_need_no_column_of_time() {
     let rows = through(text, "swing_velocity,row_\n1,0\n2,0\n3,0\n").expect("rows");
     let times: Vec<f64> = rows.iter().map(|row| row.stamp.time).collect();
     assert_eq!(times, [0.0, 0.01, 0.02]);
-    // A column of that name is the table's.
+    // A column of that name replaces the row number.
     let rows = through(text, "swing_velocity,row\n1,5\n2,6\n").expect("rows");
     assert_eq!(rows[1].stamp.time, 0.06);
 }

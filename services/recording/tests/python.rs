@@ -1,6 +1,6 @@
-//! A recording is opened by Python's `mcap` and `mcap-protobuf-support` from PyPI, and frames by `cantools`. The packages are
-//! installed into a virtual environment below the target folder; where that is not possible within
-//! a minute, the test says so and passes.
+//! Python's `mcap` and `mcap-protobuf-support` from PyPI open a recording, and `cantools` decodes frames. The packages are
+//! installed into a virtual environment below the target folder; if that is not possible within
+//! a minute, the test reports that and passes.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use messages::{
 use recording::can::Outgoing;
 use recording::{Metadata, Writer};
 
-/// Runs a command for at most a minute; whether it ended well.
+/// Runs a command for at most a minute; returns whether it succeeded.
 fn works(command: &mut Command) -> bool {
     let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
     let Ok(mut child) = quiet.spawn() else {
@@ -34,11 +34,11 @@ fn works(command: &mut Command) -> bool {
     false
 }
 
-/// A Python that has the packages, by which `module` can be imported.
+/// A Python with these packages, by which `module` can be imported.
 fn python(module: &str, packages: &[&str]) -> Option<PathBuf> {
     let import = format!("import {module}");
     let has = |python: &Path| works(Command::new(python).args(["-c", &import]));
-    // One for each: tests run at the same time.
+    // A separate one for each: tests run at the same time.
     let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("python-{module}"));
     let own = venv.join("bin/python");
     if has(&own) {
@@ -109,7 +109,7 @@ fn python_reads_values_units_and_metadata_from_a_recording() {
     }
 }
 
-/// Rows for the script: a signal of a frame of an estimate, and what is to be read there.
+/// Rows for the script: a signal of a frame of an estimate, and the expected value.
 #[derive(Default)]
 struct Rows(String);
 
@@ -129,7 +129,7 @@ impl Rows {
         self.0 += &format!("{},{data},{signal},{wanted}\n", frame.id);
     }
 
-    /// A quantity and its standard deviation: they are there where it is trusted.
+    /// A quantity and its standard deviation: present if it is trusted.
     fn quantity<M: Message>(
         &mut self,
         outgoing: &Outgoing,

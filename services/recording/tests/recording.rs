@@ -1,4 +1,4 @@
-//! What a recording keeps, and what is left of it when it is cut off, damaged or refused.
+//! Contents of a recording, and what remains of one that is cut off, damaged or refused.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -182,7 +182,7 @@ fn what_bears_the_name_of_a_part_and_is_none_is_left_out_and_told() {
     }
 }
 
-/// A pipe that nobody writes would be waited for.
+/// Reading a pipe without a writer would block.
 #[test]
 fn a_pipe_is_no_recording() {
     let dir = folder();
@@ -279,7 +279,7 @@ fn a_recording_cut_anywhere_keeps_every_whole_chunk() {
     );
 }
 
-/// Ends of the records of a file, that of the leading magic included.
+/// Ends of the records of a file, including that of the leading magic.
 fn boundaries(bytes: &[u8]) -> Vec<usize> {
     let mut found = vec![8];
     let mut at = 8;
@@ -291,8 +291,8 @@ fn boundaries(bytes: &[u8]) -> Vec<usize> {
     found
 }
 
-/// Every kind of record, every length field: one flipped bit invents no sample, hides at most what its
-/// own block holds, and what it hides is reported, by readers and by `recover` alike.
+/// For every kind of record and every length field: one flipped bit adds no sample, hides at most the contents of
+/// its own chunk, and the loss is reported, by readers and by `recover`.
 #[test]
 fn a_flipped_bit_costs_one_block_at_most_and_is_reported() {
     let dir = folder();
@@ -301,7 +301,7 @@ fn a_flipped_bit_costs_one_block_at_most_and_is_reported() {
     write(&path, 50);
     let whole = std::fs::read(&path).expect("readable");
     let good: Vec<_> = (0..50).map(sample).collect();
-    // Every bit of the kind of every record, a bit of every byte of its head, and a part of everything.
+    // Every bit of the opcode of every record, a bit of every byte of its head, and a selection of all bytes.
     let kinds = boundaries(&whole).into_iter();
     let kinds = kinds.flat_map(|at| (0..8).map(move |bit| (at, bit)));
     let heads = boundaries(&whole).into_iter().flat_map(|b| b..b + 48);
@@ -514,11 +514,11 @@ fn a_damaged_length_in_the_metadata_hides_nothing_behind_it() {
         damage.len() == 1 && damage[0].contains("a damaged record at byte 33"),
         "{damage:?}"
     );
-    // Nor is it of the machine that comes first, for the channels that all machines have.
+    // Nor is it of the first machine, for the channels that all machines have.
     assert_eq!(reader.machine(), Some(Machine::Loader));
 }
 
-/// Whoever reads samples learns what is lacking: a damaged block is an error of `load`, a cut end is said.
+/// Readers of samples get to know what is missing: a damaged chunk is an error of `load`, a cut end is reported.
 #[test]
 fn samples_of_a_recording_say_what_it_lacks() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! CSV in and out, and what is said of files that are not as they should be.
+//! CSV in and out, and the messages for faulty files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ fn a_table_is_read_as_excel_writes_it() {
     );
 }
 
-/// Within seconds; each column compared with each other took minutes.
+/// Takes seconds; a comparison of each column with each other took minutes.
 #[test]
 fn a_table_may_have_a_hundred_thousand_columns() {
     let others = 100_000;
@@ -222,7 +222,7 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
         assert_eq!(rows, 2);
         assert!(said.is_some_and(|s| s.contains("data.csv:4: the last row was cut off")));
     }
-    // A short row in the midst, or with its line end, is a mistake in the table.
+    // A short row in the middle, or with its line end, is an error of the table.
     for text in ["t,swing_velocity\n0,1\n1\n2,3", "t,swing_velocity\n0"] {
         assert!(read(text.as_bytes()).is_err(), "{text}");
     }

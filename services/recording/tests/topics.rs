@@ -1,4 +1,4 @@
-//! MCAP files of others, made by their own libraries (`tests/others/make.py`): numbers by topic and field.
+//! MCAP files of other programs, made by their own libraries (`tests/others/make.py`): numbers by topic and field.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ fn rows(name: &str, map: &str) -> Result<Vec<ExcavatorSensors>, recording::Error
 
 /// The rows must be those of `make.py`: velocity 0.5 sin t, torque 1000 cos t, 100 a second for 4 s.
 fn assert_is_the_swing(rows: &[ExcavatorSensors], single: bool) {
-    // At a rate there is no row at the end itself: more could come at that time.
+    // At a rate there is no row at the end itself: more values could come at that time.
     assert!((399..=400).contains(&rows.len()), "{}", rows.len());
     let near = if single { 1e-6 } else { 1e-9 };
     for (i, row) in rows.iter().enumerate() {
@@ -121,7 +121,7 @@ fn the_first_map_lists_topics_numbers_and_joints() {
         "#     names of places: boom, swing_joint",
         "#     fluid_pressure = 100000",
         "swing_velocity = { topic = \"/joint_states\", field = \"velocity\", name = \"swing_joint\" }  # by its name: check it; [rad/s]; other units by unit = ...",
-        // Its speed is there, its angle is not.
+        // Its speed exists, its angle does not.
         "# boom_angle = { topic = \"/...\", field = \"...\" }  # [rad]; other units by unit = ...",
     ] {
         assert!(text.contains(line), "{line} in\n{text}");
@@ -159,7 +159,7 @@ fn no_byte_of_a_foreign_file_makes_a_panic() {
             bytes[at] ^= (seed >> 8) as u8 | 1;
         }
         std::fs::write(&damaged, &bytes).expect("writable");
-        // Whatever is read is finite.
+        // All values that are read are finite.
         for (row, _) in load::<ExcavatorSensors>(&damaged, Some(&map)).unwrap_or_default() {
             assert!(row.swing_velocity.is_finite() && row.swing_torque.is_finite());
         }

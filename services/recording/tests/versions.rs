@@ -21,7 +21,7 @@ fn field(name: &str, number: i32, kind: Type) -> FieldDescriptorProto {
     }
 }
 
-/// A recording of an `ExcavatorTruth` with these fields and a message of each of these bytes.
+/// A recording of an `ExcavatorTruth` with these fields and a message for each of these bytes.
 fn write(path: &Path, fields: Vec<FieldDescriptorProto>, messages: &[&[u8]]) {
     let message = DescriptorProto {
         name: Some("ExcavatorTruth".into()),
@@ -93,7 +93,7 @@ fn a_message_that_is_not_whole_is_left_out_and_reported() {
         "recover agrees with the readers: {recovered}"
     );
 
-    // Where nothing is whole there is nothing to copy, and no file is left behind.
+    // Without a complete message there is nothing to copy, and no file is created.
     let path = dir.path().join("nothing.mcap");
     write(&path, payload(), &[&[0x11, 0, 0]]);
     let refused = recording::recover(&path, None).expect_err("an empty copy helps nobody");

@@ -1,4 +1,4 @@
-//! Memory and pointers of a caller who counts loads.
+//! Memory and pointers of a caller that counts loads.
 
 use core::ffi::c_void;
 use core::mem::{align_of, size_of};
@@ -11,13 +11,13 @@ use crate::abi;
 use crate::loads::{Loads, LoadsRow, can_be_target};
 use crate::table::{Machine, present};
 
-/// Tells initialised memory of loads from any other.
+/// Marks initialised memory of loads.
 const LOADS_MARK: u64 = 0x6865_6674_6c6f_6164;
 
-/// What the caller's memory holds where it counts loads.
+/// Contents of the caller's memory for loads.
 #[repr(C)]
 struct LoadsBlock {
-    /// [`LOADS_MARK`] where `loads` is there.
+    /// [`LOADS_MARK`] if `loads` is valid.
     mark: u64,
     loads: Loads,
 }
@@ -41,7 +41,7 @@ unsafe fn with_loads(
     if unsafe { addr_of_mut!((*block).mark).read() } != LOADS_MARK {
         return Code::NotInitialised;
     }
-    // SAFETY: the mark says that the loads are there.
+    // SAFETY: the mark shows that the loads are initialised.
     let loads = unsafe { &mut (*block).loads };
     match guarded(|| body(loads)) {
         Some(report) => {
@@ -63,7 +63,7 @@ extern "C" fn heft_loads_size() -> usize {
     size_of::<LoadsBlock>()
 }
 
-/// Makes an empty book for what `usual` knows of the machine; nothing: it is not known.
+/// Makes an empty ledger with the values `usual` of the machine; none if they are unknown.
 ///
 /// # Safety
 /// `memory` is null or points to `bytes` bytes that nobody else uses.

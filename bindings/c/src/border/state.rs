@@ -1,7 +1,7 @@
 //! A state as bytes: saved before the power goes, restored by the same library.
 //!
-//! The memory of an estimator has no pointers, so its bytes are its state. They mean something to the build that wrote
-//! them alone; its mark and a checksum stand before them.
+//! The memory of an estimator has no pointers, so its bytes are its state. They are valid only for the build that wrote
+//! them; a head with its mark and a checksum precedes them.
 
 use core::ffi::c_void;
 use core::mem::size_of;
@@ -10,7 +10,7 @@ use core::ptr::{addr_of, addr_of_mut};
 use super::{Block, Code, mark};
 use crate::table::Machine;
 
-/// What stands before the bytes of the memory.
+/// Head of a state, before the bytes of the memory.
 #[repr(C)]
 struct Head {
     /// Which machine.
@@ -102,7 +102,7 @@ pub(super) unsafe fn restore<M: Machine>(
             return Code::Refused;
         }
         memory.cast::<u8>().copy_from_nonoverlapping(body, length);
-        // The words of an earlier refusal are not part of it.
+        // The text of an earlier refusal is no part of the state.
         addr_of_mut!((*block).text).write(super::Text::EMPTY);
     }
     Code::Ok

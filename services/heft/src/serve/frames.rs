@@ -15,7 +15,7 @@ pub const GONE: u8 = b'-';
 /// Why a shard cannot go on.
 pub const FAULT: u8 = b'!';
 
-/// Longest accepted frame [bytes]: states of a hundred thousand machines.
+/// Longest accepted frame \[bytes\]: states of a hundred thousand machines.
 const LONGEST: usize = 1 << 31;
 
 /// A frame as bytes.
