@@ -378,7 +378,7 @@ fn the_machine_files_of_the_pages_are_valid() {
     assert!(seen > 1, "{seen} machine files found");
 }
 
-/// The commands of a page that simulate a machine and calibrate it, as they stand there; what the calibration said.
+/// Runs the commands of a page that simulate a machine and calibrate it, as written there; returns the output of the calibration.
 fn simulated_calibration(page: &str) -> (tempfile::TempDir, String) {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
     let text = std::fs::read_to_string(page).expect("a page");

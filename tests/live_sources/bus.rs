@@ -1,4 +1,4 @@
-//! On a real bus.
+//! Tests on a real bus.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -18,7 +18,7 @@ fn on_a_real_bus() {
     vcan::run_ignored_tests();
 }
 
-/// A run on vcan0 that listens: the kernel has its socket in the list of those who get every frame; and that
+/// A run on vcan0 that receives: the kernel lists its socket among those that get every frame, and it
 /// has come to rest after its start.
 fn on_bus(name: &str, machine: &str, map: &Path) -> Running {
     let run = Running::start(name, &[machine, "--input", "can:vcan0", "--map", text(map)]);
@@ -31,7 +31,7 @@ fn on_bus(name: &str, machine: &str, map: &Path) -> Running {
     run
 }
 
-/// Waits until so much is recorded, for a minute at most: a slow kernel on a busy machine takes its time for it.
+/// Waits until enough is recorded, for a minute at most: a slow kernel on a busy machine takes that long.
 fn wait_for_record(run: &Running, mut is_there: impl FnMut(&Reader) -> bool) -> bool {
     (0..120).any(|_| {
         std::thread::sleep(Duration::from_millis(500));
@@ -39,7 +39,7 @@ fn wait_for_record(run: &Running, mut is_there: impl FnMut(&Reader) -> bool) -> 
     })
 }
 
-/// That no process died. A slow kernel may find some late.
+/// Checks that no process died. On a slow kernel some may be late.
 fn assert_calm(output: &Output) {
     let said = both(output);
     let is_calm = !said.contains("panicked") && !said.contains("died");
@@ -48,7 +48,7 @@ fn assert_calm(output: &Output) {
     println!("{said}");
 }
 
-/// Ends a run; what it recorded.
+/// Ends a run, and returns its recording.
 fn end(run: Running) -> (tempfile::TempDir, PathBuf, Output) {
     run.signal(Signal::TERM);
     let recording = run.recording();
@@ -99,7 +99,7 @@ fn a_truck_on_the_bus_gives_the_bits_of_its_log() {
     assert_same("loader", &recording, &file, true);
 }
 
-/// That no trusted estimate is off by more than it says; how many are trusted.
+/// Checks that trusted estimates are within three standard deviations of the truth; returns their number.
 fn assert_honest(reader: &Reader, inertia: f64) -> usize {
     let all: Vec<ExcavatorEstimate> = reader.messages(EXCAVATOR_INERTIA_UKF.name).expect("some");
     let trusted = all
@@ -139,7 +139,7 @@ fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
     assert!(live.windows(2).all(|w| w[1].stamp.time > w[0].stamp.time));
     let is_missing = |s: &ExcavatorSensors| s.valid & excavator_bits::SWING_VELOCITY == 0;
     let missing: Vec<&ExcavatorSensors> = live.iter().filter(|s| is_missing(s)).collect();
-    // 2 s and 3 s without a word: 0.7 s at 100 Hz after what is held, then at 10 Hz.
+    // Gaps of 2 s and 3 s: each gives 0.7 s at 100 Hz after the hold time, then 10 Hz.
     assert!(
         (150..300).contains(&missing.len()),
         "{} silent",
@@ -148,7 +148,7 @@ fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
     let estimates: Vec<ExcavatorEstimate> = reader
         .messages(EXCAVATOR_INERTIA_UKF.name)
         .expect("estimates");
-    // Half a second into a silence nothing is fresh, and nothing is trusted.
+    // Half a second after the begin of a gap no estimate is fresh, and none is trusted.
     let stale = missing
         .windows(50)
         .filter(|w| w[49].stamp.sequence == w[0].stamp.sequence + 49);
@@ -181,7 +181,7 @@ fn a_second_talker_and_random_frames_make_nothing_false_trusted() {
     let run = on_bus("talkers", "excavator", &map);
     let mut talker = Talker::open("vcan0");
     talker.play(rows[..half].iter().copied().flat_map(frames));
-    // Another machine's motion under the same identifiers, in between.
+    // The motion of another machine under the same identifiers, in between.
     let other = |[t, v, m]: [f64; 3]| frames([t + 0.005, 0.4 - 0.7 * v, 0.3 * m]);
     let both_talk = rows[half..]
         .iter()
@@ -218,17 +218,17 @@ fn frames_that_the_kernel_dropped_are_counted() {
     let sensor = run.service("sensor").expect("a source");
     let mut talker = Talker::open("vcan0");
     talker.play(frames([0.0, 0.1, 1.0]).into_iter());
-    // The supervisor would end a source that is stopped, and a slow kernel takes longer to fill the queue.
+    // The supervisor would end a stopped source, and a slow kernel takes longer to fill the queue.
     run.signal(Signal::STOP);
     kill(sensor, Signal::STOP);
-    // More than any queue holds.
+    // More frames than any queue holds.
     for _ in 0..4_000 {
         talker.say(&frames([0.0, 0.1, 1.0])[0]);
     }
     kill(sensor, Signal::CONT);
     std::thread::sleep(Duration::from_secs(1));
     run.signal(Signal::CONT);
-    // How many were dropped comes with the next frame that finds room in the queue.
+    // The number of dropped frames comes with the next frame that fits into the queue.
     let is_counted = wait_for_record(&run, |reader| {
         talker.say(&frames([0.0, 0.1, 1.0])[0]);
         let health: Vec<Health> = reader.messages(HEALTH.name).unwrap_or_default();

@@ -505,7 +505,7 @@ mod tests {
     fn a_panic_ends_at_the_border() {
         assert_eq!(guarded(|| 7), Some(7));
         assert_eq!(guarded(|| -> u32 { panic!("a mistake") }), None);
-        // It comes so far in the library that others link too.
+        // The library for other programs needs unwinding: its profile must not set `panic`.
         let profiles = include_str!("../../../Cargo.toml");
         let of = |name| {
             profiles

@@ -159,8 +159,8 @@ pub fn finish(recording: &Path, group: Option<u32>) -> Result<(), Failure> {
     group.map_or(Ok(()), |group| group::share(recording, group))
 }
 
-/// Makes one file of a finished recording whose logger was started again; does nothing where there is
-/// one part only. Parts that cannot be read stay as they are, and so does everything if this is
+/// Joins the parts of a finished recording whose logger was restarted into one file; a recording of
+/// one part stays. Unreadable parts stay unchanged, and so do all parts if this is
 /// interrupted: readers find the parts.
 fn join(recording: &Path) -> Result<(), Failure> {
     let reader = Reader::open(recording)?;

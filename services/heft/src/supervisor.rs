@@ -63,7 +63,7 @@ pub struct Supervisor {
     notify: Notify,
     look: Duration,
     start_ns: u64,
-    /// Latest sequence number that a lossless source was told this process has read.
+    /// Latest sequence number read by this process, as sent to a lossless source.
     said_seen: Option<u64>,
     ended: bool,
     refused: Option<String>,

@@ -167,7 +167,7 @@ impl Watch {
         &self.processes
     }
 
-    /// Loads so far, with their truth.
+    /// Loads up to now, with their truth.
     pub fn story(&self) -> &Story {
         &self.story
     }

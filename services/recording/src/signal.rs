@@ -126,7 +126,7 @@ pub fn measured<S: Sensors>() -> impl Iterator<Item = (usize, u32)> {
     numbers.filter_map(|s| Some((S::index(s.name)?, s.bit)))
 }
 
-/// A row of samples with the truth behind it.
+/// A row of samples with its truth.
 pub type Row<S> = (S, <S as Sensors>::Truth);
 
 /// Number of rows after which the columns are settled even if the time never advances.

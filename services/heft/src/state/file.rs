@@ -108,7 +108,7 @@ fn text_of(file: &Path) -> std::io::Result<Option<String>> {
     Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// What the description states, as a state holds it.
+/// The stated keys of a description, in the form of a state.
 pub(super) fn stated(description: &Description) -> BTreeMap<String, String> {
     let stated = description.stated().into_iter();
     stated.map(|(key, value)| (key.into(), value)).collect()

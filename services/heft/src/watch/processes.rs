@@ -52,7 +52,7 @@ impl Processes {
         }
     }
 
-    /// What is known by process, with its name.
+    /// The values of a map by process, with the names of the processes.
     fn named<'a, T>(
         &'a self,
         of: &'a BTreeMap<u32, T>,

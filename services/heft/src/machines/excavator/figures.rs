@@ -122,7 +122,7 @@ fn case(first: usize, name: &str, points: &[Point]) -> [String; 3] {
     let damping = column(|p| p.estimate.damping.map_or(0.0, |q| q.value));
     let true_damping = column(|p| p.truth.damping);
     let torque = column(|p| p.estimate.torque.map_or(0.0, |q| q.value));
-    // What the regression calls torque is the total one, friction included.
+    // The torque of the regression is the total one, friction included.
     let true_torque =
         column(|p| p.truth.torque - p.truth.friction * (p.truth.velocity / 0.005).tanh());
     let errors: Vec<f64> = inertia
