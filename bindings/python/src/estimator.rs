@@ -29,7 +29,7 @@ struct State {
 
 /// First bytes of a state: the version that wrote it.
 const HEAD: &str = concat!("heft state ", env!("HEFT_SOURCES"), "\n");
-/// Largest state of a stage [bytes].
+/// Largest state of a stage \[bytes\].
 const MOST: usize = 1 << 20;
 
 #[pymethods]

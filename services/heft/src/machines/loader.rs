@@ -30,7 +30,7 @@ impl MachineKind for Loader {
     type Look = fits::Fits;
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "loading";
-    // The empty machine stood on axle scales once, to 1 % of its weight; its height is stated to 5 %. True values of seed 1: 0.472 and 0.964 m.
+    // The empty machine stood on axle scales once, to 1 % of its weight; its height is stated to 5 %. Of seed 1 they are 0.472 and 0.964 m.
     const SHOWN_SETTINGS: &'static [&'static str] = &[
         "machine.lift_arm.empty_ratio=0.467",
         "machine.lift_arm.empty_ratio_std=0.01",
