@@ -37,7 +37,7 @@ pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
     let std = 2.0 * (variance * covariance[(2, 2)]).max(0.0).sqrt();
     (difference.abs() > WORTH.max(SURE * std)).then(|| {
         format!(
-            "per torque, braking does {:+.0} ± {:.0} % of what driving does: friction brakes act that are not recorded, or the torques are not those of the wheels; brake with the drive alone, or record when the brake acts (column brake)",
+            "per torque, braking differs from driving by {:+.0} ± {:.0} %: friction brakes act that are not recorded, or the torques are not those of the wheels; brake with the drive alone, or record when the brake acts (column brake)",
             100.0 * difference,
             100.0 * std
         )
