@@ -215,10 +215,20 @@ impl Drawing {
 
     /// Moment of the cylinders with this lever, less their friction [N m].
     pub fn lifted(&self, v: &[f64; NUMBERS], lever: f64, posture: &Posture) -> f64 {
+        let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
+        lever * (self.force(v, posture) - friction) / (1.0 + v[SPAN])
+    }
+
+    /// The same with their friction [N m].
+    pub fn pressed(&self, v: &[f64; NUMBERS], lever: f64, posture: &Posture) -> f64 {
+        lever * self.force(v, posture) / (1.0 + v[SPAN])
+    }
+
+    /// Force of the cylinders by their pressures [N].
+    fn force(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
         let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
         let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
-        let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
-        lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
+        self.count * (head - rod) - v[OFFSET]
     }
 
     /// Moments of the empty arm and bucket [N m], and of a kilogram of load [N m/kg].

@@ -376,7 +376,8 @@ impl LiftWitness {
         let shown = drawing.shown(values, &stance, &posture);
         // A low bucket rests only while the machine stands. Driven low it is carried, or levels: then the cylinders carry almost nothing.
         let rests = low && !driving;
-        self.watch_steps(&shown, &motion, [rests, pushes], dt);
+        let pressed = drawing.pressed(values, shown.lever, &posture);
+        self.watch_steps((&shown, pressed), &motion, [rests, pushes], dt);
         if !self.drawing.carries_itself(&shown) {
             motion = self.content.put_down(&motion);
         }
@@ -426,11 +427,18 @@ impl LiftWitness {
         self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
     }
 
-    /// Detects steps of the moment that no content makes. `rests`: the ground may carry a part of it; `pushes`: the wheels push.
-    fn watch_steps(&mut self, shown: &Shown, motion: &Motion, [rests, pushes]: [bool; 2], dt: f64) {
+    /// Detects steps of the moment `pressed` by the pressures that no content makes. `rests`: the ground may carry a part of it; `pushes`:
+    /// the wheels push.
+    fn watch_steps(
+        &mut self,
+        (shown, pressed): (&Shown, f64),
+        motion: &Motion,
+        [rests, pushes]: [bool; 2],
+        dt: f64,
+    ) {
         let acts =
             motion.turning || pushes || self.stops.carry() && !self.moment_steps.is_stepping();
-        let rows = [shown.payload(), shown.lifting / shown.per_load];
+        let rows = [shown.payload(), pressed, shown.per_load];
         let Quantity { value, std } = self.scale.payload();
         // The payload is unknown while the ground carries a part of it.
         let is_known = !(motion.open || rests && value < -std);
