@@ -223,3 +223,20 @@ fn a_machine_of_another_mass_is_not_called_the_reference_machine() {
     let command = "`heft check --machine loader --print` with the same --set shows all";
     assert!(words.contains(command), "{words}");
 }
+
+#[test]
+fn where_results_go_is_said_where_there_is_no_such_option() {
+    for (command, words) in [
+        (
+            "run excavator -o FILE",
+            "--out FOLDER says where recording and report go",
+        ),
+        ("serve excavator -o FILE", "end the command with > FILE"),
+    ] {
+        let args: Vec<&str> = command.split(' ').collect();
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        says(&output, words);
+        assert!(!both(&output).contains("-- -o"), "{}", both(&output));
+    }
+}

@@ -40,7 +40,7 @@ fn tip_of_output(error: &clap::Error) -> Option<&'static str> {
     };
     let is_it = word.starts_with("-o") || word == "--output";
     let usage = error.get(ContextKind::Usage)?.to_string();
-    let of = |command: &str| usage.contains(&format!("heft {command}"));
+    let of = |command: &str| usage.split_whitespace().any(|word| word == command);
     match () {
         () if !is_it => None,
         () if of("run") => Some(

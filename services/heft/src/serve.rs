@@ -246,6 +246,16 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
                 break;
             }
             self.lines += 1;
+            if line.len() > MAX_LINE && !self.column.is_found() {
+                return Err(Failure::input(
+                    format!(
+                        "line {} has more than {MAX_LINE} bytes: this is no table",
+                        self.lines
+                    ),
+                    self.input,
+                    format!("give a table with the columns {NAME}, t and the signals"),
+                ));
+            }
             if line.len() > MAX_LINE {
                 let skipped = input.skip_until(b'\n');
                 skipped.map_err(|e| unreadable(self.input, &e))?;
