@@ -298,7 +298,7 @@ fn column(name: &str) -> usize {
 fn data_that_cannot_be_right_are_named_of_each_machine() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("in.csv");
-    let (boom, torque) = (column("boom_angle"), column("swing_torque"));
+    let (boom, velocity) = (column("boom_angle"), column("swing_velocity"));
     let header = &table()[0];
     let parts = [
         changed("right", |_, x| x),
@@ -307,7 +307,7 @@ fn data_that_cannot_be_right_are_named_of_each_machine() {
             |at, x| if at == boom { x.to_degrees() } else { x },
         ),
         changed("slow", |at, x| if at == 0 { 100.0 * x } else { x }),
-        changed("sign", |at, x| if at == torque { -x } else { x }),
+        changed("fast", |at, x| if at == velocity { 1e3 * x } else { x }),
     ];
     std::fs::write(&path, format!("{header}\n{}", parts.concat())).expect("a file");
     let serve = |path: &Path| run(&["serve", "excavator", path.to_str().expect("a path")]);
@@ -317,7 +317,7 @@ fn data_that_cannot_be_right_are_named_of_each_machine() {
         "machine degrees: boom_angle seems to be in degrees",
         "write `unit = \"deg\"` for boom_angle",
         "machine slow: the rows are 1 s apart",
-        "machine sign: swing_torque and swing_velocity seem to have opposite signs",
+        "machine fast: swing_velocity seems to be in mrad/s",
         "where: ",
     ] {
         says(&output, words);

@@ -225,13 +225,17 @@ fn a_machine_of_another_mass_is_not_called_the_reference_machine() {
 }
 
 #[test]
-fn where_results_go_is_said_where_there_is_no_such_option() {
+fn where_results_go_and_an_interface_that_cannot_be_are_told() {
     for (command, words) in [
         (
             "run excavator -o FILE",
             "--out FOLDER says where recording and report go",
         ),
         ("serve excavator -o FILE", "end the command with > FILE"),
+        (
+            "run loader --input can:averyveryverylongname",
+            "no interface has a name of more than 15 bytes",
+        ),
     ] {
         let args: Vec<&str> = command.split(' ').collect();
         let output = run(&args);
