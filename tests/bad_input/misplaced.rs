@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{both, golden, path_in, run, run_ok};
+use crate::common::{both, golden, path_in, run, run_ok, says};
 use crate::refused;
 
 /// Refused with these words, beside the golden excavator of 13 t as `day 1.csv`, a map, and a folder with the same data.
