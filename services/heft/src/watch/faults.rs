@@ -163,18 +163,20 @@ mod tests {
         let lost = |count: u64, sequence: u64| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
             watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+            for estimates in Pipeline::of(Machine::Excavator).estimates() {
+                watch.accept(estimates, &ExcavatorEstimate::default());
+            }
             if sequence > 0 {
                 let mut truth = ExcavatorTruth::default();
                 (truth.stamp.sequence, truth.stamp.epoch) = (sequence, 1);
                 watch.accept(&EXCAVATOR_TRUTH, &truth);
                 for estimates in Pipeline::of(Machine::Excavator).estimates() {
-                    let mut estimate = ExcavatorEstimate::default();
-                    estimate.stamp = truth.stamp;
+                    let estimate = ExcavatorEstimate {
+                        stamp: truth.stamp,
+                        ..ExcavatorEstimate::default()
+                    };
                     watch.accept(estimates, &estimate);
                 }
-            }
-            for estimates in Pipeline::of(Machine::Excavator).estimates() {
-                watch.accept(estimates, &ExcavatorEstimate::default());
             }
             let names = Pipeline::of(Machine::Excavator);
             let process = (0..).find(|i| names.process_name(*i) == "rls");
