@@ -86,10 +86,10 @@ impl<'a, L: Look> Suspects<'a, L> {
 
     /// A machine has gone: it is judged by what came.
     pub fn forget(&mut self, number: u32) {
-        if let Some(suspect) = self.machines.remove(&number) {
-            if let Some(fault) = self.told.add(&suspect.name, &suspect.doubts) {
-                warn(&mut self.warned, &suspect.name, &fault);
-            }
+        if let Some(suspect) = self.machines.remove(&number)
+            && let Some(fault) = self.told.add(&suspect.name, &suspect.doubts)
+        {
+            warn(&mut self.warned, &suspect.name, &fault);
         }
     }
 
