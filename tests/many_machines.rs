@@ -274,6 +274,65 @@ fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew(
     assert_eq!(found[&name(0)], format!("{}{begin}\n", expected[&name(0)]));
 }
 
+/// The first recording with its times, its angles and its torque changed.
+fn changed(name: &str, change: impl Fn(usize, f64) -> f64) -> String {
+    let text = std::fs::read_to_string(golden(plays(0))).expect("a recording");
+    let rows = text.lines().skip(1).map(|row| {
+        let cells = row.split(',').enumerate().map(|(at, cell)| {
+            let number = cell.parse::<f64>().map(|x| change(at, x).to_string());
+            number.unwrap_or_else(|_| cell.to_owned())
+        });
+        format!("{name},{}\n", cells.collect::<Vec<_>>().join(","))
+    });
+    rows.collect()
+}
+
+/// The place of a column in the recording.
+fn column(name: &str) -> usize {
+    let text = std::fs::read_to_string(golden(plays(0))).expect("a recording");
+    let header = text.lines().next().expect("a header");
+    header.split(',').position(|c| c == name).expect("a column")
+}
+
+#[test]
+fn data_that_cannot_be_right_are_named_of_each_machine() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("in.csv");
+    let (boom, velocity) = (column("boom_angle"), column("swing_velocity"));
+    let header = &table()[0];
+    let parts = [
+        changed("right", |_, x| x),
+        changed(
+            "degrees",
+            |at, x| if at == boom { x.to_degrees() } else { x },
+        ),
+        changed("slow", |at, x| if at == 0 { 100.0 * x } else { x }),
+        changed("fast", |at, x| if at == velocity { 1e3 * x } else { x }),
+    ];
+    std::fs::write(&path, format!("{header}\n{}", parts.concat())).expect("a file");
+    let serve = |path: &Path| run(&["serve", "excavator", path.to_str().expect("a path")]);
+    let output = serve(&path);
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    for words in [
+        "machine degrees: boom_angle seems to be in degrees",
+        "write `unit = \"deg\"` for boom_angle",
+        "machine slow: the rows are 1 s apart",
+        "machine fast: swing_velocity seems to be in mrad/s",
+        "where: ",
+    ] {
+        says(&output, words);
+    }
+    assert!(
+        !both(&output).contains("machine right:"),
+        "{}",
+        both(&output)
+    );
+    // Those of `heft estimate`, of the same rows.
+    std::fs::write(&path, format!("{header}\n{}", parts[0])).expect("a file");
+    let output = serve(&path);
+    assert!(output.status.success(), "{}", both(&output));
+}
+
 #[test]
 fn rows_come_no_more_often_than_asked() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -368,6 +427,10 @@ fn what_cannot_be_served_is_said() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
+    // What has no end and no line.
+    let zeros = run(&["serve", "excavator", "/dev/zero"]);
+    assert_eq!(zeros.status.code(), Some(2));
+    says(&zeros, "this is no table");
     let folder = run(&[
         "serve",
         "excavator",

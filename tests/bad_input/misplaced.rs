@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{both, golden, path_in, run, run_ok};
+use crate::common::{both, golden, path_in, run, run_ok, says};
 use crate::refused;
 
 /// Checks that a line is refused with these words. Present are the golden excavator of 13 t as `day 1.csv`, a map, and a folder of the data.
@@ -222,4 +222,25 @@ fn a_machine_of_another_mass_is_not_called_the_reference_machine() {
     let words = said(&more);
     let command = "`heft check --machine loader --print` with the same --set shows all";
     assert!(words.contains(command), "{words}");
+}
+
+#[test]
+fn where_results_go_and_an_interface_that_cannot_be_are_told() {
+    for (command, words) in [
+        (
+            "run excavator -o FILE",
+            "--out FOLDER says where recording and report go",
+        ),
+        ("serve excavator -o FILE", "end the command with > FILE"),
+        (
+            "run loader --input can:averyveryverylongname",
+            "no interface has a name of more than 15 bytes",
+        ),
+    ] {
+        let args: Vec<&str> = command.split(' ').collect();
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+        says(&output, words);
+        assert!(!both(&output).contains("-- -o"), "{}", both(&output));
+    }
 }

@@ -341,3 +341,22 @@ def test_rows_of_two_machines_are_not_mixed_and_loads_are_counted_in_files():
     assert len(heft.estimate(mixed.assign(machine="EX1"), "excavator")) == len(data)
     with pytest.raises(heft.HeftError, match="give its path"):
         heft.loads(data, "excavator")
+
+
+def test_a_truck_may_be_a_word_as_in_a_table():
+    swings = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    words = ["TRK-12", None, "", "7", "NA"]
+    kinds = [pandas.Series(words), pandas.Series(words, dtype="string"), pandas.Series(words, dtype="category"), polars.Series(words), words]
+    for kind in kinds:
+        numbers = heft._labels(kind)
+        assert numbers[0] == 636594109.0 and numbers[3] == 7.0, numbers
+        assert np.isnan(numbers[[1, 2, 4]]).all(), numbers
+    column = ["TRK-%d" % (row // 500) for row in range(len(swings))]
+    plain = heft.estimate(swings, "excavator")
+    for frame in (swings.assign(truck=column), polars.from_pandas(swings).with_columns(truck=polars.Series(column))):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            named = heft.estimate(frame, "excavator")
+        assert len(named) == len(plain)
+    with pytest.raises(heft.HeftError, match="boom_angle is not of numbers"):
+        heft.estimate(swings.assign(boom_angle="TRK-1"), "excavator")

@@ -126,6 +126,12 @@ impl<L: Look> Doubts<L> {
         Self { map, ..self }
     }
 
+    /// Takes a sample of which nobody says yet whether its row is refused: one that repeats another is.
+    pub fn see(&mut self, sample: &L::Sensors) {
+        let repeats = self.repeats(sample);
+        self.add(sample, repeats);
+    }
+
     /// Takes a sample, and whether its row was refused.
     pub fn add(&mut self, sample: &L::Sensors, is_refused: bool) {
         if is_refused && self.repeats(sample) {
@@ -184,26 +190,39 @@ impl<L: Look> Doubts<L> {
 
     /// Says what may be wrong.
     pub fn tell(&self) {
-        if self.repeated > 0 {
-            eprintln!(
-                "{} rows repeat the row before them; they are left out",
-                self.repeated
-            );
-        }
-        if let Some(words) = self.gaps.words() {
-            eprintln!("{words}");
-        }
-        if let Some(words) = recording::too_slow(&self.times, self.rate) {
-            eprintln!("{words}");
-        }
+        self.words().iter().for_each(|words| eprintln!("{words}"));
+    }
+
+    /// What may be wrong.
+    pub fn words(&self) -> Vec<String> {
+        let repeated = (self.repeated > 0).then(|| {
+            let rows = self.repeated;
+            format!("{rows} rows repeat the row before them; they are left out")
+        });
+        let slow = recording::too_slow(&self.times, self.rate);
+        let mut all: Vec<_> = [repeated, self.gaps.words(), slow]
+            .into_iter()
+            .flatten()
+            .collect();
         for signal in <L::Sensors as Sensors>::SIGNALS {
             let count = self.beyond[signal.bit.trailing_zeros() as usize % 32];
             if count > 0 {
-                eprintln!("{}", measurable::words(signal.name, count));
+                all.push(measurable::words(signal.name, count));
             }
         }
-        self.tell_marks();
-        self.tell_ends();
+        all.extend(self.marks());
+        all.extend(self.range_ends());
+        all
+    }
+
+    /// How many rows there were, beside those that repeat another.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// How many rows were refused, where only their sum is known: of these some repeat another.
+    pub fn refused(&mut self, refused: usize) {
+        self.refused = refused.saturating_sub(self.repeated);
     }
 
     /// Which signal is often larger than any measurement: its unit is another, or its machine.
@@ -216,37 +235,35 @@ impl<L: Look> Doubts<L> {
         })
     }
 
-    /// Says which torques are at one end of their range again and again: joints have stops, and pressures a zero.
-    fn tell_ends(&self) {
-        for ((index, ..), ends) in self.measured.iter().zip(&self.ends) {
+    /// Which torques are at one end of their range again and again: joints have stops, and pressures a zero.
+    fn range_ends(&self) -> impl Iterator<Item = String> {
+        let seen = self.measured.iter().zip(&self.ends);
+        seen.filter_map(|((index, ..), ends)| {
             let field = &<L::Sensors as Message>::FIELDS[*index];
-            let cut = ends.cut().filter(|_| field.unit == ENDLESS);
-            if let Some((value, rows)) = cut {
-                eprintln!(
-                    "{} is exactly {value} {} in {rows} rows, and never beyond: its range seems to end there, and what is beyond is not seen",
-                    field.name, field.unit
-                );
-            }
-        }
+            let (value, rows) = ends.cut().filter(|_| field.unit == ENDLESS)?;
+            Some(format!(
+                "{} is exactly {value} {} in {rows} rows, and never beyond: its range seems to end there, and what is beyond is not seen",
+                field.name, field.unit
+            ))
+        })
     }
 
-    /// Says which signals have one number where a sample may be missing.
-    fn tell_marks(&self) {
+    /// Which signals have one number where a sample may be missing.
+    fn marks(&self) -> impl Iterator<Item = String> {
         let seen = self.ends.iter().zip(&self.counts);
-        for ((index, ..), (ends, count)) in self.measured.iter().zip(seen) {
+        self.measured.iter().zip(seen).filter_map(|((index, ..), (ends, count))| {
             let field = &<L::Sensors as Message>::FIELDS[*index];
             let far = ends.mark().zip(Some("far from all its other values"));
             let shared = count
                 .mark()
                 .zip(Some("as other signals have it where it is no measurement"));
             // Numbers without a unit are states.
-            if let Some(((value, rows), why)) = far.or(shared).filter(|_| !field.unit.is_empty()) {
-                eprintln!(
-                    "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
-                    field.name, field.unit
-                );
-            }
-        }
+            let ((value, rows), why) = far.or(shared).filter(|_| !field.unit.is_empty())?;
+            Some(format!(
+                "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
+                field.name, field.unit
+            ))
+        })
     }
 
     /// Whether these rows can give a result: most were taken, and something was measured.

@@ -10,8 +10,8 @@ use std::path::Path;
 
 use config::Description;
 use messages::{Envelope, Machine, Message};
+use recording::Sensors;
 use recording::csv::{self, EstimateRows};
-use recording::{Map, Sensors};
 use runtime::{Source, Worker};
 use view::estimate::Estimate;
 
@@ -23,7 +23,7 @@ use crate::commands::estimate::one;
 use crate::doubts::{AnyDoubts, Doubts, Seen};
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::serve::{self, Form, Input, Machines, Out, Played, Rows};
+use crate::serve::{self, Common, Form, Input, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
 use crate::way::{method, way};
@@ -72,8 +72,8 @@ pub struct Entry {
     pub check_source: fn(&Plan) -> Outcome,
     /// Is the source of a plan until the run ends.
     pub serve_source: fn(Worker, &Plan) -> Outcome,
-    /// Shares the samples of many machines among so many shards, started with these arguments.
-    pub route: fn(Input, Form, Option<&Map>, usize, &[OsString]) -> Outcome,
+    /// Shares the samples of many machines among shards.
+    pub route: fn(Input, Form, Common<'_>) -> Outcome,
     /// Plays the machines of a run to so many shards, started with these arguments; a table of the estimates goes out.
     pub play: fn(&Machines, Out, usize, &[OsString], &Signals) -> Outcome<Played>,
     /// Is such a shard: description, method, time between rows \[s\], form.
@@ -135,7 +135,7 @@ trait MachineKind {
     /// Key of its mass, and that of the simulated machine \[kg\].
     const SIMULATED_MASS: (&'static str, f64);
     /// What looks at its samples.
-    type Look: Look<Sensors = Self::Sensors> + 'static;
+    type Look: Look<Sensors = Self::Sensors> + Send + 'static;
 
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {
@@ -185,16 +185,10 @@ trait MachineKind {
     fn figures() -> Result<Vec<Figure>, Failure>;
 }
 
-fn route<M: MachineKind>(
-    input: Input,
-    form: Form,
-    map: Option<&Map>,
-    shards: usize,
-    arguments: &[OsString],
-) -> Result<(), Failure> {
+fn route<M: MachineKind>(input: Input, form: Form, common: Common<'_>) -> Result<(), Failure> {
     let header = EstimateRows::<M::Estimate>::default().header();
     let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
-    serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
+    serve::route::<M::Look>(input, form, common, rows)
 }
 
 fn play<M: MachineKind>(
@@ -208,7 +202,7 @@ fn play<M: MachineKind>(
     let flags = M::Estimate::headlines().map(|p| p.trusted).collect();
     let rows = Rows::begin(out, Form::Table, &header, flags)?;
     let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
-    serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
+    serve::play::<M::Look>(machines, make, rows, shards, arguments, signals)
 }
 
 fn estimate<M: MachineKind>(

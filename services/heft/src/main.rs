@@ -56,7 +56,7 @@ use commands::{Cli, Command};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let cli = Cli::try_parse().unwrap_or_else(|error| misplaced::exit(&error));
+    let cli = Cli::try_parse().unwrap_or_else(|error| misplaced::exit(error));
     // Warnings, unless the environment chooses otherwise.
     diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
     let _process = span();

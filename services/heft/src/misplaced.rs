@@ -1,4 +1,4 @@
-//! A file where the command line takes none: the place where it belongs.
+//! A file where the command line takes none, and options that another command has: where they belong.
 
 use std::path::Path;
 
@@ -6,9 +6,15 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use recording::Quoted;
 
 /// Says what is wrong with the command line, and ends with its status.
-pub fn exit(error: &clap::Error) -> ! {
+pub fn exit(mut error: clap::Error) -> ! {
+    let tip = tip(&error);
+    if tip.is_some() {
+        // What clap guesses is another thing.
+        error.remove(ContextKind::Suggested);
+        error.remove(ContextKind::SuggestedArg);
+    }
     let _ = error.print();
-    if let Some(tip) = tip(error) {
+    if let Some(tip) = tip {
         eprintln!("\n  tip: {tip}");
     }
     std::process::exit(error.exit_code())
@@ -27,10 +33,30 @@ fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
     })
 }
 
+/// Where results go, in a command that has no `-o`, as others have.
+fn tip_of_output(error: &clap::Error) -> Option<&'static str> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let is_it = word.starts_with("-o") || word == "--output";
+    let usage = error.get(ContextKind::Usage)?.to_string();
+    let of = |command: &str| usage.split_whitespace().any(|word| word == command);
+    match () {
+        () if !is_it => None,
+        () if of("run") => Some(
+            "--out FOLDER says where recording and report go; --output can:can0 sends the estimates to a bus",
+        ),
+        () if of("serve") || of("tail") => {
+            Some("it writes to standard output: end the command with > FILE")
+        }
+        () => None,
+    }
+}
+
 /// Where a file belongs that stands elsewhere.
 fn tip(error: &clap::Error) -> Option<String> {
     use ContextKind::{InvalidArg, InvalidSubcommand, InvalidValue};
-    if let Some(tip) = tip_of_machine(error) {
+    if let Some(tip) = tip_of_machine(error).or_else(|| tip_of_output(error)) {
         return Some(tip.into());
     }
     let (kind, advice) = match error.kind() {

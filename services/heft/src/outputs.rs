@@ -28,7 +28,7 @@ impl CanOutput {
             _ => Err(Failure::input(
                 format!("`{name}` is no output"),
                 "--output",
-                "name a CAN interface: can:can0",
+                "name a CAN interface: can:can0; the folder of recording and report is --out",
             )),
         }
     }

@@ -8,6 +8,7 @@ mod records;
 mod remote;
 mod rows;
 mod shard;
+mod suspects;
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -16,13 +17,17 @@ use std::io::{BufRead, BufReader, Read};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine, Sensors};
+use config::Description;
+use messages::Message as _;
+use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine};
 
 pub use self::play::{Machines, Played, play};
 use self::records::Records;
 use self::remote::RemoteShard;
 pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
+pub use self::suspects::{Suspects, Told};
+use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
 
@@ -84,34 +89,50 @@ fn with_shards<T>(
     Ok((fed?, served))
 }
 
+/// What many machines have in common.
+#[derive(Clone, Copy)]
+pub struct Common<'a> {
+    /// What is known of each.
+    pub description: &'a Description,
+    /// Where their signals stand in the input.
+    pub map: Option<&'a Map>,
+    /// So many processes, started with these arguments, share them.
+    pub shards: usize,
+    /// These arguments.
+    pub arguments: &'a [OsString],
+}
+
 /// Reads the samples of many machines from `input` and writes their estimates as `rows`.
-pub fn route<S: Sensors>(
+pub fn route<L: Look>(
     input: Input,
     form: Form,
-    map: Option<&Map>,
-    count: usize,
-    arguments: &[OsString],
+    common: Common<'_>,
     rows: Rows,
 ) -> Result<(), Failure> {
     let began = Instant::now();
     let name = Arc::clone(&input.name);
+    let mut suspects = Suspects::<L>::new(common.description, common.map);
+    let Common {
+        shards, arguments, ..
+    } = common;
     let ((samples, left_out), served) =
-        with_shards(count, arguments, &rows, |shards| match form {
-            Form::Table => {
-                Router::<S>::new(&input.name, map, shards, &rows).take_all(input.content)
+        with_shards(shards, arguments, &rows, |shards| match form {
+            Form::Table => Router::new(&input.name, common.map, shards, &rows, &mut suspects)
+                .take_all(input.content),
+            Form::Messages => {
+                Records::new(&input.name, shards, &rows, &mut suspects).take_all(input.content)
             }
-            Form::Messages => Records::new(&input.name, shards, &rows).take_all::<S>(input.content),
         })?;
     // A name whose every line was left out is no machine.
     let members = rows.finish()?;
-    let machines = members.iter().filter(|member| member.rows > 0).count();
+    let machines = members.values().filter(|member| member.rows > 0).count();
     let seconds = began.elapsed().as_secs_f64();
     let parts = match form {
         Form::Table => "lines",
         Form::Messages => "messages",
     };
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {left_out} {parts} left out, {} processes replaced",
+        "{machines} machines, {samples} samples in {seconds:.1} s by {shards} processes; {left_out} {parts} left out, {} processes replaced",
         served.replaced
     );
     if served.refused > 0 {
@@ -136,7 +157,8 @@ pub fn route<S: Sensors>(
             "see what was said of the first of them",
         ));
     }
-    most_rows_were_taken(served.refused as usize, samples as usize)
+    most_rows_were_taken(served.refused as usize, samples as usize)?;
+    suspects.finish(&members).tell()
 }
 
 /// Which of so many shards a machine belongs to.
@@ -155,14 +177,15 @@ fn unreadable(input: &str, error: &std::io::Error) -> Failure {
 const OTHER_TABLE: &str = "belongs to another table, as its header has other columns, or in another order: give each its own heft serve";
 
 /// Sends each row to the shard of its machine.
-struct Router<'a, S: Sensors> {
+struct Router<'a, 'b, L: Look> {
     input: &'a Arc<str>,
     map: Option<&'a Map>,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
     column: NameColumn,
     numbers: HashMap<String, usize>,
-    decoders: Vec<(LineDecoder<S>, usize)>,
+    decoders: Vec<Member<L>>,
+    suspects: &'a mut Suspects<'b, L>,
     bytes: Vec<u8>,
     /// Lines read.
     lines: u64,
@@ -172,12 +195,20 @@ struct Router<'a, S: Sensors> {
     refused: u64,
 }
 
-impl<'a, S: Sensors> Router<'a, S> {
+/// A machine: what makes samples of its rows, and who answers them.
+struct Member<L: Look> {
+    name: String,
+    decoder: LineDecoder<L::Sensors>,
+    shard: usize,
+}
+
+impl<'a, 'b, L: Look> Router<'a, 'b, L> {
     fn new(
         input: &'a Arc<str>,
         map: Option<&'a Map>,
         shards: &'a [RemoteShard<'a>],
         rows: &'a Rows,
+        suspects: &'a mut Suspects<'b, L>,
     ) -> Self {
         Self {
             input,
@@ -187,6 +218,7 @@ impl<'a, S: Sensors> Router<'a, S> {
             column: NameColumn::new(NAME, Arc::clone(input)),
             numbers: HashMap::new(),
             decoders: Vec::new(),
+            suspects,
             bytes: Vec::new(),
             lines: 0,
             is_foreign: false,
@@ -214,6 +246,16 @@ impl<'a, S: Sensors> Router<'a, S> {
                 break;
             }
             self.lines += 1;
+            if line.len() > MAX_LINE && !self.column.is_found() {
+                return Err(Failure::input(
+                    format!(
+                        "line {} has more than {MAX_LINE} bytes: this is no table",
+                        self.lines
+                    ),
+                    self.input,
+                    format!("give a table with the columns {NAME}, t and the signals"),
+                ));
+            }
             if line.len() > MAX_LINE {
                 let skipped = input.skip_until(b'\n');
                 skipped.map_err(|e| unreadable(self.input, &e))?;
@@ -230,9 +272,9 @@ impl<'a, S: Sensors> Router<'a, S> {
             ));
         }
         for number in 0..self.decoders.len() {
-            self.decoders[number].0.finish();
+            self.decoders[number].decoder.finish();
             self.send(number);
-            self.refused += self.decoders[number].0.refused();
+            self.refused += self.decoders[number].decoder.refused();
         }
         self.tell_empty();
         Ok((self.samples, self.refused))
@@ -242,7 +284,7 @@ impl<'a, S: Sensors> Router<'a, S> {
     fn tell_empty(&self) {
         let mut machines: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for (name, number) in &self.numbers {
-            for words in self.decoders[*number].0.empty() {
+            for words in self.decoders[*number].decoder.empty() {
                 machines.entry(words).or_default().push(name);
             }
         }
@@ -299,14 +341,14 @@ impl<'a, S: Sensors> Router<'a, S> {
             }
             None => self.add(name)?,
         };
-        let decoder = &mut self.decoders[number].0;
+        let decoder = &mut self.decoders[number].decoder;
         decoder.skip_to(self.lines - 1);
         decoder.take(line, 0)?;
         self.send(number);
         Ok(())
     }
 
-    fn decoder(&self) -> Result<LineDecoder<S>, Failure> {
+    fn decoder(&self) -> Result<LineDecoder<L::Sensors>, Failure> {
         let mut decoder = LineDecoder::new(self.map.cloned())?.of(Arc::clone(self.input));
         for line in self.column.above() {
             decoder.take(line, 0)?;
@@ -319,7 +361,11 @@ impl<'a, S: Sensors> Router<'a, S> {
     fn add(&mut self, name: String) -> Result<usize, Failure> {
         let number = self.decoders.len();
         let shard = shard_of(&name, self.shards.len());
-        self.decoders.push((self.decoder()?, shard));
+        self.decoders.push(Member {
+            name: name.clone(),
+            decoder: self.decoder()?,
+            shard,
+        });
         self.rows.add(&name);
         self.numbers.insert(name, number);
         Ok(number)
@@ -327,8 +373,13 @@ impl<'a, S: Sensors> Router<'a, S> {
 
     /// Sends what a machine's decoder has made.
     fn send(&mut self, number: usize) {
-        let (decoder, shard) = &mut self.decoders[number];
+        let Member {
+            name,
+            decoder,
+            shard,
+        } = &mut self.decoders[number];
         while let Some((mut sample, _)) = decoder.row() {
+            self.suspects.see(number as u32, name, &sample);
             sample.stamp_mut().machine = number as u32;
             frames::pack(&sample, &mut self.bytes);
             self.samples += 1;

@@ -55,6 +55,9 @@ pub fn words(plan: &Plan) -> String {
     }
 }
 
+/// Longest name of an interface \[bytes\]: what the kernel has room for. No longer one ever comes, so it is not waited for.
+const LONGEST_INTERFACE: usize = 15;
+
 /// The frames of a CAN interface as samples.
 fn can_bus<M: Sensors>(plan: &Plan, interface: &str) -> Result<sensor::CanBus<M>, Failure> {
     if interface.is_empty() {
@@ -63,6 +66,13 @@ fn can_bus<M: Sensors>(plan: &Plan, interface: &str) -> Result<sensor::CanBus<M>
             "no CAN interface is named",
             "--input can:",
             remedy,
+        ));
+    }
+    if interface.len() > LONGEST_INTERFACE {
+        return Err(Failure::input(
+            format!("no interface has a name of more than {LONGEST_INTERFACE} bytes"),
+            format!("--input can:{interface}"),
+            "`ip link` lists the interfaces of this computer",
         ));
     }
     let Some(map) = map(plan.map.as_deref())? else {

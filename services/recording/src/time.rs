@@ -11,6 +11,25 @@ pub(crate) fn nanoseconds(text: &str) -> Option<i64> {
     date(text).or_else(|| seconds(text))
 }
 
+/// Seconds of the years 2000 and 2100.
+const CENTURY: [i128; 2] = [946_684_800, 4_102_444_800];
+
+/// Nanoseconds of a stamp of a logger: a time, or milliseconds, microseconds or nanoseconds since 1970, where they are of this century.
+/// Seconds of so many digits are of no calendar.
+pub(crate) fn stamp(text: &str) -> Option<i64> {
+    nanoseconds(text).or_else(|| {
+        let (whole, part) = text.split_once(['.', ',']).unwrap_or((text, ""));
+        fraction(part)?;
+        let digits: i128 = i128::from(digits(whole)?);
+        let [first, last] = CENTURY;
+        let mut units = [1_000_000, 1_000, 1].into_iter();
+        let ns = units.find(|ns| (first..last).contains(&(digits * ns / i128::from(SECOND))))?;
+        let part = part.get(..6).unwrap_or(part);
+        let of_part = self::fraction(part)? as i128 * ns / i128::from(SECOND);
+        i64::try_from(digits * ns + of_part).ok()
+    })
+}
+
 /// `whole.fraction`; of the fraction nine digits count.
 fn seconds(text: &str) -> Option<i64> {
     let (whole, fraction) = text.split_once(['.', ',']).unwrap_or((text, ""));

@@ -33,11 +33,13 @@ units! {
     "rad" = 1.0, "rad": "radian radians 弧度";
     "mrad" = 1e-3, "rad": "";
     "deg" = PI / 180.0, "rad": "degree degrees degs ° grad degré degrés grados gradi 度";
+    "mdeg" = PI / 180.0e3, "rad": "millideg";
     "turn" = TAU, "rad": "rev turns";
     "gon" = PI / 200.0, "rad": "gons gradian gradians";
     "rad/s" = 1.0, "rad/s": "rad/sec rads radps 1/s rads-1 s-1 rad/秒";
     "mrad/s" = 1e-3, "rad/s": "mrad/sec";
     "deg/s" = PI / 180.0, "rad/s": "deg/sec degree/s degrees/s °/s °/sec dps degps grad/s 度/s 度/秒";
+    "mdeg/s" = PI / 180.0e3, "rad/s": "mdeg/sec mdps";
     "rpm" = TAU / 60.0, "rad/s": "1/min turn/min turns/min o/min ot/min dev/dak r/min rev/min u/min min-1 \
         /min revs/min tr/min giri/min 转/分 回転/分";
     "turn/s" = TAU, "rad/s": "rev/s r/s rps";
@@ -53,18 +55,27 @@ units! {
     "inch" = 0.0254, "m": "inches";
     "m/s" = 1.0, "m/s": "m/sec mps ms-1";
     "mm/s" = 1e-3, "m/s": "mm/sec";
-    "km/h" = 1.0 / 3.6, "m/s": "kph kmh km/hr kmph km/hour";
+    "cm/s" = 1e-2, "m/s": "cm/sec";
+    "km/h" = 1.0 / 3.6, "m/s": "kph kmh kmh-1 km/hr kmph km/hour";
     "mph" = 0.44704, "m/s": "mi/h";
     "m/min" = 1.0 / 60.0, "m/s": "";
     "ft/s" = 0.3048, "m/s": "ft/sec fps";
+    "inch/s" = 0.0254, "m/s": "in/s in/sec ips";
     "ft/min" = 0.3048 / 60.0, "m/s": "fpm";
     "knot" = 1852.0 / 3600.0, "m/s": "knots kn kt kts";
     "m/s^2" = 1.0, "m/s^2": "m/s/s m/sec2 ms-2";
+    "mm/s^2" = 1e-3, "m/s^2": "mm/s/s mm/sec2";
+    "cm/s^2" = 1e-2, "m/s^2": "cm/s/s cm/sec2 gal";
     "ft/s^2" = 0.3048, "m/s^2": "ft/sec2 ft/s/s";
     "g" = 9.80665, "m/s^2": "gs g0 g's";
     "mg" = 9.806_65e-3, "m/s^2": "milli-g";
     "N" = 1.0, "N": "newton";
     "kN" = 1e3, "N": "";
+    "MN" = 1e6, "N": "";
+    "daN" = 10.0, "N": "";
+    "kgf" = 9.80665, "N": "kp";
+    "tf" = 9_806.65, "N": "";
+    "klbf" = 4_448.221_615_261, "N": "";
     "lbf" = 4.448_221_615_261, "N": "";
     "N m" = 1.0, "N m": "n-m newtonmeter";
     "Nm" = 1.0, "N m": "";
@@ -77,7 +88,7 @@ units! {
     "N mm" = 1e-3, "N m": "n-mm";
     "N cm" = 1e-2, "N m": "n-cm";
     "daN m" = 10.0, "N m": "dan-m";
-    "kgf m" = 9.80665, "N m": "kgf-m kgm kg-m kpm";
+    "kgf m" = 9.80665, "N m": "kgf-m kgm kg-m kpm mkp";
     "tf m" = 9_806.65, "N m": "tf-m";
     "lbf ft" = 1.355_817_948_331, "N m": "ftlbf ftlb lbft ft-lb lb-ft ft-lbf lbf-ft ftlbs ft-lbs lbsft lbs-ft \
         footpound footpounds foot-pound foot-pounds";
@@ -93,11 +104,13 @@ units! {
     "Pa" = 1.0, "Pa": "pascal";
     "kPa" = 1e3, "Pa": "kn/m2";
     "MPa" = 1e6, "Pa": "n/mm2";
-    "bar" = 1e5, "Pa": "bars barg bar(g)";
+    "N/cm^2" = 1e4, "Pa": "n/cm2";
+    "atm" = 101_325.0, "Pa": "";
+    "bar" = 1e5, "Pa": "bars barg bar(g) dan/cm2";
     "mbar" = 1e2, "Pa": "hpa";
     "psi" = 6_894.757_293_168, "Pa": "psig psi(g) lbf/in2 lb/in2 lb/squareinch";
     "ksi" = 6_894_757.293_168, "Pa": "";
-    "kgf/cm^2" = 98_066.5, "Pa": "kgf/cm2 kg/cm2";
+    "kgf/cm^2" = 98_066.5, "Pa": "kgf/cm2 kg/cm2 kp/cm2";
     "V" = 1.0, "V": "volt volts";
     "mV" = 1e-3, "V": "";
     "A" = 1.0, "A": "ampere amp amps";
@@ -515,6 +528,22 @@ mod tests {
         }
         for text in ["", "°C", "L/h", "counts", "mPa s"] {
             assert_eq!(guess(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_sheets_of_hydraulics_and_loggers_write_is_understood() {
+        for (text, name) in [
+            ("kp/cm²", "kgf/cm^2"),
+            ("daN/cm2", "bar"),
+            ("kp", "kgf"),
+            ("mm/s²", "mm/s^2"),
+            ("km·h⁻¹", "km/h"),
+            ("in/s", "inch/s"),
+            ("mkp", "kgf m"),
+            ("N/cm²", "N/cm^2"),
+        ] {
+            assert_eq!(guess(text).map(|u| u.name), Some(name), "{text}");
         }
     }
 

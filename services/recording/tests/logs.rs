@@ -282,3 +282,40 @@ fn a_log_whose_times_are_too_coarse_for_its_values_is_refused() {
     };
     assert!(lacks(&(0..999).map(line).collect::<String>()).is_ok());
 }
+
+#[test]
+fn times_in_milliseconds_are_read_where_they_are_dates_and_named_where_not() {
+    let log = |time: &dyn Fn(u64) -> String| -> String {
+        (0..200)
+            .map(|k| format!("({}) can0 064#E803\n", time(10 * k)))
+            .collect()
+    };
+    let since_1970 = log(&|ms| format!("{}.000", 1_700_000_000_000 + ms));
+    let found = velocities("run.log", "", since_1970.as_bytes()).expect("rows");
+    assert_eq!(found.len(), 200);
+    let since_start = log(&|ms| format!("{ms}.000"));
+    let error = velocities("run.log", "", since_start.as_bytes()).expect_err("milliseconds");
+    assert!(
+        error.what.contains("the times seem to be in milliseconds"),
+        "{error}"
+    );
+    assert!(error.remedy.contains("divide the times by 1000"), "{error}");
+    let seconds = log(&|ms| format!("{}.{:03}", ms / 1000, ms % 1000));
+    assert_eq!(
+        velocities("run.log", "", seconds.as_bytes()).map(|all| all.len()),
+        Ok(200)
+    );
+}
+
+#[test]
+fn what_python_can_prints_is_no_log_and_a_line_of_one_is_shown() {
+    let printed =
+        "Timestamp: 1700000000.000000    ID:      064    S Rx    DL:  2    e8 03\n".repeat(3);
+    let error = velocities("run.log", "", printed.as_bytes()).expect_err("no log");
+    assert!(error.remedy.contains("can_logger -f"), "{error}");
+    let error = velocities("run.log", "", b"(1.0 s) can0 064#E803\n").expect_err("no log");
+    assert!(
+        error.remedy.contains("a line is (1700000000.000000) can0"),
+        "{error}"
+    );
+}

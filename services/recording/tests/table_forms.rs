@@ -442,6 +442,8 @@ fn a_truck_may_be_a_word_each_with_a_number_of_its_own() {
     };
     assert!(first == again && first == back);
     assert!(second != first && number == 12.0);
+    // As frames of Python have it (bindings/python/tests/test_heft.py).
+    assert_eq!(first, 636594109.0);
     assert!(
         [first, second]
             .iter()

@@ -112,7 +112,7 @@ def estimate(
         A pandas or polars frame (lazy ones are collected), a mapping of names to arrays, an array with
         named fields, or the path of a file that ``heft estimate`` reads. Columns have the names and SI
         units of the CSV (``heft.schema()``), ``t`` in seconds; other columns are left out; NaN, null,
-        None and masked values are missing samples.
+        None and masked values are missing samples. Trucks may be words.
     machine
         ``"excavator"`` or ``"loader"``.
     config
@@ -406,9 +406,43 @@ def _library(data: Any) -> str:
     return type(data).__module__.split(".")[0]
 
 
+_NO_LABELS = {"", "na", "n/a", "nan", "null", "none", "nil", "-", "--", "---", "<na>"}
+
+
+def _label(value: Any) -> float:
+    """What a truck is called, as the number that it is in a table: FNV-1a, 28 bits of it; a number stays what it is."""
+    if value is None or value != value:
+        return float("nan")
+    if not isinstance(value, (str, bytes)):
+        return float(value)
+    text = (value.decode() if isinstance(value, bytes) else value).strip()
+    if text.lower() in _NO_LABELS:
+        return float("nan")
+    try:
+        return float(text)
+    except ValueError:
+        mixed = 0x811C9DC5
+        for byte in text.encode():
+            mixed = (mixed ^ byte) * 0x01000193 & 0xFFFFFFFF
+        return float((mixed >> 4) + (1 << 29))
+
+
+def _labels(column: Any) -> Any:
+    """A column of trucks as numbers, where it has words."""
+    if getattr(getattr(column, "dtype", None), "kind", "O") in "biuf":
+        return column
+    values = column.to_list() if hasattr(column, "to_list") else column.tolist() if hasattr(column, "tolist") else column
+    values = [None if type(value).__name__ in ("NAType", "NaTType") else value for value in values]
+    if not any(isinstance(value, (str, bytes)) for value in values):
+        return column
+    return np.array([_label(value) for value in values], dtype="float64")
+
+
 def _numbers(name: str, column: Any) -> bytes:
     """A column as the bytes of its doubles; times of day as seconds since the first of them."""
     try:
+        if name == "truck":
+            column = _labels(column)
         if _library(column) == "polars":
             import polars
 

@@ -68,7 +68,8 @@ pub(super) fn end(mut child: Child) -> Result<(), Failure> {
     let ended = child
         .wait()
         .map_err(|e| error(e, "heft serve", "check the system"))?;
-    if ended.success() {
+    // 1: what some machines measure is not what it is taken for, which it has said.
+    if ended.success() || ended.code() == Some(1) {
         return Ok(());
     }
     let what = format!("`heft serve` ended: {ended}");

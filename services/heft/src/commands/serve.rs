@@ -4,16 +4,16 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::stdin;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use messages::Machine;
 
 use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_odd_keys};
 use crate::failure::Failure;
-use crate::serve::{Form, Input};
+use crate::serve::{Common, Form, Input};
 use crate::way::{method, way};
-use crate::{machines, sources};
+use crate::{machines, size, sources};
 
 /// More processes than computers have processors: a slip of the keyboard shall not start a million.
 const MOST_SHARDS: i64 = 1024;
@@ -60,6 +60,12 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     way(&description, method)?;
     tell_odd_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
+    let input = args.file.as_deref().unwrap_or(Path::new("-"));
+    if !args.messages
+        && let Some(note) = size::assumed(&description, &args.with.description, input)?
+    {
+        eprintln!("{note}");
+    }
     let input = match &args.file {
         Some(folder) if folder.is_dir() => {
             let error = std::io::ErrorKind::IsADirectory.into();
@@ -79,7 +85,13 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     if args.messages {
         arguments.push("--messages".into());
     }
-    (entry.route)(input, form, map.as_ref(), shards, &arguments)
+    let common = Common {
+        description: &description,
+        map: map.as_ref(),
+        shards,
+        arguments: &arguments,
+    };
+    (entry.route)(input, form, common)
 }
 
 /// What a shard is given.

@@ -5,10 +5,11 @@ use core::f64::consts::{PI, TAU};
 use recording::LARGEST_PRESSURES as LARGEST;
 
 /// Units of an angular velocity, in a radian per second.
-pub(super) const TURNING: [(&str, f64); 3] = [
+pub(super) const TURNING: [(&str, f64); 4] = [
     ("rpm", 60.0 / TAU),
     ("deg/s", 180.0 / PI),
     ("turn/s", 1.0 / TAU),
+    ("mrad/s", 1e3),
 ];
 
 /// Fewest rows that tell.

@@ -8,15 +8,17 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use config::Description;
 use recording::Sensors;
 
 use super::remote::RemoteShard;
 use super::rows::{Member, Rows};
-use super::{Served, frames, with_shards};
+use super::{Served, Suspects, Told, frames, with_shards};
+use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::signals::Signals;
-use crate::sources::AnySource;
+use crate::sources::{self, AnySource};
 
 /// Longest sleep at one go, so that a signal is seen in time.
 const NAP: Duration = Duration::from_millis(100);
@@ -25,6 +27,8 @@ const NAP: Duration = Duration::from_millis(100);
 pub struct Machines<'a> {
     /// What they have in common.
     pub plan: &'a Plan,
+    /// What is known of each.
+    pub description: &'a Description,
     /// The recording of each; none if they are simulated.
     pub inputs: Vec<PathBuf>,
     /// How many there are.
@@ -60,6 +64,8 @@ pub struct Played {
     pub late: u64,
     /// What the shards did.
     pub served: Served,
+    /// What is strange about samples that were recorded.
+    pub told: Told,
     /// Processor time of this process: sources and sending.
     pub own: Duration,
     /// How long it took.
@@ -67,9 +73,9 @@ pub struct Played {
 }
 
 /// Plays the machines to shards that are started with these arguments, until their sources or the user end it.
-pub fn play<S: Sensors>(
+pub fn play<L: Look + Send>(
     machines: &Machines,
-    make: impl Fn(&Plan) -> Result<AnySource<S>, Failure> + Sync,
+    make: impl Fn(&Plan) -> Result<AnySource<L::Sensors>, Failure> + Sync,
     rows: Rows,
     shards: usize,
     arguments: &[OsString],
@@ -78,18 +84,22 @@ pub fn play<S: Sensors>(
     let (begun, before) = (Instant::now(), runtime::processor_time());
     (0..machines.count).for_each(|n| rows.add(&machines.name(n)));
     let failed = AtomicBool::new(false);
+    let map = sources::map(machines.plan.map.as_deref())?;
     let feed = |first: usize, shard: &RemoteShard| {
         let stops = || signals.came() || failed.load(Ordering::Relaxed);
         let numbers = (first..machines.count).step_by(shards);
         // To make a source takes milliseconds: of many a minute.
         let players = numbers.take_while(|_| !stops());
-        let players =
-            players.map(|n| make(&machines.plan(n)).map(|source| Player::<S>::new(n, source)));
+        let players = players.map(|n| {
+            make(&machines.plan(n)).map(|source| Player::new(n, machines.name(n), source))
+        });
         let players = players.collect::<Result<Vec<_>, _>>();
         failed.fetch_or(players.is_err(), Ordering::Relaxed);
-        Ok(Feed::new(machines.plan, shard, players?).run(stops))
+        let suspects = Suspects::<L>::new(machines.description, map.as_ref());
+        let suspects = (!machines.inputs.is_empty()).then_some(suspects);
+        Ok(Feed::new(machines.plan, shard, players?, suspects).run(stops))
     };
-    let ((samples, late), served) = with_shards(shards, arguments, &rows, |all| {
+    let (fed, served) = with_shards(shards, arguments, &rows, |all| {
         std::thread::scope(|scope| {
             let threads = all.iter().enumerate();
             let threads = threads.map(|(first, shard)| {
@@ -99,21 +109,27 @@ pub fn play<S: Sensors>(
                 begun.map_err(Failure::thread)
             });
             let threads = threads.collect::<Result<Vec<_>, _>>()?;
-            threads
-                .into_iter()
-                .try_fold((0, 0), |sum: (u64, u64), thread| {
-                    let ended = thread
-                        .join()
-                        .map_err(|_| Failure::internal("a source panicked"))?;
-                    ended.map(|fed: (u64, u64)| (sum.0 + fed.0, sum.1 + fed.1))
-                })
+            let ended = threads.into_iter().map(|thread| {
+                let ended = thread.join();
+                ended.map_err(|_| Failure::internal("a source panicked"))?
+            });
+            ended.collect::<Result<Vec<Fed<L>>, Failure>>()
         })
     })?;
+    let members = rows.finish()?;
+    let (mut samples, mut late, mut told) = (0, 0, Told::default());
+    for fed in fed {
+        (samples, late) = (samples + fed.samples, late + fed.late);
+        if let Some(suspects) = fed.suspects {
+            told.merge(suspects.finish(&members));
+        }
+    }
     Ok(Played {
-        members: rows.finish()?,
+        members: members.into_values().collect(),
         samples,
         late,
         served,
+        told,
         own: runtime::processor_time().saturating_sub(before),
         took: begun.elapsed(),
     })
@@ -122,6 +138,7 @@ pub fn play<S: Sensors>(
 /// A machine and its next sample.
 struct Player<S: Sensors> {
     number: u32,
+    name: String,
     source: AnySource<S>,
     /// Time of its first sample \[s\].
     origin: Option<f64>,
@@ -129,9 +146,10 @@ struct Player<S: Sensors> {
 }
 
 impl<S: Sensors> Player<S> {
-    fn new(number: usize, source: AnySource<S>) -> Self {
+    fn new(number: usize, name: String, source: AnySource<S>) -> Self {
         Self {
             number: number as u32,
+            name,
             source,
             origin: None,
             sample: S::default(),
@@ -151,17 +169,31 @@ impl<S: Sensors> Player<S> {
 }
 
 /// Sends the samples of some machines to their shard.
-struct Feed<'a, S: Sensors> {
+struct Feed<'a, 'b, L: Look> {
     shard: &'a RemoteShard<'a>,
-    players: Vec<Player<S>>,
+    players: Vec<Player<L::Sensors>>,
     /// Who is next, and when.
     turns: BinaryHeap<Reverse<(Duration, usize)>>,
     /// Sampling period; none where nobody waits for the clock.
     period: Option<Duration>,
+    /// The machines of recordings.
+    suspects: Option<Suspects<'b, L>>,
 }
 
-impl<'a, S: Sensors> Feed<'a, S> {
-    fn new(plan: &Plan, shard: &'a RemoteShard<'a>, mut players: Vec<Player<S>>) -> Self {
+/// What a feed sent: samples, and how many of them late.
+struct Fed<'a, L: Look> {
+    samples: u64,
+    late: u64,
+    suspects: Option<Suspects<'a, L>>,
+}
+
+impl<'a, 'b, L: Look> Feed<'a, 'b, L> {
+    fn new(
+        plan: &Plan,
+        shard: &'a RemoteShard<'a>,
+        mut players: Vec<Player<L::Sensors>>,
+        suspects: Option<Suspects<'b, L>>,
+    ) -> Self {
         let turns = players.iter_mut().enumerate();
         let turns = turns.filter_map(|(at, player)| Some(Reverse((player.advance()?, at))));
         Self {
@@ -169,11 +201,12 @@ impl<'a, S: Sensors> Feed<'a, S> {
             turns: turns.collect(),
             players,
             period: (!plan.lossless).then(|| Duration::from_secs_f64(1.0 / plan.rate)),
+            suspects,
         }
     }
 
-    /// Samples that were sent, and how many of them late.
-    fn run(mut self, stops: impl Fn() -> bool) -> (u64, u64) {
+    /// Sends all samples at their times.
+    fn run(mut self, stops: impl Fn() -> bool) -> Fed<'b, L> {
         let begun = Instant::now();
         let (mut samples, mut late, mut bytes) = (0, 0, Vec::new());
         let stops = || stops() || self.shard.failure().is_some();
@@ -186,6 +219,9 @@ impl<'a, S: Sensors> Feed<'a, S> {
                 break;
             }
             let player = &mut self.players[at];
+            if let Some(suspects) = &mut self.suspects {
+                suspects.see(player.number, &player.name, &player.sample);
+            }
             frames::pack(&player.sample, &mut bytes);
             self.shard.send(player.number, &bytes);
             samples += 1;
@@ -195,6 +231,10 @@ impl<'a, S: Sensors> Feed<'a, S> {
                 .extend(player.advance().map(|due| Reverse((due, at))));
         }
         self.shard.flush();
-        (samples, late)
+        Fed {
+            samples,
+            late,
+            suspects: self.suspects,
+        }
     }
 }

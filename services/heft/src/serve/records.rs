@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, Read};
 
 use messages::{Message, Value};
-use recording::Sensors;
 use recording::payload::{decode, read_delimited};
 
 use super::remote::RemoteShard;
-use super::{LONGEST_NAME, MOST_MACHINES, Rows, TOO_MANY, frames, shard_of, unreadable};
+use super::{LONGEST_NAME, MOST_MACHINES, Rows, Suspects, TOO_MANY, frames, shard_of, unreadable};
+use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 
 /// Largest sample \[bytes\].
@@ -18,7 +18,7 @@ const LARGEST: usize = 4096;
 const REPORTED: u64 = 5;
 
 /// Sends each sample to the shard of its machine.
-pub struct Records<'a> {
+pub struct Records<'a, 'b, L: Look> {
     input: &'a str,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
@@ -26,25 +26,32 @@ pub struct Records<'a> {
     machines: HashMap<String, (u32, usize)>,
     /// How many there have been.
     count: u32,
+    suspects: &'a mut Suspects<'b, L>,
     samples: u64,
     refused: u64,
 }
 
-impl<'a> Records<'a> {
-    pub fn new(input: &'a str, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
+impl<'a, 'b, L: Look> Records<'a, 'b, L> {
+    pub fn new(
+        input: &'a str,
+        shards: &'a [RemoteShard<'a>],
+        rows: &'a Rows,
+        suspects: &'a mut Suspects<'b, L>,
+    ) -> Self {
         Self {
             input,
             shards,
             rows,
             machines: HashMap::new(),
             count: 0,
+            suspects,
             samples: 0,
             refused: 0,
         }
     }
 
     /// Samples, and messages that were left out.
-    pub fn take_all<S: Sensors>(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
+    pub fn take_all(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
         let mut input = BufReader::with_capacity(1 << 16, input);
         let (mut name, mut message, mut packed) = (Vec::new(), Vec::new(), Vec::new());
         loop {
@@ -66,11 +73,12 @@ impl<'a> Records<'a> {
             };
             if message.is_empty() {
                 if let Some((number, shard)) = self.machines.remove(name) {
+                    self.suspects.forget(number);
                     self.shards[shard].send(number, &[]);
                 }
                 continue;
             }
-            let Some(sample) = decode::<S>(&message).filter(is_finite) else {
+            let Some(sample) = decode::<L::Sensors>(&message).filter(is_finite) else {
                 self.refuse("is no sample");
                 continue;
             };
@@ -78,6 +86,7 @@ impl<'a> Records<'a> {
                 self.refuse(TOO_MANY);
                 continue;
             };
+            self.suspects.see(number, name, &sample);
             frames::pack(&sample, &mut packed);
             self.samples += 1;
             self.shards[shard].send(number, &packed);

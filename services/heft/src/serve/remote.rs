@@ -226,8 +226,12 @@ impl<'a> RemoteShard<'a> {
                     let number = u32::from_le_bytes(*number);
                     let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
                     // A sample that is only not reported has no flags.
-                    output.refused += u64::from(is_new && row.is_empty() && flags != 0);
+                    let is_refused = is_new && row.is_empty() && flags != 0;
+                    output.refused += u64::from(is_refused);
                     drop(output);
+                    if is_refused {
+                        self.rows.refuse(number);
+                    }
                     if is_new
                         && !row.is_empty()
                         && let Err(why) = self.rows.put(number, flags, row)

@@ -64,6 +64,8 @@ pub struct Member {
     pub rows: u64,
     /// Those in which each of the flags was set.
     pub flagged: Vec<u64>,
+    /// Samples of it that were refused.
+    pub refused: u64,
 }
 
 /// Machines by their numbers, and how many there have been.
@@ -111,6 +113,7 @@ impl Rows {
             },
             rows: 0,
             flagged: vec![0; self.flags.len()],
+            refused: 0,
         };
         let mut members = lock(&self.members);
         let number = members.count;
@@ -121,6 +124,13 @@ impl Rows {
     /// Forgets a machine that has gone. Its number is not used again.
     pub fn forget(&self, number: u32) {
         lock(&self.members).here.remove(&number);
+    }
+
+    /// A sample of a machine was refused.
+    pub fn refuse(&self, number: u32) {
+        if let Some(member) = lock(&self.members).here.get_mut(&number) {
+            member.refused += 1;
+        }
     }
 
     /// A row of a machine.
@@ -158,8 +168,8 @@ impl Rows {
         }
     }
 
-    /// Ends the table; what was counted of each machine.
-    pub fn finish(self) -> Result<Vec<Member>, Failure> {
+    /// Ends the table; what was counted of each machine, by its number.
+    pub fn finish(self) -> Result<BTreeMap<u32, Member>, Failure> {
         match self
             .out
             .into_inner()
@@ -174,9 +184,7 @@ impl Rows {
             .members
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner)
-            .here
-            .into_values()
-            .collect())
+            .here)
     }
 }
 
@@ -202,7 +210,7 @@ mod tests {
         assert_eq!(numbers, [1, 2], "no number twice");
         let here = rows.finish().expect("written");
         assert_eq!(
-            here.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
+            here.values().map(|m| m.name.as_str()).collect::<Vec<_>>(),
             ["b", "c"]
         );
     }

@@ -94,12 +94,15 @@ impl Watch {
             return Vec::new();
         };
         let known = sent.samples + sent.unseen;
+        let unmeasured = sent.next.saturating_sub(known);
         let fault = |channel: &'static Channel| {
             let answers = self.carried.get(channel.name).copied().unwrap_or_default();
             let service = pipeline.writer(channel)?.name;
             // An answer that the supervisor missed may never have existed: the result is at least what the service counts as not received.
             let samples = known.saturating_sub(answers.samples + answers.unseen);
-            let samples = samples.max(self.processes.counts_of(service).lost.min(known));
+            // A number that no sample had, as its source was away, is missing there too, and was not to be answered.
+            let lost = self.processes.counts_of(service).lost;
+            let samples = samples.max(lost.saturating_sub(unmeasured).min(known));
             (samples > 0).then_some(Fault::Unanswered {
                 service,
                 samples,
@@ -157,11 +160,23 @@ mod tests {
 
     #[test]
     fn what_a_service_did_not_receive_is_unanswered_though_the_supervisor_missed_the_answers_too() {
-        let lost = |count: u64| {
+        let lost = |count: u64, sequence: u64| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
             watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
             for estimates in Pipeline::of(Machine::Excavator).estimates() {
                 watch.accept(estimates, &ExcavatorEstimate::default());
+            }
+            if sequence > 0 {
+                let mut truth = ExcavatorTruth::default();
+                (truth.stamp.sequence, truth.stamp.epoch) = (sequence, 1);
+                watch.accept(&EXCAVATOR_TRUTH, &truth);
+                for estimates in Pipeline::of(Machine::Excavator).estimates() {
+                    let estimate = ExcavatorEstimate {
+                        stamp: truth.stamp,
+                        ..ExcavatorEstimate::default()
+                    };
+                    watch.accept(estimates, &estimate);
+                }
             }
             let names = Pipeline::of(Machine::Excavator);
             let process = (0..).find(|i| names.process_name(*i) == "rls");
@@ -172,10 +187,13 @@ mod tests {
             watch.finish();
             watch.faults()
         };
-        assert_eq!(lost(0), []);
+        assert_eq!(lost(0, 0), []);
+        // A source that was away left out the numbers 1 to 270.
+        let away = lost(270, 271);
+        assert_eq!(away, [Fault::Unmeasured { samples: 270 }]);
         let (service, samples, of) = ("rls", 1, 1);
         assert_eq!(
-            lost(270),
+            lost(270, 0),
             [Fault::Unanswered {
                 service,
                 samples,

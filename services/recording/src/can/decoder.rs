@@ -16,6 +16,9 @@ const JUMP: i64 = 10 * SECOND;
 const MOST_STRANGE: u32 = 3;
 /// No bus is read for longer, 73 years: sums of a few times cannot overflow.
 const LONGEST: i64 = i64::MAX / 4;
+/// Values of one signal that are further apart are too slow for any machine: their times are in another unit. A second apart they
+/// are of no use, but seconds.
+const TOO_FAR: i64 = 3 * SECOND;
 /// A sender that was silent for so long has left the signal to another.
 const SENDER_TIMEOUT: i64 = 5 * SECOND;
 /// Remarks that are kept.
@@ -28,9 +31,10 @@ pub struct Decoder<S: Sensors> {
     /// The terms that come from the bus, as their series are numbered.
     terms: Vec<Bus>,
     clock: Clock,
-    /// Values, and those of them that carry the time of the one before.
+    /// Values, and those of them that carry the time of the one before, or come long behind it.
     values: u64,
     repeated: u64,
+    far: u64,
     remarks: Vec<String>,
     map: Map,
 }
@@ -111,6 +115,7 @@ impl<S: Sensors> Decoder<S> {
             clock: Clock::default(),
             values: 0,
             repeated: 0,
+            far: 0,
             remarks: Vec::new(),
             map: map.clone(),
         })
@@ -128,7 +133,9 @@ impl<S: Sensors> Decoder<S> {
             if let Some(value) = bus.read(frame, clock, &mut self.remarks) {
                 accepted = true;
                 self.values += 1;
-                self.repeated += u64::from(bus.last.replace(clock) == Some(clock));
+                let before = bus.last.replace(clock);
+                self.repeated += u64::from(before == Some(clock));
+                self.far += u64::from(before.is_some_and(|before| clock - before > TOO_FAR));
                 self.rows.push(series, clock, value);
             }
         }
@@ -196,6 +203,16 @@ impl<S: Sensors> Decoder<S> {
                 format!("{repeated} of {values} values carry the time of the one before them"),
                 log,
                 "record with candump -L or -ta, which tell microseconds: the times of -td are differences, and whole seconds are too coarse",
+            ));
+        }
+        if 2 * self.far > values {
+            return Err(Error::new(
+                format!(
+                    "{} of {values} values come more than 3 s behind the one before them: the times seem to be in milliseconds",
+                    self.far
+                ),
+                log,
+                "divide the times by 1000, or record anew with candump -L or -ta, whose times are in seconds",
             ));
         }
         // Of the differences of `candump -td` at least every second is smaller than the largest.

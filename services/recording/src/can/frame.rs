@@ -118,9 +118,15 @@ pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
     let (time, rest) = match line.strip_prefix('(') {
         Some(line) => {
             let (time, rest) = line.split_once(')')?;
-            (Some(time::nanoseconds(time.trim())?), rest)
+            (Some(time::stamp(time.trim())?), rest)
         }
-        None => (None, line),
+        // No interface is a number with a point.
+        None => match line.split_once(char::is_whitespace) {
+            Some((word, rest)) if word.contains('.') && time::stamp(word).is_some() => {
+                (time::stamp(word), rest)
+            }
+            _ => (None, line),
+        },
     };
     let mut words = rest.split_whitespace();
     let interface = words.next()?;
@@ -134,6 +140,7 @@ pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
         Some((id, data)) => (id, bytes.compact(data)?),
         None => (word, bytes.spaced(words)?),
     };
+    let id = id.strip_prefix("0x").unwrap_or(id);
     let extended = id.len() > 3;
     let number = hex(id.as_bytes())?;
     // Bit 29 marks an error message of the interface.
@@ -281,6 +288,12 @@ mod tests {
             " (1397165409.500000)  can0  18FEF100   [2]  FF`01",
             " (1397165409.500000)  can0  18FEF100   [2]  00000001 11111111",
             " (1397165409.500000)  can0  18FEF100   [2]  11111111`00000001",
+            "(1397165409500.000) can0 18FEF100#01FF",
+            "(1397165409500) can0 18FEF100#01FF",
+            "(1397165409500000) can0 18FEF100#01FF",
+            "(1397165409500000000) can0 18FEF100#01FF",
+            "1397165409.500000 can0 18FEF100#01FF",
+            "1397165409.5 can0 0x18FEF100 [2] 01 FF",
         ] {
             assert_eq!(frame(same), log, "{same}");
         }

@@ -8,6 +8,15 @@ const ENOUGH: u64 = 100;
 /// So much of a line is shown [characters].
 const SHOWN: usize = 80;
 
+/// What to do about a line that is no frame.
+fn remedy(text: &str) -> &'static str {
+    if text.starts_with("Timestamp:") {
+        return "this is what python-can prints: have it write a log, by can_logger -f day.log";
+    }
+    "give a log of candump -L, or of candump -ta with its times; a line is (1700000000.000000) can0 18FEF100#0102030405060708, \
+     its time in seconds, or in ms, µs or ns since 1970"
+}
+
 /// What a log holds beside frames.
 #[derive(Debug, Default)]
 pub(crate) struct LeftOut {
@@ -76,8 +85,7 @@ impl LeftOut {
                 self.strange
             ),
         };
-        let remedy = "give a log of candump -L, or of candump -ta with its times";
-        Err(Error::new(what, place, remedy))
+        Err(Error::new(what, place, remedy(text)))
     }
 
     /// Words on what was left out, if anything was.

@@ -34,6 +34,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let inputs = args.input.as_deref().map(|input| inputs(input, count));
     let machines = Machines {
         plan: &plan,
+        description: &description,
         inputs: inputs.transpose()?.unwrap_or_default(),
         count,
     };
@@ -57,7 +58,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
             played.samples
         )));
     }
-    Ok(())
+    played.told.tell()
 }
 
 /// The recordings of the first machines.

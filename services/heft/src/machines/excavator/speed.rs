@@ -4,8 +4,11 @@ use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
 use crate::machines::units::TURNING;
 
-/// Units of a swing velocity. The first that explains the torque counts.
-const UNITS: [(&str, f64); 2] = [TURNING[0], TURNING[1]];
+/// Units of a swing velocity.
+const UNITS: [(&str, f64); 3] = [TURNING[0], TURNING[1], TURNING[3]];
+/// Degrees, and thousandths of a radian, a second.
+const DEGREES: usize = 1;
+const THOUSANDTHS: usize = 2;
 /// Swinging from this velocity on; makers' sheets allow 15 revolutions per minute: none swings faster than the second [rad/s].
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 2.0;
@@ -14,6 +17,8 @@ const FEWEST: u32 = 100;
 const OFTEN: f64 = 0.05;
 /// Mean of what is too fast, above which it is in degrees per second where the torque does not tell \[rpm\].
 const BETWEEN: f64 = 13.0;
+/// A usual mean of what swings [rad/s]: a unit that makes another of it is none that may be meant.
+const USUAL: std::ops::Range<f64> = 0.05..1.8;
 
 /// Looks at the speeds, and at what torque and posture make of them in each unit.
 pub(super) struct Speed {
@@ -21,6 +26,10 @@ pub(super) struct Speed {
     fast: u32,
     /// Sum of the fast ones.
     sum: f64,
+    /// Rows that are too fast in degrees too, their sum, and the last of them: one that stays the same stands for a missing sample.
+    faster: u32,
+    sum_of_faster: f64,
+    last: f64,
     units: [Plausible; UNITS.len()],
 }
 
@@ -30,6 +39,9 @@ impl Speed {
             swinging: 0,
             fast: 0,
             sum: 0.0,
+            faster: 0,
+            sum_of_faster: 0.0,
+            last: 0.0,
             units: UNITS.map(|_| Plausible::new(geometry)),
         }
     }
@@ -38,9 +50,15 @@ impl Speed {
         if let Some(speed) = sample.velocity.map(f64::abs).filter(|v| v.is_finite()) {
             self.swinging += u32::from(speed > SWINGS);
             // What is too fast in every unit is none of them: it stands for a missing sample.
-            let is_fast = (FASTEST..=FASTEST * UNITS[1].1).contains(&speed);
+            let [degrees, thousandths] = [DEGREES, THOUSANDTHS].map(|at| FASTEST * UNITS[at].1);
+            let is_fast = (FASTEST..=degrees).contains(&speed);
             self.fast += u32::from(is_fast);
             self.sum += if is_fast { speed } else { 0.0 };
+            if (degrees..=thousandths).contains(&speed) {
+                let is_new = std::mem::replace(&mut self.last, speed) != speed;
+                self.faster += u32::from(is_new);
+                self.sum_of_faster += if is_new { speed } else { 0.0 };
+            }
         }
         for (plausible, (_, unit)) in self.units.iter_mut().zip(UNITS) {
             let velocity = sample.velocity.map(|velocity| velocity / unit);
@@ -51,11 +69,22 @@ impl Speed {
         }
     }
 
+    /// Whether so many rows tell.
+    fn are_enough(&self, rows: u32) -> bool {
+        rows >= FEWEST && f64::from(rows) >= OFTEN * f64::from(self.swinging)
+    }
+
     /// The unit of the velocity, where it is none that is meant.
     pub(super) fn fault(&self) -> Option<String> {
-        if self.fast < FEWEST || f64::from(self.fast) < OFTEN * f64::from(self.swinging) {
+        let is_faster = self.are_enough(self.faster);
+        if !is_faster && !self.are_enough(self.fast) {
             return None;
         }
+        let (mut fast, mut sum) = (self.fast, self.sum);
+        if is_faster {
+            (fast, sum) = (fast + self.faster, sum + self.sum_of_faster);
+        }
+        let mean = sum / f64::from(fast);
         // Another fault of the torque is said when this one is mended.
         let explains = |plausible: &Plausible| {
             !matches!(
@@ -63,17 +92,37 @@ impl Speed {
                 Some(Mismatch::Size(_) | Mismatch::Degrees | Mismatch::Revolutions)
             )
         };
-        let mean = self.sum / f64::from(self.fast);
-        let unit = match [explains(&self.units[0]), explains(&self.units[1])] {
-            [true, false] => 0,
-            [false, true] => 1,
+        let explaining = self.units.each_ref().map(explains);
+        let unit = match explaining {
+            _ if is_faster => THOUSANDTHS,
+            [true, false, false] => 0,
+            [false, true, false] => DEGREES,
+            [false, false, true] => THOUSANDTHS,
+            [true, false, true] => 0,
+            [false, true, true] => DEGREES,
             _ => usize::from(mean > BETWEEN),
         };
+        let is_sure = is_faster || explaining.iter().filter(|explains| **explains).count() == 1;
+        let may_be = |at: &usize| {
+            let explains = explaining[*at] || !explaining.contains(&true);
+            !is_sure && *at != unit && explains && USUAL.contains(&(mean / UNITS[*at].1))
+        };
+        let others: Vec<_> = (0..UNITS.len())
+            .filter(may_be)
+            .map(|at| {
+                format!(
+                    "; or `unit = \"{}\"`, where {:.2} rad/s would be usual",
+                    UNITS[at].0,
+                    mean / UNITS[at].1
+                )
+            })
+            .collect();
         let (unit, factor) = UNITS[unit];
         Some(format!(
             "swing_velocity seems to be in {unit}: no excavator swings at {mean:.0} rad/s, and {:.2} would be usual\n  \
-             what to do: write `unit = \"{unit}\"` for swing_velocity in a signal map",
-            mean / factor
+             what to do: write `unit = \"{unit}\"` for swing_velocity in a signal map{}",
+            mean / factor,
+            others.concat()
         ))
     }
 }
@@ -84,20 +133,18 @@ mod tests {
 
     #[test]
     fn a_mark_for_missing_samples_is_no_unit() {
-        let mut speed = Speed::new(Geometry::default());
-        for k in 0..9000_u32 {
-            let velocity = (0.01 * f64::from(k)).sin();
-            speed.see(&Sample {
-                time: 0.01 * f64::from(k),
-                velocity: Some(if k.is_multiple_of(10) {
-                    -9999.0
-                } else {
-                    velocity
-                }),
-                ..Sample::default()
-            });
+        for mark in [-9999.0, 999.0, -999.0] {
+            let mut speed = Speed::new(Geometry::default());
+            for k in 0..9000_u32 {
+                let velocity = (0.01 * f64::from(k)).sin();
+                speed.see(&Sample {
+                    time: 0.01 * f64::from(k),
+                    velocity: Some(if k.is_multiple_of(10) { mark } else { velocity }),
+                    ..Sample::default()
+                });
+            }
+            assert_eq!(speed.fault(), None, "{mark}");
         }
-        assert_eq!(speed.fault(), None);
     }
 
     #[test]
@@ -123,12 +170,25 @@ mod tests {
             let unit = said.split("unit = \"").nth(1)?;
             Some(unit.split('"').next()?.to_owned())
         };
-        let [(rpm, per_rpm), (degrees, per_degree)] = UNITS;
+        let [
+            (rpm, per_rpm),
+            (degrees, per_degree),
+            (thousandths, per_thousandth),
+        ] = UNITS;
         for torque in [Some(1.0), Some(1e-3), None] {
             assert_eq!(said(1.0, torque, 1.2), None);
             assert_eq!(said(per_rpm, torque, 0.9).as_deref(), Some(rpm));
             assert_eq!(said(per_degree, torque, 0.9).as_deref(), Some(degrees));
+            assert_eq!(
+                said(per_thousandth, torque, 0.9).as_deref(),
+                Some(thousandths)
+            );
         }
+        // Slowly: what is no faster than degrees are is told by the torque.
+        assert_eq!(
+            said(per_thousandth, Some(1.0), 0.1).as_deref(),
+            Some(thousandths)
+        );
         // Slowly: 15 degrees a second at most.
         assert_eq!(said(per_degree, Some(1.0), 0.26).as_deref(), Some(degrees));
     }

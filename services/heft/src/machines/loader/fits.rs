@@ -230,10 +230,11 @@ fn is_of_wheels(mismatch: Mismatch) -> bool {
 /// Unit of the wheel speeds by the ratio of machine speed to wheel speed; none for other ratios.
 fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
     const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
-    let [_, degrees, turns] = TURNING;
+    let [_, degrees, turns, thousandths] = TURNING;
     [
         (WHEELS, (turns.0, 1.0 / turns.1)),
         (WHEELS, (degrees.0, 1.0 / degrees.1)),
+        (WHEELS, (thousandths.0, 1.0 / thousandths.1)),
     ]
     .into_iter()
     .find(|(_, (_, unit))| (0.8..1.25).contains(&(ratio / unit)))

@@ -13,6 +13,11 @@ const ENOUGH: u32 = 200;
 const TOGETHER: f64 = 0.7;
 /// Plausible lengths \[m\]: some wheelbases.
 const LENGTHS: [f64; 2] = [0.5, 12.0];
+/// Where a yaw rate fits in two units, the one that makes the length more like this \[m\].
+const USUAL: f64 = 2.5;
+/// Degrees, and thousandths, in a radian.
+const DEGREES: f64 = 180.0 / core::f64::consts::PI;
+const THOUSANDTHS: f64 = 1e3;
 
 /// Accumulates rows in turns.
 #[derive(Default)]
@@ -39,21 +44,24 @@ impl Turning {
         if self.rows < ENOUGH || together.abs() < TOGETHER {
             return None;
         }
-        let within = |by: f64| {
-            let length = self.both.ratio() * by;
-            (LENGTHS[0]..LENGTHS[1]).contains(&length)
-        };
+        let length = |by: f64| self.both.ratio() * by;
+        let within = |by: f64| (LENGTHS[0]..LENGTHS[1]).contains(&length(by));
+        let far = |by: f64| (length(by) / USUAL).ln().abs();
         match () {
             () if together < 0.0 => Some(
                 "articulation and yaw_rate seem to have opposite signs: both are positive where the machine turns left\n  \
                  what to do: in the signal map `sign = -1` for the one that is positive to the right",
             ),
             () if within(1.0) => None,
-            () if within(180.0 / core::f64::consts::PI) => Some(
+            () if within(THOUSANDTHS) && far(THOUSANDTHS) < far(DEGREES) => Some(
+                "yaw_rate seems to be in mrad/s: the machine turns less than that by its articulation\n  \
+                 what to do: in the signal map `unit = \"mrad/s\"` for yaw_rate",
+            ),
+            () if within(DEGREES) => Some(
                 "yaw_rate seems to be in deg/s: the machine turns less than that by its articulation\n  \
                  what to do: in the signal map `unit = \"deg/s\"` for yaw_rate",
             ),
-            () if within(core::f64::consts::PI / 180.0) => Some(
+            () if within(1.0 / DEGREES) => Some(
                 "articulation seems to be in degrees: the machine turns less than that by its yaw_rate\n  \
                  what to do: in the signal map `unit = \"deg\"` for articulation",
             ),
@@ -84,6 +92,7 @@ mod tests {
         assert_eq!(said([1.0, 1.0]), "");
         assert!(said([-1.0, 1.0]).contains("opposite signs"));
         assert!(said([1.0, 57.3]).starts_with("yaw_rate seems to be in deg/s"));
+        assert!(said([1.0, 1e3]).starts_with("yaw_rate seems to be in mrad/s"));
         assert!(said([57.3, 1.0]).starts_with("articulation seems to be in degrees"));
         assert_eq!(said([57.3, 57.3]), "");
     }
