@@ -26,7 +26,7 @@ use self::records::Records;
 use self::remote::RemoteShard;
 pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
-pub use self::suspects::{Suspects, Told};
+pub use self::suspects::{Findings, Suspects};
 use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
@@ -158,7 +158,7 @@ pub fn route<L: Look>(
         ));
     }
     most_rows_were_taken(served.refused as usize, samples as usize)?;
-    suspects.finish(&members).tell()
+    suspects.finish(&members).report()
 }
 
 /// Which of so many shards a machine belongs to.

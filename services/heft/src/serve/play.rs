@@ -13,7 +13,7 @@ use recording::Sensors;
 
 use super::remote::RemoteShard;
 use super::rows::{Member, Rows};
-use super::{Served, Suspects, Told, frames, with_shards};
+use super::{Findings, Served, Suspects, frames, with_shards};
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -65,7 +65,7 @@ pub struct Played {
     /// What the shards did.
     pub served: Served,
     /// What is strange about samples that were recorded.
-    pub told: Told,
+    pub findings: Findings,
     /// Processor time of this process: sources and sending.
     pub own: Duration,
     /// How long it took.
@@ -117,11 +117,11 @@ pub fn play<L: Look + Send>(
         })
     })?;
     let members = rows.finish()?;
-    let (mut samples, mut late, mut told) = (0, 0, Told::default());
+    let (mut samples, mut late, mut findings) = (0, 0, Findings::default());
     for fed in fed {
         (samples, late) = (samples + fed.samples, late + fed.late);
         if let Some(suspects) = fed.suspects {
-            told.merge(suspects.finish(&members));
+            findings.merge(suspects.finish(&members));
         }
     }
     Ok(Played {
@@ -129,7 +129,7 @@ pub fn play<L: Look + Send>(
         samples,
         late,
         served,
-        told,
+        findings,
         own: runtime::processor_time().saturating_sub(before),
         took: begun.elapsed(),
     })

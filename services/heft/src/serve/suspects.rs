@@ -1,4 +1,4 @@
-//! What is strange about the samples of each of many machines: the checks of `heft estimate`, a machine at a time.
+//! Checks of the samples of many machines: those of `heft estimate`, for each machine.
 
 use std::collections::BTreeMap;
 
@@ -10,45 +10,45 @@ use crate::commands::estimate::look::Look;
 use crate::doubts::Doubts;
 use crate::failure::Failure;
 
-/// Rows of a machine after which it is judged for the first time: a minute of 100 Hz. It is judged again after twice as many.
+/// Rows of a machine at its first judgement, a minute of 100 Hz. Each further judgement is at twice as many.
 const FIRST: usize = 6000;
-/// So many texts are told, and so many machines named in one: where all have the same lack, the rest is only counted.
-const MOST_TOLD: usize = 20;
+/// Largest number of texts reported, and of machines named in one. Further ones are counted.
+const MOST_REPORTED: usize = 20;
 const MOST_NAMED: usize = 10;
-/// So many texts are kept: machines that come and go for years take no more.
-const MOST_KEPT: usize = 1000;
+/// Largest number of texts stored: a bound on memory where machines come and go for years.
+const MOST_TEXTS: usize = 1000;
 
-/// The machines whose samples are looked at.
+/// The machines whose samples are checked.
 pub struct Suspects<'a, L: Look> {
     description: &'a Description,
     map: Option<&'a Map>,
     machines: BTreeMap<u32, Suspect<L>>,
-    told: Told,
-    /// How many faults were told while samples came.
+    findings: Findings,
+    /// Number of faults reported while samples arrive.
     warned: usize,
 }
 
-/// A machine whose samples are looked at.
+/// A machine whose samples are checked.
 struct Suspect<L: Look> {
     name: String,
     doubts: Doubts<L>,
-    /// It is judged when it has so many rows.
+    /// Number of rows at the next judgement.
     judge_at: usize,
 }
 
-/// What was found, and of which machines.
+/// Findings, each with its machines.
 #[derive(Default)]
-pub struct Told {
-    /// Words on what may be wrong, and what is surely wrong.
+pub struct Findings {
+    /// Remarks on possible errors, and certain errors.
     words: BTreeMap<String, Names>,
     faults: BTreeMap<String, Names>,
-    /// Machines that were judged, those that have a fault, and of these those without anything that can be estimated.
+    /// Number of machines judged, of those with a fault, and of those among them without a usable row.
     judged: usize,
     faulty: usize,
     unusable: usize,
 }
 
-/// Machines of which something is said.
+/// Machines that share a finding.
 #[derive(Default)]
 struct Names {
     first: Vec<String>,
@@ -62,12 +62,12 @@ impl<'a, L: Look> Suspects<'a, L> {
             description,
             map,
             machines: BTreeMap::new(),
-            told: Told::default(),
+            findings: Findings::default(),
             warned: 0,
         }
     }
 
-    /// Takes a sample of a machine. What is surely wrong is told now and then: input may have no end.
+    /// Adds a sample of a machine. Certain errors are reported at once, at each judgement: the input may be endless.
     pub fn see(&mut self, number: u32, name: &str, sample: &L::Sensors) {
         let suspect = self.machines.entry(number).or_insert_with(|| Suspect {
             name: name.to_owned(),
@@ -84,36 +84,36 @@ impl<'a, L: Look> Suspects<'a, L> {
         }
     }
 
-    /// A machine has gone: it is judged by what came.
+    /// Judges a machine that has left.
     pub fn forget(&mut self, number: u32) {
         if let Some(suspect) = self.machines.remove(&number)
-            && let Some(fault) = self.told.add(&suspect.name, &suspect.doubts)
+            && let Some(fault) = self.findings.add(&suspect.name, &suspect.doubts)
         {
             warn(&mut self.warned, &suspect.name, &fault);
         }
     }
 
-    /// Judges those that are still there; the rows of each that were refused were counted elsewhere.
-    pub fn finish(mut self, members: &BTreeMap<u32, Member>) -> Told {
+    /// Judges the machines that remain. `members` counts the refused rows of each.
+    pub fn finish(mut self, members: &BTreeMap<u32, Member>) -> Findings {
         for (number, mut suspect) in std::mem::take(&mut self.machines) {
             let refused = members.get(&number).map_or(0, |member| member.refused);
             suspect.doubts.refused(refused as usize);
-            self.told.add(&suspect.name, &suspect.doubts);
+            self.findings.add(&suspect.name, &suspect.doubts);
         }
-        self.told
+        self.findings
     }
 }
 
-/// Tells a fault while samples come: those of the first, as all machines may have it.
+/// Reports a fault while samples arrive, up to a number of them: all machines may have the same.
 fn warn(warned: &mut usize, name: &str, fault: &str) {
     *warned += 1;
-    if *warned <= MOST_TOLD {
+    if *warned <= MOST_REPORTED {
         tracing::warn!("machine {name}: {fault}");
     }
 }
 
-impl Told {
-    /// Notes what there is to say of a machine; its fault, if that is a new one.
+impl Findings {
+    /// Adds the findings of a machine. Returns its fault where no machine had it before.
     fn add<L: Look>(&mut self, name: &str, doubts: &Doubts<L>) -> Option<String> {
         self.judged += 1;
         for words in doubts.words() {
@@ -131,7 +131,7 @@ impl Told {
         is_new.then_some(fault)
     }
 
-    /// Takes what another one found.
+    /// Adds the findings of another shard.
     pub fn merge(&mut self, other: Self) {
         for (mine, its) in [
             (&mut self.words, other.words),
@@ -148,15 +148,18 @@ impl Told {
         self.unusable += other.unusable;
     }
 
-    /// Says everything; what is surely wrong of some is the answer no, and of all without a row a bad input.
-    pub fn tell(&self) -> Result<(), Failure> {
+    /// Reports all findings. A fault of some machines is status 1, all machines without a usable row status 2.
+    pub fn report(&self) -> Result<(), Failure> {
         let all = self.words.iter().chain(&self.faults);
-        for (words, names) in all.clone().take(MOST_TOLD) {
+        for (words, names) in all.clone().take(MOST_REPORTED) {
             eprintln!("machine {names}: {words}");
         }
         match all.count() {
-            0..=MOST_TOLD => {}
-            all => eprintln!("{} more remarks of this kind are left out", all - MOST_TOLD),
+            0..=MOST_REPORTED => {}
+            all => eprintln!(
+                "{} more remarks of this kind are left out",
+                all - MOST_REPORTED
+            ),
         }
         if self.faulty == 0 {
             return Ok(());
@@ -185,9 +188,9 @@ impl Told {
     }
 }
 
-/// Notes words of a machine.
+/// Adds a text of a machine.
 fn note(all: &mut BTreeMap<String, Names>, words: String, name: &str) {
-    if all.len() < MOST_KEPT || all.contains_key(&words) {
+    if all.len() < MOST_TEXTS || all.contains_key(&words) {
         all.entry(words).or_default().add(name.to_owned());
     }
 }
@@ -216,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_many_names_the_first_are_told_and_the_others_counted() {
+    fn of_many_names_the_first_are_reported_and_the_others_counted() {
         let mut names = Names::default();
         (0..12).for_each(|k| names.add(k.to_string()));
         assert_eq!(names.to_string(), "0, 1, 2, 3, 4, 5, 6, 7, 8, 9 and 2 more");

@@ -58,7 +58,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
             played.samples
         )));
     }
-    played.told.tell()
+    played.findings.report()
 }
 
 /// The recordings of the first machines.
