@@ -14,9 +14,9 @@ use crate::mark::Mark;
 pub struct Limits {
     /// Duration of a part.
     pub split_after: Option<Duration>,
-    /// Size of a part [bytes].
+    /// Size of a part \[bytes\].
     pub split_bytes: Option<u64>,
-    /// Size of the folder above which its oldest recordings are removed [bytes].
+    /// Size of the folder above which its oldest recordings are removed \[bytes\].
     pub keep_bytes: Option<u64>,
     /// Age since the last write above which recordings of the folder are removed.
     pub keep_for: Option<Duration>,

@@ -74,7 +74,7 @@ message! {
 
 /// Bytes of a state in one message.
 pub const PIECE: usize = 192;
-/// Longest state [bytes]; a longer one is damaged.
+/// Longest state \[bytes\]; a longer one is damaged.
 pub const LONGEST: usize = 1 << 16;
 
 /// The words of a piece, each of them once.
