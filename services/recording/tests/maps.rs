@@ -75,11 +75,17 @@ fn a_unit_of_another_dimension_needs_a_scale() {
     let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\" }\n";
     let error = through(text, "t,x\n0,1\n").expect_err("a length is no angle");
     assert_eq!(error.what, "swing_angle is measured in rad, not in mm");
-    assert!(error.remedy.contains("rad, mrad, deg, turn"), "{error}");
+    assert!(
+        error.remedy.contains("rad, mrad, deg, mdeg, turn"),
+        "{error}"
+    );
     // A constant has a unit too.
     let text = "[columns]\nswing_velocity = { constant = 1.0, unit = \"kg\" }\n";
     let error = through(text, "t\n0\n").expect_err("a mass is no velocity");
-    assert!(error.remedy.contains("rad/s, deg/s, rpm"), "{error}");
+    assert!(
+        error.remedy.contains("rad/s, deg/s, mdeg/s, rpm"),
+        "{error}"
+    );
     let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\", scale = 2.0 }\n";
     assert_eq!(
         through(text, "t,x\n0,500\n").expect("rows")[0].swing_angle,

@@ -515,7 +515,9 @@ fn weighings_are_converted_by_their_row_of_units_and_a_mass_is_no_weight() {
     assert_eq!(error.what, "column front_load is in kg, and N is expected");
     assert!(error.place.ends_with("data.csv:2"), "{error}");
     assert!(
-        error.remedy.contains("N, kN, lbf; kg times 9.81 is N"),
+        error
+            .remedy
+            .contains("N, kN, MN, daN, kgf, tf, klbf, lbf; kg times 9.81 is N"),
         "{error}"
     );
 }
