@@ -1,27 +1,27 @@
-//! A machine is one sheet: its signals, flags, quantities, reasons and methods, a row each.
+//! Tables of each machine: signals, flags, quantities, reasons and methods, one row each.
 //!
-//! Everything that lists them reads it here: messages and their bits, samples and reasons of `estimation`, the
-//! conversions between both, CSV columns and maps, CAN frames, the schema in every language, pages, terminal and fleet
-//! lists, what is remembered from run to run, the tables for C and FMI.
-//! A row says what is a fact of the machine, or what two readers need; what one output needs stands there.
+//! All lists of them are generated from these tables: messages and their bits, samples and reasons of `estimation`,
+//! and the conversions between messages and samples. Others are CSV columns and maps, CAN frames and the schema in every
+//! language. Pages, terminal and fleet lists, the state stored between runs, and the tables for C and FMI use them too.
+//! A row holds facts of the machine, and what at least two readers need. Data that only one output needs belong to that output.
 //!
 //! | what | where |
 //! |---|---|
-//! | rows as a macro that hands them to another (`excavator_signals!(then)`): structures are made of them | [`excavator`], [`loader`] |
-//! | rows as constants: tables are read from them | the same modules: `SIGNALS`, `FLAGS`, `QUANTITIES`, `REASONS`, `METHODS` |
+//! | rows as a macro that passes them to another macro (`excavator_signals!(then)`), which defines structures | [`excavator`], [`loader`] |
+//! | rows as constants, to read tables from | the same modules: `SIGNALS`, `FLAGS`, `QUANTITIES`, `REASONS`, `METHODS` |
 //! | loads, the same for every machine | [`loads`] |
 #![no_std]
 
-/// When a signal counts as one that the source has.
+/// Condition for a signal to count as present in its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Presence {
-    /// The machine needs it.
+    /// Always: the machine requires it.
     Required,
-    /// The machine needs one of these; each counts where a value comes within the first second.
+    /// If a value arrives within the first second. The machine requires at least one of a group of these.
     OneOf,
-    /// Where a value comes within the first second.
+    /// If a value arrives within the first second.
     Observed,
-    /// Where the source has its column.
+    /// If the source has its column.
     Declared,
 }
 
@@ -32,13 +32,13 @@ pub struct Signal {
     pub name: &'static str,
     /// SI unit, "" for a pure number.
     pub unit: &'static str,
-    /// What it is, with its sign.
+    /// Meaning and sign convention.
     pub doc: &'static str,
     /// Its bit in `valid` and `columns`.
     pub bit: u32,
-    /// When it counts as there.
+    /// When it counts as present.
     pub presence: Presence,
-    /// It is a bit of `valid` alone, without a number.
+    /// Whether it is only a bit of `valid`, without a number.
     pub is_switch: bool,
 }
 
@@ -58,9 +58,9 @@ impl Signal {
 pub struct Entry {
     /// The bit as a mask, or the code.
     pub number: u32,
-    /// Name in every output; "" where there is nothing to say.
+    /// Name in every output; "" for code 0, no reason.
     pub name: &'static str,
-    /// What it means.
+    /// Meaning.
     pub doc: &'static str,
 }
 
@@ -77,9 +77,9 @@ impl Entry {
 pub struct Flag {
     /// The bit, its name, its meaning.
     pub entry: Entry,
-    /// It has a column in tables.
+    /// Whether it has a column in tables.
     pub column: bool,
-    /// Its place in the frame of the verdict.
+    /// Its place in the CAN frame of the verdict; none if it is not sent.
     pub frame: Option<u32>,
 }
 
@@ -91,42 +91,42 @@ impl Flag {
     };
 }
 
-/// A number of an estimate, with its standard deviation where it has one.
+/// A number of an estimate, with its standard deviation if it has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
-    /// Name of the field; the truth has it under the same name.
+    /// Name of the field, the same in the truth.
     pub name: &'static str,
     /// Name of the field of its standard deviation.
     pub std: Option<&'static str>,
     /// SI unit, "" for a pure number.
     pub unit: &'static str,
-    /// What it is, with its sign.
+    /// Meaning and sign convention.
     pub doc: &'static str,
-    /// Bits of `estimated` without which the method does not know it.
+    /// Bits of `estimated` that are set if the method estimates it; 0 for always.
     pub estimated: u32,
-    /// Bit of `flags` by which it is believed; 0 where nobody needs to.
+    /// Bit of `flags` that is set while it is trusted; 0 if it has no verdict.
     pub trusted: u32,
-    /// The machine is about it: that bit is its own verdict.
+    /// Whether it is a headline quantity of the machine: `trusted` is then its own verdict.
     pub is_headline: bool,
-    /// Bit of `flags` that says that the motion informs about it.
+    /// Bit of `flags` that is set while the motion is informative of it.
     pub excited: u32,
-    /// Place among those that people see, from 1, those that the machine is about first; 0 for none.
+    /// Place in displays, from 1, headline quantities first; 0 if it is not displayed.
     pub shown: u32,
-    /// What people call it, where it is shown.
+    /// Name in displays.
     pub label: &'static str,
     /// Symbol of a headline.
     pub symbol: &'static str,
-    /// Least and largest value of any machine.
+    /// Least and largest value that any machine can have.
     pub range: (f64, f64),
-    /// A constant of the machine, no load changes it: to be compared with other days and machines of its type.
+    /// Whether it is a constant of the machine, independent of the load, so that days and machines of one type are comparable.
     pub is_of_machine: bool,
-    /// A load in the bucket: to be summed over loads.
+    /// Whether it is a load in the bucket, so that its sum over loads is meaningful.
     pub is_load: bool,
-    /// When it has a column in tables.
+    /// Its column in tables.
     pub column: Column,
     /// Its frame on a CAN bus.
     pub frame: Option<Frame>,
-    /// Keys of the description that it and its standard deviation become in the next run.
+    /// Keys of the description that value and standard deviation set in the next run; none if it is not stored.
     pub kept: Option<[&'static str; 2]>,
 }
 
@@ -152,37 +152,37 @@ impl Quantity {
     };
 }
 
-/// Range of what is never negative.
+/// Range of a quantity that is never negative.
 const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
-/// Where a quantity has its column in tables, empty where it is not estimated.
+/// Position of the column of a quantity in tables. A cell is empty if the quantity is not estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Column {
-    /// In none.
+    /// No column.
     Never,
-    /// In all, before the flags.
+    /// In every table, before the flags.
     Always,
-    /// In all too, behind the flags: it came later than they.
+    /// In every table, after the flags: columns of a later version do not move earlier ones.
     Last,
 }
 
-/// The CAN frame of a quantity, value and standard deviation.
+/// The CAN frame of a quantity: value and standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Name in output maps.
     pub name: &'static str,
-    /// Its usual parameter group.
+    /// Default parameter group number.
     pub group: u16,
-    /// Of one bit, in the unit.
+    /// Value of one bit, in the unit of the quantity.
     pub scale: f64,
-    /// Of the value 0.
+    /// Value at raw 0, in the unit of the quantity; the standard deviation has offset 0.
     pub offset: f64,
 }
 
 /// The CAN frame of the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VerdictFrame {
-    /// Its usual parameter group.
+    /// Default parameter group number.
     pub group: u16,
     /// Place of the flag of simulated samples.
     pub simulated: u32,
@@ -208,7 +208,7 @@ pub const fn flag_entries<const N: usize>(flags: &[Flag]) -> [Entry; N] {
     entries
 }
 
-/// How many quantities people see.
+/// Number of displayed quantities.
 pub const fn count_shown(quantities: &[Quantity]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
@@ -218,7 +218,7 @@ pub const fn count_shown(quantities: &[Quantity]) -> usize {
     count
 }
 
-/// How many quantities have a CAN frame.
+/// Number of quantities with a CAN frame.
 pub const fn count_framed(quantities: &[Quantity]) -> usize {
     let (mut count, mut i) = (0, 0);
     while i < quantities.len() {
@@ -228,7 +228,7 @@ pub const fn count_framed(quantities: &[Quantity]) -> usize {
     count
 }
 
-/// How many flags the frame of the verdict has, that of simulated samples among them.
+/// Number of flags in the frame of the verdict, including that of simulated samples.
 pub const fn count_framed_flags(flags: &[Flag]) -> usize {
     let (mut count, mut i) = (1, 0);
     while i < flags.len() {
@@ -238,7 +238,7 @@ pub const fn count_framed_flags(flags: &[Flag]) -> usize {
     count
 }
 
-/// The quantities that people see, in their order.
+/// The displayed quantities in their order.
 pub const fn shown<const N: usize>(quantities: &'static [Quantity]) -> [&'static Quantity; N] {
     let mut all = [&Quantity::NONE; N];
     let mut i = 0;
@@ -251,7 +251,7 @@ pub const fn shown<const N: usize>(quantities: &'static [Quantity]) -> [&'static
     all
 }
 
-/// Bits of the signals of this presence.
+/// Bits of all signals with this presence.
 pub const fn bits(signals: &[Signal], presence: Presence) -> u32 {
     let (mut bits, mut i) = (0, 0);
     while i < signals.len() {
@@ -313,7 +313,7 @@ mod tests {
                 };
                 assert!(expected, "{}", s.name);
             }
-            // The highest bit says that samples are simulated.
+            // The highest bit marks simulated samples.
             assert!(signals.len() < 31);
         }
     }

@@ -1,8 +1,9 @@
-//! The wheel loader: what its sensors give, what its estimates say beside their numbers.
+//! Tables of the wheel loader: sensor signals, and flags, quantities, reasons and methods of its estimates.
 
-/// Its signals: bit, name of the bit, name, where it goes in a `Sample` of `estimation`, unit, meaning with sign, presence.
-/// `first` and `later`: before and behind the bits in the message; a later one is added at the end, its bit is free.
-/// `switches` are a bit without a number. Calls the macro `$then` with them.
+/// Passes the signals to the macro `$then`: bit, name of the bit, name, place in a `Sample` of `estimation`, unit,
+/// meaning with sign, presence.
+/// The message has the numbers of `first` before its bit fields and those of `later` after them. A new signal goes to the end of `later`,
+/// with the next free bit. `switches` have a bit and no number.
 #[macro_export]
 macro_rules! loader_signals {
     ($then:ident) => {
@@ -36,8 +37,8 @@ macro_rules! loader_signals {
     };
 }
 
-/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning, and what else is known of
-/// a [`Flag`]. What no estimator says but the process that runs it stands in `process`.
+/// Passes the flags to the macro `$then`: bit, name of the bit, name, place in an estimate of `estimation`, meaning, other
+/// fields of [`Flag`]. The flags of `process` are set by the process that runs the estimator.
 #[macro_export]
 macro_rules! loader_flags {
     ($then:ident) => {
@@ -67,11 +68,11 @@ macro_rules! loader_flags {
     };
 }
 
-/// What its estimates hold. Calls the macro `$then` with three blocks.
-/// `estimated`: bit, name of the bit, name, where an estimate of `estimation` says that it has it (always after the first
-/// accepted row where nothing stands), meaning.
-/// `first` and `later`, before and behind the bits in the message (a later one is added at the end): name and place in
-/// the estimate, the same of its standard deviation, unit, meaning, and what else is known of a [`Quantity`].
+/// Passes the contents of the estimates to the macro `$then`, in three blocks.
+/// `estimated`: bit, name of the bit, name, condition on an estimate of `estimation`, meaning. Without a condition the bit is set
+/// from the first accepted row on.
+/// `first` and `later`: name and place in the estimate, the same of the standard deviation, unit, meaning, other fields of [`Quantity`].
+/// The message has `first` before its bit fields and `later` after them. A new quantity goes to the end of `later`.
 #[macro_export]
 macro_rules! loader_quantities {
     ($then:ident) => {
@@ -140,7 +141,7 @@ macro_rules! loader_quantities {
     };
 }
 
-/// Its reasons: code, variant, name in every output, words. A code never changes its meaning.
+/// Passes the reasons to the macro `$then`: code, variant, name in every output, words. The meaning of a code never changes.
 #[macro_export]
 macro_rules! loader_reasons {
     ($then:ident) => {
@@ -174,7 +175,7 @@ macro_rules! loader_reasons {
     };
 }
 
-/// Its methods in the order of their index, the default first: variant, name, what it is.
+/// Passes the methods to the macro `$then`, the default first: index, variant, name, meaning.
 #[macro_export]
 macro_rules! loader_methods {
     ($then:ident) => {
@@ -188,7 +189,7 @@ macro_rules! loader_methods {
     };
 }
 
-/// Of each group, a machine must have one.
+/// Groups of required signals: a machine must have one of each group.
 pub const REQUIRED: &[&[&str]] = &[
     &["speed"],
     &["front_wheel_speed"],
@@ -198,16 +199,16 @@ pub const REQUIRED: &[&[&str]] = &[
     &["slope"],
 ];
 
-/// What holds for a quantity of which nothing else is said.
+/// Defaults of the fields that a row does not set.
 const EVERY: Quantity = Quantity {
     excited: bits::EXCITED_RATIO,
     ..Quantity::NONE
 };
 
-/// The first group of the frames of its loads.
+/// First parameter group number of the frames of its loads.
 pub const LOADS_GROUP: u16 = 0xff28;
 
-/// Its frames on a CAN bus beside those of quantities.
+/// Its CAN frame of the verdict.
 pub const VERDICT_FRAME: VerdictFrame = VerdictFrame {
     group: 0xff2f,
     simulated: 10,

@@ -1,4 +1,4 @@
-//! Loads as they leave: bits, codes and CAN frames of their message, the same for every machine.
+//! Tables of the message of loads: fields, bits, codes and CAN frames, the same for every machine.
 
 use crate::{Entry, Flag, Quantity, entry, frame};
 
@@ -72,7 +72,7 @@ pub const FLAGS: &[Flag] = &[
 /// Place of the flag of simulated samples in the frame.
 pub const SIMULATED_PLACE: u32 = 7;
 
-/// How far a load has come.
+/// Stages of a load.
 pub const STAGES: &[Entry] = &[
     entry(0, "carried", "In the bucket; its mass becomes better."),
     entry(
@@ -96,7 +96,8 @@ pub const WITNESSES: &[Entry] = &[
     ),
 ];
 
-/// The quantities of loads: name, where the ledger has it, unit, meaning; then whole numbers, codes and bits.
+/// Passes the fields of the message to the macro `$then`: name, place in the ledger, unit, meaning.
+/// `codes` are whole numbers, codes and bits.
 #[macro_export]
 macro_rules! loads_fields {
     ($then:ident) => {
@@ -136,9 +137,9 @@ macro_rules! loads_fields {
 /// The age of a payload that was never weighed \[s\].
 pub const NEVER: f64 = 1e9;
 
-/// What has a frame of its own; groups count from the first one of the machine.
+/// Quantities with a CAN frame; groups are relative to the first one of the machine.
 pub const QUANTITIES: &[Quantity] = &[
-    // Always sent: a controller gets the last known value, and a deviation that covers what may have happened since.
+    // Always sent: a controller gets the last known value, with a standard deviation that covers possible changes since.
     mass("payload", "payload_std", "bucket", 0, 0),
     mass("mass", "mass_std", "load", 1, bits::TRUSTED),
     mass(
@@ -157,7 +158,7 @@ pub const QUANTITIES: &[Quantity] = &[
     ),
 ];
 
-/// Group of the frame with flags and numbers, counted alike.
+/// Group of the frame with flags and numbers, relative to the same one.
 pub const STATUS_GROUP: u16 = 4;
 
 const fn mass(

@@ -1,6 +1,6 @@
-//! Macros that make the tables of a machine from its rows.
+//! Macros that define the constants of a machine from its rows.
 
-/// `SIGNALS` of rows, each at the place of its bit.
+/// Defines `SIGNALS`, each row at the index of its bit.
 macro_rules! signals {
     (
         first { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $unit:literal $doc:literal $presence:ident; )* }
@@ -18,7 +18,7 @@ macro_rules! signals {
     };
 }
 
-/// `FLAGS` of rows, each at the place of its bit.
+/// Defines `FLAGS`, each row at the index of its bit.
 macro_rules! flags {
     (
         estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt { $( $fact:ident: $is:expr ),* }; )* }
@@ -35,7 +35,7 @@ macro_rules! flags {
     };
 }
 
-/// `QUANTITIES` and `ESTIMATED` of rows.
+/// Defines `QUANTITIES` and `ESTIMATED`.
 macro_rules! quantities {
     (
         estimated { $( $bit:literal $const:ident $bit_name:ident ($($has:tt)*) $bit_doc:tt; )* }
@@ -64,7 +64,7 @@ macro_rules! quantities {
     };
 }
 
-/// Constants of the bits of signals.
+/// Defines the bit constants of the signals.
 macro_rules! signal_bits {
     (
         first { $( $bit:literal $const:ident $name:ident $place:tt $unit:tt $doc:tt $presence:ident; )* }
@@ -77,7 +77,7 @@ macro_rules! signal_bits {
     };
 }
 
-/// Constants of the bits of flags.
+/// Defines the bit constants of the flags.
 macro_rules! flag_bits {
     (
         estimator { $( $bit:literal $const:ident $name:ident $place:tt $doc:tt $facts:tt; )* }
@@ -88,7 +88,7 @@ macro_rules! flag_bits {
     };
 }
 
-/// Constants of the bits of quantities.
+/// Defines the bit constants of `estimated`.
 macro_rules! estimated_bits {
     (
         estimated { $( $bit:literal $const:ident $name:ident $has:tt $doc:tt; )* }
@@ -99,7 +99,7 @@ macro_rules! estimated_bits {
     };
 }
 
-/// `REASONS` of rows.
+/// Defines `REASONS`.
 macro_rules! reasons {
     ($( $code:literal $variant:ident $name:literal $words:literal; )*) => {
         /// Reasons by their code; 0 is none.
@@ -107,7 +107,7 @@ macro_rules! reasons {
     };
 }
 
-/// `METHODS` of rows.
+/// Defines `METHODS`.
 macro_rules! methods {
     ($( $index:literal $variant:ident $name:literal $doc:literal; )*) => {
         /// Methods by their index, the default first.
@@ -115,7 +115,7 @@ macro_rules! methods {
     };
 }
 
-/// All constants of a machine from its rows.
+/// Defines all constants of a machine from its rows.
 macro_rules! tables {
     ($signals:ident, $flags:ident, $quantities:ident, $reasons:ident, $methods:ident) => {
         use $crate::{
@@ -123,7 +123,7 @@ macro_rules! tables {
             signal,
         };
 
-        /// Its bits by name.
+        /// Bit constants by name.
         pub mod bits {
             $signals!(signal_bits);
             $flags!(flag_bits);
