@@ -1,4 +1,5 @@
-//! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
+//! Checks of all samples of an input: gaps, refused and repeated rows, units, ranges, marks of missing samples, another machine.
+//! The findings are reported at the end of every command that estimates from the input.
 
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
@@ -14,9 +15,9 @@ use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};
 use crate::parts;
 
-/// Looks at the rows of an input.
+/// Collects statistics of the rows of an input.
 pub struct Doubts<L: Look> {
-    /// Of the machine that is described, and what it is shown.
+    /// Checks by the description of the machine, and the samples for them: signals of neighbouring rows combined.
     look: Option<L>,
     together: Together<L::Sensors>,
     map: Option<Map>,
@@ -25,33 +26,33 @@ pub struct Doubts<L: Look> {
     gaps: Gaps,
     rows: usize,
     refused: usize,
-    /// The row before, and how many rows were the same once more.
+    /// The previous row, and the number of refused rows that repeat the row before them.
     before: Option<L::Sensors>,
     repeated: usize,
     /// Whether any signal had a value.
     is_measured: bool,
     measured: Vec<Measured>,
-    /// How often each signal, by its bit, was larger than any measurement.
+    /// Number of rows in which each signal, by its bit, was larger than any measurement.
     beyond: [usize; 32],
-    /// The ends of the values of each of `measured`, and in how many rows it was larger without being a mark.
+    /// Least and largest values of each of `measured`, and the number of rows in which it was too large without being a mark.
     ends: Vec<Ends>,
     too_large: Vec<usize>,
-    /// What stands for missing samples in any signal, and how often it stands in each of `measured`.
+    /// Marks of missing samples in any signal, and their number of rows in each of `measured`.
     shared: Shared,
     counts: Vec<Count>,
 }
 
-/// The same of a machine whose kind is put aside, for one who sees all that its processes send.
+/// [`Doubts`] without the type of the machine, for a caller that receives all messages of its processes.
 pub trait AnyDoubts {
     /// Takes samples, and the estimates of one channel.
     fn see(&mut self, message: &Envelope);
-    /// Says what may be wrong.
+    /// Reports possible errors.
     fn tell(&self);
-    /// What is surely wrong with a result.
+    /// Fails on a certain error of the data.
     fn judge(&self) -> Result<(), Failure>;
 }
 
-/// Doubts of what is seen of a run.
+/// Checks of the messages of a run.
 pub struct Seen<L: Look, E> {
     doubts: Doubts<L>,
     estimates: PhantomData<E>,
@@ -81,7 +82,7 @@ impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
     }
 
     fn judge(&self) -> Result<(), Failure> {
-        // A run that was ended before its first sample is none that failed.
+        // A run that is stopped before its first sample has not failed.
         if self.doubts.rows > 0 {
             self.doubts.has_rows()?;
         }
@@ -89,10 +90,10 @@ impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
     }
 }
 
-/// Unit of what has no stop.
+/// Unit of the signals whose range is checked: joint angles have mechanical stops and pressures a zero, torques have neither.
 const ENDLESS: &str = "N m";
 
-/// Rows by which the unit of the time is judged.
+/// Number of rows from which the unit of the time is judged.
 const LOOKED_AT: usize = 1000;
 
 impl<L: Look> Doubts<L> {
@@ -121,12 +122,12 @@ impl<L: Look> Doubts<L> {
         }
     }
 
-    /// Of data that were read with this signal map.
+    /// For data that were read with this signal map.
     pub fn mapped(self, map: Option<Map>) -> Self {
         Self { map, ..self }
     }
 
-    /// Takes a sample of which nobody says yet whether its row is refused: one that repeats another is.
+    /// Takes a sample before it is known whether its row is refused. A row that repeats the one before it is only counted.
     pub fn see(&mut self, sample: &L::Sensors) {
         let repeats = self.repeats(sample);
         self.add(sample, repeats);
@@ -176,7 +177,7 @@ impl<L: Look> Doubts<L> {
         }
     }
 
-    /// Whether a row is the one before it once more, with its time.
+    /// Whether a row repeats the one before it, with the same time.
     fn repeats(&self, sample: &L::Sensors) -> bool {
         let same = |before: &L::Sensors| {
             let mut values = self.measured.iter();
@@ -188,12 +189,12 @@ impl<L: Look> Doubts<L> {
         self.before.as_ref().is_some_and(same)
     }
 
-    /// Says what may be wrong.
+    /// Reports possible errors.
     pub fn tell(&self) {
         self.words().iter().for_each(|words| eprintln!("{words}"));
     }
 
-    /// What may be wrong.
+    /// Texts of possible errors.
     pub fn words(&self) -> Vec<String> {
         let repeated = (self.repeated > 0).then(|| {
             let rows = self.repeated;
@@ -215,17 +216,17 @@ impl<L: Look> Doubts<L> {
         all
     }
 
-    /// How many rows there were, beside those that repeat another.
+    /// Number of rows without those that repeat another.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// How many rows were refused, where only their sum is known: of these some repeat another.
+    /// Sets the number of refused rows from their sum, which includes rows that repeat another.
     pub fn refused(&mut self, refused: usize) {
         self.refused = refused.saturating_sub(self.repeated);
     }
 
-    /// Which signal is often larger than any measurement: its unit is another, or its machine.
+    /// A signal that is often larger than any measurement: it has another unit, or is of another machine.
     fn often_too_large(&self) -> Option<String> {
         let counts = self.too_large.iter().zip(&self.ends);
         let mut counts = self.measured.iter().zip(counts);
@@ -235,7 +236,7 @@ impl<L: Look> Doubts<L> {
         })
     }
 
-    /// Which torques are at one end of their range again and again: joints have stops, and pressures a zero.
+    /// Texts on torques that are exactly at one end of their range in many rows. Angles have mechanical stops and pressures a zero.
     fn range_ends(&self) -> impl Iterator<Item = String> {
         let seen = self.measured.iter().zip(&self.ends);
         seen.filter_map(|((index, ..), ends)| {
@@ -248,7 +249,7 @@ impl<L: Look> Doubts<L> {
         })
     }
 
-    /// Which signals have one number where a sample may be missing.
+    /// Texts on signals in which one number seems to mark missing samples.
     fn marks(&self) -> impl Iterator<Item = String> {
         let seen = self.ends.iter().zip(&self.counts);
         self.measured.iter().zip(seen).filter_map(|((index, ..), (ends, count))| {
@@ -257,7 +258,7 @@ impl<L: Look> Doubts<L> {
             let shared = count
                 .mark()
                 .zip(Some("as other signals have it where it is no measurement"));
-            // Numbers without a unit are states.
+            // Numbers without a unit are states, which repeat exactly.
             let ((value, rows), why) = far.or(shared).filter(|_| !field.unit.is_empty())?;
             Some(format!(
                 "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
@@ -266,7 +267,7 @@ impl<L: Look> Doubts<L> {
         })
     }
 
-    /// Whether these rows can give a result: most were taken, and something was measured.
+    /// Checks whether the rows can give a result: at least half were accepted, and a signal has a value.
     pub fn has_rows(&self) -> Result<(), Failure> {
         if self.rows == 0 {
             return Err(Failure::input(
@@ -286,8 +287,7 @@ impl<L: Look> Doubts<L> {
         Ok(())
     }
 
-    /// What is surely wrong with a result: what was read is damaged, its times are in another unit or many of them are
-    /// refused, or it is of another machine.
+    /// Fails on a certain error: damaged data, times in another unit, gaps, many refused rows, too large values, another machine.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
         time_fault(&self.times, self.rate)
@@ -301,10 +301,10 @@ impl<L: Look> Doubts<L> {
     }
 }
 
-/// No sensor is slower, and none faster \[s\].
+/// Sampling periods of any sensor \[s\].
 const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
 
-/// Why the times cannot be seconds, or the sensors cannot be as fast as described.
+/// The fault of times that cannot be in seconds, or do not fit the described rate \[Hz\].
 fn time_fault(times: &[f64], rate: f64) -> Option<String> {
     let (step, remedy) = match recording::time_unit(times, rate) {
         Some((step, unit)) => (
@@ -323,10 +323,10 @@ fn time_fault(times: &[f64], rate: f64) -> Option<String> {
     ))
 }
 
-/// A result from which more than one row in so many is missing is in doubt.
+/// Rows per refused row, or per too large value, below which a result is in doubt.
 const REFUSED_ONE_IN: usize = 10;
 
-/// Why too few rows were taken for a result without a doubt.
+/// The fault of an input in which more than one row in ten was refused.
 fn refused_often(refused: usize, rows: usize) -> Option<String> {
     (REFUSED_ONE_IN * refused > rows).then(|| {
         format!(
@@ -336,7 +336,7 @@ fn refused_often(refused: usize, rows: usize) -> Option<String> {
     })
 }
 
-/// Why a signal cannot be what is meant, where it is too large to be measured in more than one row in so many.
+/// The fault of a signal that is larger than any measurement in more than one row in ten.
 fn too_large_often(name: &str, large: usize, rows: usize) -> Option<String> {
     (REFUSED_ONE_IN * large > rows).then(|| {
         format!(
@@ -346,7 +346,7 @@ fn too_large_often(name: &str, large: usize, rows: usize) -> Option<String> {
     })
 }
 
-/// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
+/// Fails if most rows were refused: the times run backwards, or the time is in another column.
 pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
     if 2 * refused <= rows {
         return Ok(());
@@ -370,7 +370,7 @@ mod tests {
         assert!(refused_often(11, 100).is_some_and(|words| words.contains("11 of 100 rows")));
     }
 
-    /// Looks at nothing.
+    /// Checks nothing.
     struct Nothing;
 
     impl Look for Nothing {

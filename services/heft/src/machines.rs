@@ -1,4 +1,4 @@
-//! What the command line needs of a machine beyond the tables of the libraries: a row each.
+//! What the command line needs of each machine beyond the tables of the libraries, one entry per machine.
 
 mod excavator;
 mod loader;
@@ -31,12 +31,12 @@ use crate::way::{method, way};
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
 
-/// Seed of every run that is drawn.
+/// Seed of the simulated runs in figures.
 const SEED: u64 = 1;
 
 macro_rules! entries {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// Everything that the command line asks of a machine.
+        /// The entry of a machine.
         pub fn entry(machine: Machine) -> &'static Entry {
             match machine {
                 $( Machine::$machine => const { &Entry::of::<$module::$machine>() }, )*
@@ -47,42 +47,42 @@ macro_rules! entries {
 
 messages::machines!(entries);
 
-/// `Ok`, or why not.
+/// Result of a function of an [`Entry`].
 type Outcome<T = ()> = Result<T, Failure>;
-/// What is shown each truth, each sample and each estimate.
+/// Receives each truth, each sample and each estimate.
 type See<'a> = &'a mut dyn FnMut(&Envelope);
 
-/// A machine as the command line sees it: a row of values and functions. What a function fails with, it says in words.
+/// A machine as the command line sees it: constants and functions. Each failure carries its message.
 pub struct Entry {
-    /// The scenario of a run that names none.
+    /// The default scenario of a run.
     pub usual_scenario: &'static str,
     /// The scenario of the demonstration.
     pub shown_scenario: &'static str,
-    /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
+    /// Settings of the demonstration beyond the defaults, as `KEY=VALUE`.
     pub shown_settings: &'static [&'static str],
-    /// Key of a machine's mass, and that of the reference machine, which is simulated \[kg\].
+    /// Key of the machine's mass, and the mass of the simulated reference machine \[kg\].
     pub simulated_mass: (&'static str, f64),
-    /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
+    /// Cylinder settings of the simulated machine, as `KEY=VALUE` of its description.
     pub simulated_cylinders: fn() -> Vec<String>,
     /// Names and texts of the scenarios.
     pub scenarios: fn() -> Vec<(String, String)>,
-    /// Names of the quantities that have a verdict.
+    /// Labels of the quantities with a verdict of their own.
     pub quantities: fn() -> Vec<&'static str>,
-    /// Whether the source of a plan can be made.
+    /// Checks whether the source of a plan can be created.
     pub check_source: fn(&Plan) -> Outcome,
-    /// Is the source of a plan until the run ends.
+    /// Runs as the source of a plan until the run ends.
     pub serve_source: fn(Worker, &Plan) -> Outcome,
-    /// Shares the samples of many machines among shards.
+    /// Distributes the samples of many machines among shards.
     pub route: fn(Input, Form, Common<'_>) -> Outcome,
-    /// Plays the machines of a run to so many shards, started with these arguments; a table of the estimates goes out.
+    /// Plays the machines of a run to this number of shards, started with these arguments, and writes a table of the estimates.
     pub play: fn(&Machines, Out, usize, &[OsString], &Signals) -> Outcome<Played>,
-    /// Is such a shard: description, method, time between rows \[s\], form.
+    /// Runs as a shard: description, method, least time between rows \[s\], form.
     pub serve_shard: fn(&Description, &str, f64, Form) -> Outcome,
     /// `heft estimate` of one input: arguments, input, output, description.
     pub estimate: fn(&EstimateArgs, &Path, &Path, &Description) -> Outcome,
-    /// Takes an input through the steps of a method, and shows each truth, its sample and the estimate.
+    /// Runs the steps of a method over an input, and passes each truth, its sample and the estimate to the callback.
     pub follow: fn(&EstimationArgs, &Path, &Description, See<'_>) -> Outcome,
-    /// Looks at what the sensors of a described machine send.
+    /// Checks of the samples of a described machine.
     pub doubts: fn(&Description) -> Box<dyn AnyDoubts>,
     /// `heft calibrate`.
     pub calibrate: fn(&CalibrateArgs, &Description) -> Outcome,
@@ -119,25 +119,25 @@ impl Entry {
     }
 }
 
-/// Says of the estimate of a row what later rows know.
+/// Replaces the estimate of a row by its smoothed estimate, which includes later rows.
 type Later<E> = Box<dyn Fn(usize, &mut E)>;
 
-/// A machine with its types: what its [`Entry`] is made of.
+/// A machine with its types, from which its [`Entry`] is built.
 trait MachineKind {
-    /// What its sensors measure.
+    /// Message of its sensors.
     type Sensors: Sensors;
-    /// What is estimated of it.
+    /// Message of its estimates.
     type Estimate: Estimate;
     const USUAL: &'static str;
     const SHOWN: &'static str;
-    /// What the demonstration states beside the defaults.
+    /// Settings of the demonstration beyond the defaults.
     const SHOWN_SETTINGS: &'static [&'static str];
-    /// Key of its mass, and that of the simulated machine \[kg\].
+    /// Key of its mass, and the mass of the simulated machine \[kg\].
     const SIMULATED_MASS: (&'static str, f64);
-    /// What looks at its samples.
+    /// Checks of its samples.
     type Look: Look<Sensors = Self::Sensors> + Send + 'static;
 
-    /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
+    /// Cylinder settings of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {
         Vec::new()
     }
@@ -158,7 +158,7 @@ trait MachineKind {
     ) -> Result<(), Failure> {
         Ok(())
     }
-    /// What later rows know of each row, where the method can tell.
+    /// Smoother of the rows, if the method has one.
     fn past(
         _description: &Description,
         _method: &str,
@@ -173,7 +173,7 @@ trait MachineKind {
             "leave it out",
         ))
     }
-    /// Finds the machine's own parameters in recordings, where heft can.
+    /// Identifies the parameters of the machine from recordings, if heft can.
     fn calibrate(_args: &CalibrateArgs, _description: &Description) -> Result<(), Failure> {
         Err(Failure::input(
             format!("heft cannot calibrate the {}", Self::Sensors::MACHINE),
@@ -250,7 +250,7 @@ fn follow<M: MachineKind>(
     doubts.judge(&samples.lacks())
 }
 
-/// The samples of an input that the method can use, and the method.
+/// The samples of an input, checked for the method, and the method.
 fn opened<'a, M: MachineKind>(
     with: &'a EstimationArgs,
     file: &Path,
@@ -268,7 +268,7 @@ fn opened<'a, M: MachineKind>(
 
 type SamplesOf<S> = recording::Samples<S, <S as Sensors>::Truth>;
 
-/// Speaks of columns of a table that are left out and look like signals that it lacks.
+/// Reports unused columns of a table whose names resemble signals that it lacks.
 fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
     let is_table = recording::Kind::by_name(file) == Some(recording::Kind::Table);
     if map.is_some() || !is_table {
@@ -280,7 +280,7 @@ fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
     }
 }
 
-/// The scenarios of a machine, a line each.
+/// The scenarios of a machine, one per line.
 pub fn scenario_lines(all: &[(String, String)]) -> String {
     let width = all.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     all.iter()
@@ -288,7 +288,7 @@ pub fn scenario_lines(all: &[(String, String)]) -> String {
         .collect()
 }
 
-/// The scenarios that have courses of their own, then the machines at work.
+/// All scenarios: the special courses, then a machine at work with each effect and severity.
 fn all_scenarios<'a>(
     work: &str,
     courses: &[(&str, &str)],

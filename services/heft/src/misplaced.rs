@@ -1,15 +1,15 @@
-//! A file where the command line takes none, and options that another command has: where they belong.
+//! Tips for a misplaced file name on the command line, and for options that another command has.
 
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use recording::Quoted;
 
-/// Says what is wrong with the command line, and ends with its status.
+/// Prints the error of the command line and a tip, and exits with its status.
 pub fn exit(mut error: clap::Error) -> ! {
     let tip = tip(&error);
     if tip.is_some() {
-        // What clap guesses is another thing.
+        // The suggestion of clap would contradict the tip.
         error.remove(ContextKind::Suggested);
         error.remove(ContextKind::SuggestedArg);
     }
@@ -20,7 +20,7 @@ pub fn exit(mut error: clap::Error) -> ! {
     std::process::exit(error.exit_code())
 }
 
-/// Where a machine belongs whose option the command does not have.
+/// The tip for `--machine` on a command without this option.
 fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
     let is_it = |value: Option<&ContextValue>| matches!(value, Some(ContextValue::String(word)) if word == "--machine");
     if !is_it(error.get(ContextKind::InvalidArg)) {
@@ -33,7 +33,7 @@ fn tip_of_machine(error: &clap::Error) -> Option<&'static str> {
     })
 }
 
-/// Where results go, in a command that has no `-o`, as others have.
+/// The tip for `-o` or `--output` on a command without it.
 fn tip_of_output(error: &clap::Error) -> Option<&'static str> {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else {
         return None;
@@ -53,7 +53,7 @@ fn tip_of_output(error: &clap::Error) -> Option<&'static str> {
     }
 }
 
-/// Where a file belongs that stands elsewhere.
+/// The tip for a misplaced file name or option.
 fn tip(error: &clap::Error) -> Option<String> {
     use ContextKind::{InvalidArg, InvalidSubcommand, InvalidValue};
     if let Some(tip) = tip_of_machine(error).or_else(|| tip_of_output(error)) {

@@ -1,4 +1,4 @@
-//! Where estimates go, beside recording and page: `--output can:can0`.
+//! Outputs of estimates beside recording and page: `--output can:can0`.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 pub struct CanOutput {
     /// Its name.
     pub interface: String,
-    /// Which frames; all of the machine's where absent.
+    /// Map of the frames; all frames of the machine if absent.
     pub map: Option<PathBuf>,
 }
 

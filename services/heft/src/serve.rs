@@ -1,6 +1,6 @@
-//! Many machines in few processes: the rows of a table with a column that names the machine go to shards, one process a
-//! core, the machines of each by a hash of their names. A shard that dies is replaced by one that gets its last state
-//! and every sample since: the estimates are those of a run in which none died, bit for bit.
+//! Estimates of many machines in few processes. A column of the table names the machine of each row, and the hash of this name
+//! selects a shard: one process per core by default. A shard that dies is replaced by one that receives its last state
+//! and every sample since. The estimates equal those of a run without a death, bit for bit.
 
 mod frames;
 mod play;
@@ -31,38 +31,38 @@ use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
 
-/// The column that names the machine of a row.
+/// Name of the column with the machine of a row.
 pub const NAME: &str = "machine";
-/// So many machines are too many for one router; a table whose names are something else has more.
+/// Largest number of machines of one router. A column that holds no machine names exceeds it.
 pub const MOST_MACHINES: usize = 100_000;
-/// What is said of the others: they are left out, so that made-up names end nobody's estimates.
+/// Message on further machines: they are left out, so that invented names do not end the estimates of the others.
 const TOO_MANY: &str = "is of a machine beyond the first 100 000";
-/// So many of them are named where all have the same lack.
+/// Largest number of machines named in one message on a common lack.
 const MOST_NAMED: usize = 10;
 /// Longest name \[bytes\].
 const LONGEST_NAME: usize = 200;
 
-/// What shards did.
+/// Totals over all shards.
 pub struct Served {
-    /// Samples that they answered.
+    /// Number of samples that they answered.
     pub answered: u64,
     /// Of these, those that were refused.
     pub refused: u64,
-    /// Processes that died and were replaced.
+    /// Number of processes that died and were replaced.
     pub replaced: u32,
-    /// Their processor time; zero where the system does not tell.
+    /// Their processor time; zero if the system does not report it.
     pub processor: Duration,
 }
 
-/// What samples are read from, and its name in what is said of it.
+/// A stream of samples, and its name in messages.
 pub struct Input {
-    /// Such as a file's.
+    /// Its name, such as that of a file.
     pub name: Arc<str>,
-    /// What is in it.
+    /// The stream.
     pub content: Box<dyn Read>,
 }
 
-/// Starts shards, has them fed, and waits until they have answered.
+/// Starts the shards, calls `feed`, and waits until the shards have answered all samples.
 fn with_shards<T>(
     count: usize,
     arguments: &[OsString],
@@ -89,16 +89,16 @@ fn with_shards<T>(
     Ok((fed?, served))
 }
 
-/// What many machines have in common.
+/// Settings that all machines share.
 #[derive(Clone, Copy)]
 pub struct Common<'a> {
-    /// What is known of each.
+    /// Description of each machine.
     pub description: &'a Description,
-    /// Where their signals stand in the input.
+    /// Signal map of the input.
     pub map: Option<&'a Map>,
-    /// So many processes, started with these arguments, share them.
+    /// Number of shards.
     pub shards: usize,
-    /// These arguments.
+    /// Arguments of the shard processes.
     pub arguments: &'a [OsString],
 }
 
@@ -123,7 +123,7 @@ pub fn route<L: Look>(
                 Records::new(&input.name, shards, &rows, &mut suspects).take_all(input.content)
             }
         })?;
-    // A name whose every line was left out is no machine.
+    // A name of which every line was left out is not counted as a machine.
     let members = rows.finish()?;
     let machines = members.values().filter(|member| member.rows > 0).count();
     let seconds = began.elapsed().as_secs_f64();
@@ -161,7 +161,7 @@ pub fn route<L: Look>(
     suspects.finish(&members).report()
 }
 
-/// Which of so many shards a machine belongs to.
+/// Index of the shard of a machine, by the hash of its name.
 fn shard_of(name: &str, shards: usize) -> usize {
     let mut hasher = DefaultHasher::new();
     name.hash(&mut hasher);
@@ -173,7 +173,7 @@ fn unreadable(input: &str, error: &std::io::Error) -> Failure {
     Failure::input(what, input, "check what writes to it")
 }
 
-/// What is said of rows below another header than the first.
+/// Message on rows below a header that differs from the first.
 const OTHER_TABLE: &str = "belongs to another table, as its header has other columns, or in another order: give each its own heft serve";
 
 /// Sends each row to the shard of its machine.
@@ -187,15 +187,15 @@ struct Router<'a, 'b, L: Look> {
     decoders: Vec<Member<L>>,
     suspects: &'a mut Suspects<'b, L>,
     bytes: Vec<u8>,
-    /// Lines read.
+    /// Number of lines read.
     lines: u64,
-    /// Whether the rows are those of another header, and so of other columns.
+    /// Whether the current rows belong to a header with other columns.
     is_foreign: bool,
     samples: u64,
     refused: u64,
 }
 
-/// A machine: what makes samples of its rows, and who answers them.
+/// A machine: the decoder of its rows, and its shard.
 struct Member<L: Look> {
     name: String,
     decoder: LineDecoder<L::Sensors>,
@@ -227,13 +227,13 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
         }
     }
 
-    /// Samples and lines that were left out.
+    /// Reads the whole input. Returns the number of samples and of lines that were left out.
     fn take_all(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
         let mut input = BufReader::with_capacity(1 << 16, input);
         let mut line = Vec::new();
         loop {
             if !input.buffer().contains(&b'\n') {
-                // What is here goes on its way before anybody waits.
+                // The next read may block: first send what is buffered.
                 self.shards.iter().for_each(RemoteShard::flush);
                 if let Some(failure) = self.shards.iter().find_map(RemoteShard::failure) {
                     return Err(failure);
@@ -280,7 +280,7 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
         Ok((self.samples, self.refused))
     }
 
-    /// Names the columns that held no value in any row of a machine.
+    /// Reports the columns without a value in any row of a machine.
     fn tell_empty(&self) {
         let mut machines: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for (name, number) in &self.numbers {
@@ -321,7 +321,7 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
             }
             NamedLine::Above => {
                 if self.column.is_found() {
-                    // What the header lacks is said now, not at the first row.
+                    // Missing columns are reported at the header, not at the first row.
                     self.decoder()?;
                 }
                 return Ok(());
@@ -357,7 +357,7 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
         Ok(decoder)
     }
 
-    /// Another machine; its number.
+    /// Adds a machine and returns its number.
     fn add(&mut self, name: String) -> Result<usize, Failure> {
         let number = self.decoders.len();
         let shard = shard_of(&name, self.shards.len());
@@ -371,7 +371,7 @@ impl<'a, 'b, L: Look> Router<'a, 'b, L> {
         Ok(number)
     }
 
-    /// Sends what a machine's decoder has made.
+    /// Sends the samples that the decoder of a machine has completed.
     fn send(&mut self, number: usize) {
         let Member {
             name,

@@ -1,4 +1,4 @@
-//! `heft serve`: the estimates of many machines, for a site's computer.
+//! `heft serve`: estimates of many machines, for the computer of a site.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -15,7 +15,7 @@ use crate::serve::{Common, Form, Input};
 use crate::way::{method, way};
 use crate::{machines, size, sources};
 
-/// More processes than computers have processors: a slip of the keyboard shall not start a million.
+/// Largest number of processes: more than any computer has processors, and a bound on a mistyped number.
 const MOST_SHARDS: i64 = 1024;
 
 /// `heft serve`
@@ -26,10 +26,10 @@ pub struct ServeArgs {
     pub machine: Machine,
     /// The table (CSV); standard input if absent
     pub file: Option<PathBuf>,
-    /// What they are made with
+    /// Options of the estimation
     #[command(flatten)]
     pub with: EstimationArgs,
-    /// At most one row a machine in so much of its time, such as 1 (s) or 500ms; every row if 0
+    /// At most one row per machine in this time of its clock, such as 1 (s) or 500ms; every row if 0
     #[arg(long, value_name = "TIME", default_value_t = 0.0, value_parser = view::duration::seconds, allow_negative_numbers = true)]
     pub every: f64,
     /// Processes that the machines are shared among; as many as there are processors if absent
@@ -38,7 +38,7 @@ pub struct ServeArgs {
     /// Read and write messages as recordings hold them, in place of tables: for programs, such as `heft fleet serve`
     #[arg(long, conflicts_with = "map")]
     pub messages: bool,
-    /// Be one of them
+    /// Run as one of these processes
     #[arg(long, hide = true)]
     pub shard: bool,
 }
@@ -56,7 +56,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     if args.shard {
         return (entry.serve_shard)(&description, method, args.every, form);
     }
-    // What cannot work is said once, here.
+    // The router reports errors of the method and the description, so that they appear once and not once per shard.
     way(&description, method)?;
     tell_odd_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
@@ -94,7 +94,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     (entry.route)(input, form, common)
 }
 
-/// What a shard is given.
+/// The arguments of a shard.
 pub fn shard_arguments(
     machine: Machine,
     method: &str,
@@ -115,7 +115,7 @@ pub fn shard_arguments(
     all
 }
 
-/// As many shards as there are processors.
+/// Default number of shards: the number of processors.
 pub fn usual_shards() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }

@@ -1,10 +1,10 @@
-//! Units of turning, and what a column alone shows: angles in degrees, pressures in another unit or of the other side.
+//! Units of angular velocities, and faults that one column shows: angles in degrees, pressures in another unit or exchanged sides.
 
 use core::f64::consts::{PI, TAU};
 
 use recording::LARGEST_PRESSURES as LARGEST;
 
-/// Units of an angular velocity, in a radian per second.
+/// Units of an angular velocity, and their number per rad/s.
 pub(super) const TURNING: [(&str, f64); 4] = [
     ("rpm", 60.0 / TAU),
     ("deg/s", 180.0 / PI),
@@ -12,15 +12,15 @@ pub(super) const TURNING: [(&str, f64); 4] = [
     ("mrad/s", 1e3),
 ];
 
-/// Fewest rows that tell.
+/// Least number of rows for a decision.
 const FEWEST: u32 = 100;
 
-/// No joint turns further than once \[rad\], in more than this share of the rows. Beyond a turn in degrees a number says that there is
-/// no sample.
+/// Share of rows beyond one turn in rad above which an angle is in degrees: no joint turns further. A value beyond one turn in degrees
+/// (`TURN`) marks a missing sample.
 const OFTEN: f64 = 0.1;
 const TURN: f64 = 360.0;
 
-/// Angles that are meant in radians.
+/// Checks of angles that should be in radians.
 pub(super) struct Angles<const N: usize> {
     names: [&'static str; N],
     rows: [u32; N],
@@ -43,7 +43,7 @@ impl<const N: usize> Angles<N> {
         }
     }
 
-    /// Those that are in degrees.
+    /// The fault of angles in degrees.
     pub(super) fn fault(&self) -> Option<String> {
         let is_in_degrees = |i: &usize| {
             self.rows[*i] >= FEWEST && f64::from(self.beyond[*i]) > OFTEN * f64::from(self.rows[*i])
@@ -63,16 +63,17 @@ impl<const N: usize> Angles<N> {
     }
 }
 
-/// One side alone in MPa or bar: more may be the rest in a line without pressure.
+/// Largest index in `LARGEST` at which the unit of one side is judged alone: MPa and bar. Larger values may be the residual
+/// pressure of an unloaded line.
 const ALONE: usize = 2;
-/// One row in so many may be a disturbance.
+/// Rows per row that may be disturbed.
 const DISTURBED: u32 = 100;
-/// A cylinder that carries has this many times more pressure on its head side: here for the other one. And the least pressure that
-/// says so \[Pa\].
+/// Least ratio of rod to head pressure, and least rod pressure \[Pa\], at which the sides seem exchanged: a loaded cylinder has the larger
+/// pressure on its head side.
 const MORE: f64 = 2.0;
 const CARRIES: f64 = 2e6;
 
-/// How many rows of a pressure lie below each limit and not below the one before; the last of none.
+/// Number of rows of a pressure in each range of `LARGEST`; the last is for rows above all limits.
 #[derive(Default)]
 struct Sizes([u32; LARGEST.len() + 1]);
 
@@ -84,7 +85,7 @@ impl Sizes {
         self.0[place.unwrap_or(LARGEST.len())] += 1;
     }
 
-    /// The highest place that is no disturbance.
+    /// Index of the highest range that holds more than disturbances.
     fn highest(&self) -> Option<usize> {
         let rows: u32 = self.0.iter().sum();
         let is_usual = |count: &u32| DISTURBED * count > rows;
@@ -92,13 +93,13 @@ impl Sizes {
     }
 }
 
-/// Pressures of a cylinder whose head side carries the weight of what it moves.
+/// Checks of the pressures of a cylinder whose head side carries the load.
 pub(super) struct Cylinder {
-    /// Of its columns: `boom`.
+    /// Prefix of its columns, such as `boom`.
     name: &'static str,
     /// Head and rod side.
     sizes: [Sizes; 2],
-    /// Rows in which it carries, and those of them in which the rod side does.
+    /// Rows in which the cylinder is loaded, and those of them in which the rod side carries the load.
     carries: u32,
     by_rod: u32,
 }
@@ -113,7 +114,7 @@ impl Cylinder {
         }
     }
 
-    /// A row, and whether the cylinder carries in it.
+    /// Takes a row, and whether the cylinder is loaded in it.
     pub(super) fn see(&mut self, head: Option<f64>, rod: Option<f64>, carries: bool) {
         for (sizes, pressure) in self.sizes.iter_mut().zip([head, rod]) {
             pressure
@@ -126,7 +127,7 @@ impl Cylinder {
         }
     }
 
-    /// Another unit than Pa, or the other side.
+    /// The fault of pressures in another unit than Pa, or of exchanged sides.
     pub(super) fn fault(&self) -> Option<String> {
         let [head, rod] = ["head", "rod"].map(|side| format!("{}_{side}_pressure", self.name));
         let both = format!("{head} and {rod}");
@@ -183,7 +184,7 @@ mod tests {
         assert_eq!(angles.fault(), None);
     }
 
-    /// What is said of a boom that is raised and lowered.
+    /// The fault of a boom cylinder with these units and sides.
     fn said(unit: f64, sides: [usize; 2]) -> Option<String> {
         let mut cylinder = Cylinder::new("boom");
         for k in 0..1000 {
@@ -202,7 +203,7 @@ mod tests {
             assert!(said.contains(&format!("unit = \"{name}\"")), "{said}");
         }
         assert!(said(1.0, [1, 0]).is_some_and(|said| said.contains("exchanged")));
-        // No sensor, and an arm that lies.
+        // One side in another unit than the other.
         let alone = |units: [f64; 2]| {
             let mut cylinder = Cylinder::new("lift");
             (0..1000)

@@ -12,7 +12,7 @@ pub const STATE: u8 = b'C';
 pub const ROW: u8 = b'E';
 /// In place of a row: the machine of this number was removed.
 pub const GONE: u8 = b'-';
-/// Why a shard cannot go on.
+/// The failure that ends a shard.
 pub const FAULT: u8 = b'!';
 
 /// Longest accepted frame \[bytes\]: states of a hundred thousand machines.

@@ -1,5 +1,5 @@
-//! Many machines in one run: simulated ones whose seeds follow each other, or one for each recording. A thread feeds each
-//! shard with the samples of its machines in the order of their times.
+//! Many machines in one run: simulated ones with consecutive seeds, or one for each recording. One thread per shard sends the
+//! samples of its machines in the order of their times.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -20,23 +20,23 @@ use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, AnySource};
 
-/// Longest sleep at one go, so that a signal is seen in time.
+/// Longest single sleep: bounds the delay of a signal that ends the run.
 const NAP: Duration = Duration::from_millis(100);
 
 /// The machines of a run.
 pub struct Machines<'a> {
-    /// What they have in common.
+    /// Plan that all machines share.
     pub plan: &'a Plan,
-    /// What is known of each.
+    /// Description of each machine.
     pub description: &'a Description,
-    /// The recording of each; none if they are simulated.
+    /// The recording of each machine; empty if they are simulated.
     pub inputs: Vec<PathBuf>,
-    /// How many there are.
+    /// Number of machines.
     pub count: usize,
 }
 
 impl Machines<'_> {
-    /// The plan of one.
+    /// The plan of one machine.
     pub fn plan(&self, number: usize) -> Plan {
         Plan {
             seed: self.plan.seed.wrapping_add(number as u64),
@@ -45,7 +45,7 @@ impl Machines<'_> {
         }
     }
 
-    /// What one is called: its recording, or the seed by which it can be run alone.
+    /// Name of one machine: its recording, or the seed that reproduces it in a run of its own.
     fn name(&self, number: usize) -> String {
         match self.inputs.get(number) {
             Some(input) => input.display().to_string(),
@@ -54,25 +54,25 @@ impl Machines<'_> {
     }
 }
 
-/// What came of them.
+/// Result of a run.
 pub struct Played {
     /// The machines, in their order.
     pub members: Vec<Member>,
-    /// Samples that were sent to shards.
+    /// Number of samples sent to shards.
     pub samples: u64,
-    /// Those that were sent later than a period after they were due.
+    /// Number of samples sent more than one period after they were due.
     pub late: u64,
-    /// What the shards did.
+    /// Totals over all shards.
     pub served: Served,
-    /// What is strange about samples that were recorded.
+    /// Findings on the samples of recordings.
     pub findings: Findings,
     /// Processor time of this process: sources and sending.
     pub own: Duration,
-    /// How long it took.
+    /// Duration of the run.
     pub took: Duration,
 }
 
-/// Plays the machines to shards that are started with these arguments, until their sources or the user end it.
+/// Plays the machines to shards started with these arguments, until their sources end or the user stops the run.
 pub fn play<L: Look + Send>(
     machines: &Machines,
     make: impl Fn(&Plan) -> Result<AnySource<L::Sensors>, Failure> + Sync,
@@ -88,7 +88,7 @@ pub fn play<L: Look + Send>(
     let feed = |first: usize, shard: &RemoteShard| {
         let stops = || signals.came() || failed.load(Ordering::Relaxed);
         let numbers = (first..machines.count).step_by(shards);
-        // To make a source takes milliseconds: of many a minute.
+        // Creating a source takes milliseconds, and all of them up to a minute: a stop must take effect in between.
         let players = numbers.take_while(|_| !stops());
         let players = players.map(|n| {
             make(&machines.plan(n)).map(|source| Player::new(n, machines.name(n), source))
@@ -156,14 +156,14 @@ impl<S: Sensors> Player<S> {
         }
     }
 
-    /// Takes the next sample: when it is due, after the first one.
+    /// Takes the next sample. Returns when it is due, relative to the first one.
     fn advance(&mut self) -> Option<Duration> {
         let (mut sample, _) = self.source.next()?;
         sample.stamp_mut().machine = self.number;
         let time = sample.stamp().time;
         let since = time - *self.origin.get_or_insert(time);
         self.sample = sample;
-        // One that goes back in time is due at once.
+        // A sample with a time before the first one is due at once.
         Some(Duration::try_from_secs_f64(since).unwrap_or_default())
     }
 }
@@ -172,15 +172,15 @@ impl<S: Sensors> Player<S> {
 struct Feed<'a, 'b, L: Look> {
     shard: &'a RemoteShard<'a>,
     players: Vec<Player<L::Sensors>>,
-    /// Who is next, and when.
+    /// Time and index of the next sample of each player, the earliest first.
     turns: BinaryHeap<Reverse<(Duration, usize)>>,
-    /// Sampling period; none where nobody waits for the clock.
+    /// Sampling period; none if the samples are sent without waiting for the clock.
     period: Option<Duration>,
-    /// The machines of recordings.
+    /// Checks of the machines of recordings; none if they are simulated.
     suspects: Option<Suspects<'b, L>>,
 }
 
-/// What a feed sent: samples, and how many of them late.
+/// Number of samples that a feed sent, and of those among them that were late.
 struct Fed<'a, L: Look> {
     samples: u64,
     late: u64,

@@ -1,5 +1,5 @@
-//! Samples as messages: the name of a machine, then a sample of it as recordings hold it (protobuf), each with its length
-//! before it (varint). An empty message says that the machine is gone: what is known of it is forgotten.
+//! Reads samples as messages: the name of a machine, then a sample as in recordings (protobuf), each preceded by its length
+//! (varint). An empty message means that the machine has left: its state is removed.
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, Read};
@@ -22,9 +22,9 @@ pub struct Records<'a, 'b, L: Look> {
     input: &'a str,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
-    /// Number and shard of each machine that is here.
+    /// Number and shard of each present machine.
     machines: HashMap<String, (u32, usize)>,
-    /// How many there have been.
+    /// Number of machines so far, including those that have left.
     count: u32,
     suspects: &'a mut Suspects<'b, L>,
     samples: u64,
@@ -50,13 +50,13 @@ impl<'a, 'b, L: Look> Records<'a, 'b, L> {
         }
     }
 
-    /// Samples, and messages that were left out.
+    /// Reads the whole input. Returns the number of samples and of messages that were left out.
     pub fn take_all(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
         let mut input = BufReader::with_capacity(1 << 16, input);
         let (mut name, mut message, mut packed) = (Vec::new(), Vec::new(), Vec::new());
         loop {
             if input.buffer().is_empty() {
-                // What is here goes on its way before anybody waits.
+                // The next read may block: first send what is buffered.
                 self.shards.iter().for_each(RemoteShard::flush);
                 if let Some(failure) = self.shards.iter().find_map(RemoteShard::failure) {
                     return Err(failure);
@@ -126,7 +126,7 @@ fn record(input: &mut impl BufRead, name: &mut Vec<u8>, message: &mut Vec<u8>) -
     Ok(true)
 }
 
-/// Whether every number in it is one.
+/// Whether every number in the message is finite.
 fn is_finite<S: Message>(sample: &S) -> bool {
     let is_number = |i| !matches!(sample.get(i), Some(Value::F64(x)) if !x.is_finite());
     (0..S::FIELDS.len()).all(is_number)

@@ -1,4 +1,4 @@
-//! A shard as the router sees it: a process, what it was sent since it last reported its state, how far it has answered.
+//! A shard as the router sees it: a process, the samples sent since its last state, and the number of answered samples.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -15,37 +15,37 @@ use super::shard;
 use crate::failure::Failure;
 use crate::image;
 
-/// Samples between two states, and more for each machine of the shard: a state is some kB a machine.
+/// Number of samples between two states, and the increase for each machine of the shard: a state has some kB per machine.
 const INTERVAL: (u64, u64) = (4096, 64);
-/// So many deaths in a row without an answer end everything: the samples kill it.
+/// Largest number of deaths in a row without an answer. One more ends the run: the samples themselves cause them.
 const MOST_DEATHS: u32 = 5;
 
-/// What goes to the process.
+/// The input side of the process.
 struct Input {
     child: Child,
-    /// None once there is nothing more to come, or the process is gone.
+    /// None after the last sample, or when the process has ended.
     pipe: Option<BufWriter<ChildStdin>>,
     /// Samples since the last state, as frames.
-    kept: VecDeque<Vec<u8>>,
+    unconfirmed: VecDeque<Vec<u8>>,
     /// Number of the first of them.
     first: u64,
-    /// How many of them this process was sent.
+    /// Number of them that were sent to the present process.
     sent: usize,
-    /// Number of the sample at which the next state is asked for.
+    /// Number of the sample at which the next state is requested.
     ask_at: u64,
     is_closed: bool,
 }
 
-/// What comes from it.
+/// The output side of the process.
 #[derive(Default)]
 struct Output {
-    /// Samples that its last state holds.
+    /// Number of samples that its last state includes.
     confirmed: u64,
     state: Vec<u8>,
     machines: u64,
-    /// Samples whose rows were written.
+    /// Number of answered samples.
     written: u64,
-    /// Of these, those that have no row because they were refused.
+    /// Of these, the number that have no row because they were refused.
     refused: u64,
     deaths: u32,
     restarts: u32,
@@ -60,12 +60,12 @@ pub struct RemoteShard<'a> {
     rows: &'a Rows,
     input: Mutex<Input>,
     output: Mutex<Output>,
-    /// What the first process writes, until somebody listens. It stands apart from `input`: whoever holds that may wait
-    /// for the process, which may wait for its reader.
+    /// Output of the first process, until `listen` takes it. It has a mutex of its own: the holder of `input` may wait
+    /// for the process, which may wait for a reader of its output.
     answers: Mutex<Option<ChildStdout>>,
 }
 
-/// A process with both ends of it.
+/// A process with its input and its output.
 struct Started {
     child: Child,
     pipe: BufWriter<ChildStdin>,
@@ -74,7 +74,7 @@ struct Started {
 
 fn start(arguments: &[OsString]) -> Result<Started, Failure> {
     let mut command = image::command();
-    // A group of its own: Ctrl-C reaches whoever feeds it, at whose end it ends.
+    // A process group of its own: Ctrl-C reaches only the feeding process, and the shard ends with its input.
     command.args(arguments).process_group(0);
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut child = command.spawn().map_err(|e| {
@@ -107,7 +107,7 @@ impl<'a> RemoteShard<'a> {
             input: Mutex::new(Input {
                 child,
                 pipe: Some(pipe),
-                kept: VecDeque::new(),
+                unconfirmed: VecDeque::new(),
                 first: 0,
                 sent: 0,
                 ask_at: INTERVAL.0,
@@ -127,38 +127,38 @@ impl<'a> RemoteShard<'a> {
         let mut input = lock(&self.input);
         input.forget(confirmed);
         let frame = frames::frame(SAMPLE, &[&number.to_le_bytes(), sample]);
-        input.kept.push_back(frame);
+        input.unconfirmed.push_back(frame);
         input.pump(machines);
     }
 
-    /// Lets nothing wait in the buffer.
+    /// Sends what is buffered.
     pub fn flush(&self) {
         let mut input = lock(&self.input);
         let flushed = input.pipe.as_mut().map(Write::flush);
         if let Some(Err(_)) = flushed {
-            // It is gone; whoever reads from it starts another.
+            // The process has ended; the thread that reads its output replaces it.
             input.pipe = None;
         }
     }
 
-    /// There will be no more samples.
+    /// Ends the input: no more samples follow.
     pub fn close(&self) {
         let mut input = lock(&self.input);
         input.is_closed = true;
         input.pump(0);
     }
 
-    /// How often it was replaced.
+    /// Number of times the process was replaced.
     pub fn restarts(&self) -> u32 {
         lock(&self.output).restarts
     }
 
-    /// Samples that it has answered.
+    /// Number of samples that it has answered.
     pub fn answered(&self) -> u64 {
         lock(&self.output).written
     }
 
-    /// Of the answered samples, those that were refused.
+    /// Number of the answered samples that were refused.
     pub fn refused(&self) -> u64 {
         lock(&self.output).refused
     }
@@ -168,12 +168,12 @@ impl<'a> RemoteShard<'a> {
         lock(&self.output).processor
     }
 
-    /// Why it cannot go on.
+    /// The failure that ended the shard.
     pub fn failure(&self) -> Option<Failure> {
         lock(&self.output).failure.clone().map(Failure::reported)
     }
 
-    /// Takes its answers in a thread of their own, and replaces it when it dies.
+    /// Reads the answers in a thread of its own, and replaces the process when it dies.
     pub fn listen<'s>(&'a self, scope: &'s Scope<'s, 'a>) {
         let body = move || {
             let mut answers = lock(&self.answers).take();
@@ -184,7 +184,7 @@ impl<'a> RemoteShard<'a> {
                     None
                 });
                 if answers.is_some() {
-                    // What the last process was sent goes to this one while this thread reads its answers.
+                    // The new process receives the samples since the last state while this thread reads its answers.
                     let pump = move || lock(&self.input).pump(0);
                     if let Err(error) = Builder::new().spawn_scoped(scope, pump) {
                         self.give_up(&Failure::thread(error));
@@ -203,7 +203,7 @@ impl<'a> RemoteShard<'a> {
         lock(&self.input).pipe = None;
     }
 
-    /// Whether they ended because the process did.
+    /// Reads the answers of a process until its output ends (true) or a failure (false).
     fn take_answers(&self, pipe: ChildStdout) -> bool {
         let mut pipe = BufReader::with_capacity(1 << 16, pipe);
         let mut bytes = Vec::new();
@@ -214,7 +214,7 @@ impl<'a> RemoteShard<'a> {
             {
                 return self.fail(&why);
             }
-            // A frame that is cut off is the end too.
+            // A truncated frame is the end too.
             let Ok(Some(kind)) = frames::read(&mut pipe, &mut bytes) else {
                 return true;
             };
@@ -225,7 +225,7 @@ impl<'a> RemoteShard<'a> {
                     let is_new = output.answers(count);
                     let number = u32::from_le_bytes(*number);
                     let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
-                    // A sample that is only not reported has no flags.
+                    // A sample between two reported rows also has no row, but no flags either.
                     let is_refused = is_new && row.is_empty() && flags != 0;
                     output.refused += u64::from(is_refused);
                     drop(output);
@@ -239,7 +239,7 @@ impl<'a> RemoteShard<'a> {
                         return self.fail(&why);
                     }
                 }
-                // It comes behind the machine's last row.
+                // It follows the last row of the machine.
                 (GONE, Some((number, []))) => {
                     count += 1;
                     lock(&self.output).answers(count);
@@ -262,7 +262,7 @@ impl<'a> RemoteShard<'a> {
         false
     }
 
-    /// After its output ended: another process in its place, and what that writes, where there is work left.
+    /// Replaces the process after its output has ended, if work is left. Returns the output of the new process.
     fn replace(&self, has_ended: bool) -> Result<Option<ChildStdout>, Failure> {
         let mut input = lock(&self.input);
         if !has_ended {
@@ -276,7 +276,7 @@ impl<'a> RemoteShard<'a> {
         if output.failure.is_some() {
             return Ok(None);
         }
-        let asked = input.first + input.kept.len() as u64;
+        let asked = input.first + input.unconfirmed.len() as u64;
         if ended.success() && input.is_closed && output.written == asked {
             return Ok(None);
         }
@@ -295,7 +295,7 @@ impl<'a> RemoteShard<'a> {
             answers,
         } = start(self.arguments)?;
         if !output.state.is_empty() {
-            // If it dies at once, the next one gets it.
+            // An error is ignored: if the process dies at once, its successor receives the state.
             let _ = frames::write(&mut pipe, STATE, &[&output.state]);
         }
         (input.child, input.pipe, input.sent) = (child, Some(pipe), 0);
@@ -304,7 +304,7 @@ impl<'a> RemoteShard<'a> {
 }
 
 impl Output {
-    /// Counts the answer of this number; whether it comes for the first time, not again after a restart.
+    /// Counts the answer of this number. Returns whether it is new, and not a repetition after a restart.
     fn answers(&mut self, count: u64) -> bool {
         let is_new = count > self.written;
         if is_new {
@@ -315,20 +315,20 @@ impl Output {
 }
 
 impl Input {
-    /// Samples that a state holds need not be sent again.
+    /// Removes the samples that the last state includes: they need not be sent again.
     fn forget(&mut self, confirmed: u64) {
-        while self.first < confirmed && self.kept.pop_front().is_some() {
+        while self.first < confirmed && self.unconfirmed.pop_front().is_some() {
             self.first += 1;
             self.sent = self.sent.saturating_sub(1);
         }
     }
 
-    /// Sends what was not sent yet; asks for a state now and then.
+    /// Sends the samples that the process has not received, and requests its state at intervals.
     fn pump(&mut self, machines: u64) {
         let Some(mut pipe) = self.pipe.take() else {
             return;
         };
-        while let Some(frame) = self.kept.get(self.sent) {
+        while let Some(frame) = self.unconfirmed.get(self.sent) {
             let number = self.first + self.sent as u64;
             let mut written = pipe.write_all(frame);
             if number >= self.ask_at {
@@ -337,13 +337,13 @@ impl Input {
             }
             self.sent += 1;
             if written.is_err() {
-                // It is gone; its successor gets everything again.
+                // The process has ended; its successor receives all samples again.
                 return;
             }
         }
         if !self.is_closed {
             self.pipe = Some(pipe);
         }
-        // Dropped, it is flushed and closed.
+        // Otherwise the pipe is dropped: flushed and closed.
     }
 }

@@ -1,4 +1,4 @@
-//! The rows of all machines: where they go, and what is counted of them.
+//! Writes the rows of all machines, and counts them.
 
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Stdout, Write};
@@ -10,16 +10,16 @@ use recording::payload::put_delimited;
 use super::NAME;
 use crate::failure::Failure;
 
-/// What the mutex holds, also where somebody who held it panicked.
+/// Locks a mutex, even if a thread panicked while it held it.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where rows go.
+/// Destination of rows.
 pub enum Out {
     /// Standard output.
     Standard(BufWriter<Stdout>),
-    /// A file that appears when it is complete.
+    /// A file that appears only when it is complete.
     File(Output),
 }
 
@@ -37,12 +37,12 @@ impl Out {
     }
 }
 
-/// What samples and estimates are written as.
+/// Format of samples and estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// A table (CSV) with a column that names the machine.
     Table,
-    /// The machine's name, then the message as recordings hold it (protobuf), each with its length before it (varint).
+    /// The name of the machine, then the message as in recordings (protobuf), each preceded by its length (varint).
     Messages,
 }
 
@@ -55,37 +55,37 @@ fn not_written(error: std::io::Error) -> String {
     }
 }
 
-/// A machine and what was counted of its rows.
+/// A machine and the counts of its rows.
 #[derive(Debug, Clone, Default)]
 pub struct Member {
-    /// Its name, as it is written.
+    /// Name, as it is written.
     pub name: String,
-    /// Rows of it.
+    /// Number of its rows.
     pub rows: u64,
-    /// Those in which each of the flags was set.
+    /// Number of rows with each of the counted flags.
     pub flagged: Vec<u64>,
-    /// Samples of it that were refused.
+    /// Number of its refused samples.
     pub refused: u64,
 }
 
-/// Machines by their numbers, and how many there have been.
+/// Machines by their numbers, and the number of machines so far.
 #[derive(Default)]
 struct Members {
     here: BTreeMap<u32, Member>,
     count: u32,
 }
 
-/// The rows of all machines; of a table, below one header.
+/// The rows of all machines; a table has one header.
 pub struct Rows {
     out: Mutex<Out>,
     form: Form,
     members: Mutex<Members>,
-    /// Flags of an estimate that are counted.
+    /// The counted flags of an estimate.
     flags: Vec<u32>,
 }
 
 impl Rows {
-    /// Begins; a table with the header of the columns behind the machine's name.
+    /// Begins the output; a table with its header, in which `columns` follow the name of the machine.
     pub fn begin(
         mut out: Out,
         form: Form,
@@ -104,7 +104,7 @@ impl Rows {
         })
     }
 
-    /// Adds a machine; its number is how many there were.
+    /// Adds a machine; its number is the number of machines so far.
     pub fn add(&self, name: &str) {
         let member = Member {
             name: match self.form {
@@ -121,19 +121,19 @@ impl Rows {
         members.count += 1;
     }
 
-    /// Forgets a machine that has gone. Its number is not used again.
+    /// Removes a machine that has left. Its number is not used again.
     pub fn forget(&self, number: u32) {
         lock(&self.members).here.remove(&number);
     }
 
-    /// A sample of a machine was refused.
+    /// Counts a refused sample of a machine.
     pub fn refuse(&self, number: u32) {
         if let Some(member) = lock(&self.members).here.get_mut(&number) {
             member.refused += 1;
         }
     }
 
-    /// A row of a machine.
+    /// Writes and counts a row of a machine.
     pub fn put(&self, number: u32, flags: u32, row: &[u8]) -> Result<(), String> {
         let mut members = lock(&self.members);
         let Some(member) = members.here.get_mut(&number) else {
@@ -160,7 +160,7 @@ impl Rows {
         }
     }
 
-    /// Lets nothing wait in the buffer where somebody reads as it comes.
+    /// Flushes standard output, which may be read live.
     pub fn flush(&self) -> Result<(), String> {
         match &mut *lock(&self.out) {
             Out::Standard(out) => out.flush().map_err(not_written),
@@ -168,7 +168,7 @@ impl Rows {
         }
     }
 
-    /// Ends the table; what was counted of each machine, by its number.
+    /// Ends the output. Returns the counts of each machine by its number.
     pub fn finish(self) -> Result<BTreeMap<u32, Member>, Failure> {
         match self
             .out
@@ -188,7 +188,7 @@ impl Rows {
     }
 }
 
-/// Whether a file that begins like this is such a table.
+/// Whether a file with this beginning is such a table.
 pub fn is_table(head: &[u8]) -> bool {
     head.starts_with(format!("{NAME},t,").as_bytes())
 }

@@ -1,4 +1,4 @@
-//! `heft run M --machines N`: many machines in few processes, and one table of their estimates.
+//! `heft run M --machines N`: runs many machines in few processes and writes one table of their estimates.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -20,10 +20,10 @@ use crate::sources::LiveInput;
 use crate::way::{method, way};
 use crate::{size, summary};
 
-/// The table in the folder of the run.
+/// Name of the table in the folder of the run.
 const TABLE: &str = "estimates.csv";
 
-/// Steps so many machines.
+/// Runs `count` machines.
 pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let (plan, description) = Plan::of(args)?;
     let (machine, entry) = (args.machine, machines::entry(args.machine));
@@ -61,7 +61,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     played.findings.report()
 }
 
-/// The recordings of the first machines.
+/// The recordings of the machines: the first `count` of the input.
 fn inputs(input: &Path, count: usize) -> Result<Vec<PathBuf>, Failure> {
     let refused = |what: String, remedy: &str| Failure::input(what, "--machines, --input", remedy);
     if LiveInput::of(input).is_some() {
@@ -82,7 +82,7 @@ fn inputs(input: &Path, count: usize) -> Result<Vec<PathBuf>, Failure> {
     found.iter().map(|f| absolute(f)).collect()
 }
 
-/// Where the samples come from, in a line.
+/// The source of the samples, in one line.
 fn words(plan: &Plan, count: usize) -> String {
     match &plan.input {
         None => format!(
@@ -95,7 +95,7 @@ fn words(plan: &Plan, count: usize) -> String {
     }
 }
 
-/// What is said at the end.
+/// The summary at the end.
 fn text(quantities: &[&str], played: &Played, table: &Path) -> String {
     let mut out = String::new();
     let mut line = |text: String| {

@@ -1,32 +1,32 @@
-//! A swing velocity in another unit.
+//! Detects a swing velocity in another unit than rad/s, by its size and by the torque.
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
 use crate::machines::units::TURNING;
 
-/// Units of a swing velocity.
+/// Candidate units of a swing velocity, and their number per rad/s.
 const UNITS: [(&str, f64); 3] = [TURNING[0], TURNING[1], TURNING[3]];
-/// Degrees, and thousandths of a radian, a second.
+/// Indices of deg/s and mrad/s in `UNITS`.
 const DEGREES: usize = 1;
 const THOUSANDTHS: usize = 2;
-/// Swinging from this velocity on; makers' sheets allow 15 revolutions per minute: none swings faster than the second [rad/s].
+/// Least velocity of a swing, and a velocity that no excavator exceeds [rad/s]: makers' sheets allow 15 rpm, which is 1.57 rad/s.
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 2.0;
-/// Rows that tell, and the share of the swinging ones that is too fast: single ones are disturbances.
+/// Least number of too fast rows, and their least share of the swinging rows: single ones are disturbances.
 const FEWEST: u32 = 100;
 const OFTEN: f64 = 0.05;
-/// Mean of what is too fast, above which it is in degrees per second where the torque does not tell \[rpm\].
+/// Mean of the too fast values above which they are taken for deg/s and below for rpm, if the torque does not identify the unit.
 const BETWEEN: f64 = 13.0;
-/// A usual mean of what swings [rad/s]: a unit that makes another of it is none that may be meant.
+/// Usual mean velocity of swings [rad/s]. A unit that gives a mean outside of it is no candidate.
 const USUAL: std::ops::Range<f64> = 0.05..1.8;
 
-/// Looks at the speeds, and at what torque and posture make of them in each unit.
+/// Collects the velocities, and compares them in each unit with torque and posture.
 pub(super) struct Speed {
     swinging: u32,
     fast: u32,
-    /// Sum of the fast ones.
+    /// Sum of the too fast velocities.
     sum: f64,
-    /// Rows that are too fast in degrees too, their sum, and the last of them: one that stays the same stands for a missing sample.
+    /// Number of rows that are too fast even in deg/s, their sum, and the last of them. A repeated value marks missing samples.
     faster: u32,
     sum_of_faster: f64,
     last: f64,
@@ -49,7 +49,7 @@ impl Speed {
     pub(super) fn see(&mut self, sample: &Sample) {
         if let Some(speed) = sample.velocity.map(f64::abs).filter(|v| v.is_finite()) {
             self.swinging += u32::from(speed > SWINGS);
-            // What is too fast in every unit is none of them: it stands for a missing sample.
+            // A value that is too fast in every unit marks a missing sample.
             let [degrees, thousandths] = [DEGREES, THOUSANDTHS].map(|at| FASTEST * UNITS[at].1);
             let is_fast = (FASTEST..=degrees).contains(&speed);
             self.fast += u32::from(is_fast);
@@ -69,12 +69,12 @@ impl Speed {
         }
     }
 
-    /// Whether so many rows tell.
+    /// Whether this number of rows determines the unit.
     fn are_enough(&self, rows: u32) -> bool {
         rows >= FEWEST && f64::from(rows) >= OFTEN * f64::from(self.swinging)
     }
 
-    /// The unit of the velocity, where it is none that is meant.
+    /// The fault of a velocity that is not in rad/s.
     pub(super) fn fault(&self) -> Option<String> {
         let is_faster = self.are_enough(self.faster);
         if !is_faster && !self.are_enough(self.fast) {
@@ -85,7 +85,7 @@ impl Speed {
             (fast, sum) = (fast + self.faster, sum + self.sum_of_faster);
         }
         let mean = sum / f64::from(fast);
-        // Another fault of the torque is said when this one is mended.
+        // Other mismatches of the torque are reported once the unit is corrected.
         let explains = |plausible: &Plausible| {
             !matches!(
                 plausible.mismatch(),
@@ -184,12 +184,12 @@ mod tests {
                 Some(thousandths)
             );
         }
-        // Slowly: what is no faster than degrees are is told by the torque.
+        // Slow swings: below the largest value in deg/s, the torque identifies the unit.
         assert_eq!(
             said(per_thousandth, Some(1.0), 0.1).as_deref(),
             Some(thousandths)
         );
-        // Slowly: 15 degrees a second at most.
+        // Slow swings: at most 15 deg/s.
         assert_eq!(said(per_degree, Some(1.0), 0.26).as_deref(), Some(degrees));
     }
 }
