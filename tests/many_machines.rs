@@ -1,4 +1,4 @@
-//! `heft serve`: many machines in few processes give what each would give alone, also when processes die.
+//! `heft serve`: many machines in few processes give the same estimates as each machine alone, even if processes die.
 
 mod common;
 
@@ -18,11 +18,11 @@ use rustix::process::Signal;
 const MACHINES: usize = 30;
 
 fn name(machine: usize) -> String {
-    // A comma makes quotes necessary.
+    // A name with a comma needs quotes.
     format!("site 7, no. {machine}")
 }
 
-/// Which recording a machine plays.
+/// The recording that a machine plays.
 fn plays(machine: usize) -> &'static str {
     ["excavator_input_two_swings.csv", "excavator_input_drop.csv"][machine % 2]
 }
@@ -71,7 +71,7 @@ fn start() -> Child {
     command.spawn().expect("heft starts")
 }
 
-/// Processes of a router.
+/// The shard processes of a router.
 fn shards(router: &Child) -> Vec<u32> {
     let parent = |pid: u32| {
         let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
@@ -85,7 +85,7 @@ fn shards(router: &Child) -> Vec<u32> {
     own.map(|(pid, _)| pid).collect()
 }
 
-/// Feeds a router; before the lines at `deaths` every shard is killed. What it writes.
+/// Feeds a router, and kills every shard before the lines at `deaths`. Returns standard output and messages.
 fn serve(lines: &[String], deaths: &[usize]) -> (String, String) {
     let mut router = start();
     let mut pipe = router.stdin.take().expect("a pipe");
@@ -142,7 +142,7 @@ fn comments_and_units_above_the_rows_change_nothing() {
     assert_eq!(by_machine(&found), by_machine(&plain));
 }
 
-/// Each machine has the rows that `heft estimate` gives it alone, with these settings.
+/// Checks that each machine has the rows that `heft estimate` gives for it alone, with these settings.
 fn each_has_what_it_has_alone(text: &str, settings: &[&str]) {
     let found = by_machine(text);
     assert_eq!(found.len(), MACHINES);
@@ -163,7 +163,7 @@ fn each_has_what_it_has_alone(text: &str, settings: &[&str]) {
         run_ok(&[&args[..], settings].concat());
         let alone = std::fs::read_to_string(out).expect("estimates");
         let own: Vec<&str> = alone.lines().next().expect("a header").split(',').collect();
-        // Alone there are no columns for what the method does not estimate.
+        // The table of one machine lacks the columns of quantities that the method does not estimate.
         let place = own
             .iter()
             .map(|c| header.iter().position(|h| h == c).expect("a column"));
@@ -201,13 +201,13 @@ fn each_machine_gets_what_it_would_get_alone() {
 fn killed_processes_change_no_bit() {
     let lines = table();
     let (undisturbed, _) = serve(&lines, &[]);
-    // Before there is a state to go on from, after, and near the end.
+    // Before the first state of a shard, after it, and near the end.
     let (disturbed, said) = serve(&lines, &[500, 16_000, lines.len() - 50]);
     assert!(said.contains("9 processes replaced"), "{said}");
     assert_eq!(by_machine(&disturbed), by_machine(&undisturbed));
 }
 
-/// What `heft serve --messages` answers to these records, and what it says.
+/// Answers and messages of `heft serve --messages` to these records.
 fn serve_messages(input: Vec<u8>) -> (Vec<u8>, String) {
     let mut command = heft();
     command.args(["serve", "excavator", "--messages", "--shards", "2"]);
@@ -224,7 +224,7 @@ fn serve_messages(input: Vec<u8>) -> (Vec<u8>, String) {
 }
 
 #[test]
-fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew() {
+fn messages_give_the_rows_of_a_table_and_a_removed_machine_restarts() {
     let record = |name: &str, message: &[u8], out: &mut Vec<u8>| {
         put_delimited(name.as_bytes(), out);
         put_delimited(message, out);
@@ -238,7 +238,7 @@ fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew(
             record(&name(machine), &message, &mut input);
         }
     }
-    // The first again, as another run; nonsense changes nothing.
+    // The first machine leaves and returns; invalid messages change nothing.
     let (first, _) = recording::load::<ExcavatorSensors>(golden(plays(0)), None)
         .expect("a recording")
         .remove(0);
@@ -274,7 +274,7 @@ fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew(
     assert_eq!(found[&name(0)], format!("{}{begin}\n", expected[&name(0)]));
 }
 
-/// The first recording with its times, its angles and its torque changed.
+/// The rows of the first recording with changed cells: `change` takes the index of the column and the number.
 fn changed(name: &str, change: impl Fn(usize, f64) -> f64) -> String {
     let text = std::fs::read_to_string(golden(plays(0))).expect("a recording");
     let rows = text.lines().skip(1).map(|row| {
@@ -287,7 +287,7 @@ fn changed(name: &str, change: impl Fn(usize, f64) -> f64) -> String {
     rows.collect()
 }
 
-/// The place of a column in the recording.
+/// The index of a column in the recording.
 fn column(name: &str) -> usize {
     let text = std::fs::read_to_string(golden(plays(0))).expect("a recording");
     let header = text.lines().next().expect("a header");
@@ -327,7 +327,7 @@ fn data_that_cannot_be_right_are_named_of_each_machine() {
         "{}",
         both(&output)
     );
-    // Those of `heft estimate`, of the same rows.
+    // The unchanged rows alone succeed.
     std::fs::write(&path, format!("{header}\n{}", parts[0])).expect("a file");
     let output = serve(&path);
     assert!(output.status.success(), "{}", both(&output));
@@ -410,7 +410,7 @@ fn what_cannot_be_served_is_said() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    // Two exports joined: rows below the second header are of other columns; a mark of the encoding is no name.
+    // Concatenated exports: rows below a header with other columns are left out, and a byte order mark is not part of a name.
     let header = "machine,t,swing_velocity,swing_torque";
     let joined = format!(
         "{header}\na,0,0,0\n{header}\n\u{feff}a,0.01,0,0\nmachine,t,swing_torque,swing_velocity\na,0.02,9,0\n{header}\na,0.03,0,0\n"
@@ -427,7 +427,7 @@ fn what_cannot_be_served_is_said() {
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    // What has no end and no line.
+    // An endless input without a line.
     let zeros = run(&["serve", "excavator", "/dev/zero"]);
     assert_eq!(zeros.status.code(), Some(2));
     says(&zeros, "this is no table");

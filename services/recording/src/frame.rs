@@ -1,4 +1,4 @@
-//! Tables in memory for other languages: rows from columns, and columns from estimates.
+//! Tables in memory for the bindings: rows of samples from columns, and columns from estimates.
 
 mod estimates;
 mod recorded;

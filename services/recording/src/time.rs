@@ -1,4 +1,4 @@
-//! Times as people and programs write them.
+//! Reads dates, clock times, durations and time stamps in the forms that people and programs write.
 
 use std::ops::Range;
 
@@ -6,16 +6,16 @@ use crate::unit;
 
 /// Nanoseconds of a time: seconds with a decimal part (`1397165409.500000`, `000.012`), or a date
 /// with a time (`2014-04-10 21:30:09.5`, `2014-04-10T21:30:09,5+02:00`, `...Z`). A date without a
-/// zone is taken as UTC: only differences count. `None` for anything else.
+/// zone is taken as UTC: only differences count. `None` for other text.
 pub(crate) fn nanoseconds(text: &str) -> Option<i64> {
     date(text).or_else(|| seconds(text))
 }
 
-/// Seconds of the years 2000 and 2100.
+/// Start of the years 2000 and 2100, since 1970 [s].
 const CENTURY: [i128; 2] = [946_684_800, 4_102_444_800];
 
-/// Nanoseconds of a stamp of a logger: a time, or milliseconds, microseconds or nanoseconds since 1970, where they are of this century.
-/// Seconds of so many digits are of no calendar.
+/// Nanoseconds of a logger's time stamp. A number too large for seconds is read as milliseconds, microseconds or nanoseconds
+/// since 1970, whichever gives a time of this century.
 pub(crate) fn stamp(text: &str) -> Option<i64> {
     nanoseconds(text).or_else(|| {
         let (whole, part) = text.split_once(['.', ',']).unwrap_or((text, ""));
@@ -30,7 +30,7 @@ pub(crate) fn stamp(text: &str) -> Option<i64> {
     })
 }
 
-/// `whole.fraction`; of the fraction nine digits count.
+/// Reads `whole.fraction` in seconds; nine digits of the fraction count.
 fn seconds(text: &str) -> Option<i64> {
     let (whole, fraction) = text.split_once(['.', ',']).unwrap_or((text, ""));
     let negative = whole.starts_with('-');
@@ -41,56 +41,58 @@ fn seconds(text: &str) -> Option<i64> {
     Some(if negative { -ns } else { ns })
 }
 
-/// Nanoseconds of the digits behind the point.
+/// Nanoseconds of the digits after the decimal point.
 fn fraction(text: &str) -> Option<i64> {
     if text.is_empty() {
         return Some(0);
     }
     text.bytes().all(|b| b.is_ascii_digit()).then_some(())?;
-    let kept = text.get(..9).unwrap_or(text);
-    Some(digits(kept)? * 10_i64.pow(9 - kept.len() as u32))
+    let counted = text.get(..9).unwrap_or(text);
+    Some(digits(counted)? * 10_i64.pow(9 - counted.len() as u32))
 }
 
-/// A number of digits and nothing else.
+/// Reads a number of decimal digits, and nothing else.
 fn digits(text: &str) -> Option<i64> {
     let plain = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     plain.then(|| text.parse().ok())?
 }
 
-/// The times in a table, one after the other, that are no numbers: dates with a time, the time of day alone, with its seconds,
-/// which goes on behind midnight or counts more than a day's hours, minutes and seconds as Excel shows them, which go on behind the
-/// hour, or durations.
+/// Reads the times of a table that are not plain numbers, row by row:
+/// - dates with a time,
+/// - times of day with seconds, which continue after midnight or count more than 24 hours,
+/// - minutes and seconds as Excel shows them, which continue after the full hour,
+/// - durations.
 ///
-/// A date whose order is not clear (`03/04/26`) counts while it stays the same, and changes at midnight only.
+/// A date of unclear order (`03/04/26`) is accepted while it is unchanged, or if it changes at midnight.
 #[derive(Debug, Default)]
 pub(crate) struct Dates {
     first: Option<i64>,
     order: Option<Order>,
-    /// Time of day, and the midnights before it; or within an hour, and the hours before it.
+    /// Last time of day [ns] and number of midnights before it; or time within an hour and number of hours before it.
     last: i64,
     periods: i64,
-    /// The date of the row before, where its order is not clear.
+    /// The date of the previous row, if its order is unclear.
     day: String,
-    /// Time and place in its day of the row before, of dates without a zone, and by how much their clock was set back.
+    /// Time and time of day of the previous row without a zone [ns], and the sum by which the clock was set back [ns].
     local: Option<[i64; 2]>,
     set_back: i64,
-    /// Whether a 61st second has come: what follows is a second later than its date says.
+    /// Whether a leap second has occurred: later rows are one second later than their date gives.
     has_leapt: bool,
 }
 
 const SECOND: i64 = 1_000_000_000;
 const HOUR: i64 = 3600 * SECOND;
-/// No recording is longer \[h\]: a year. A sheet's `[h]:mm:ss` and an operating hours' counter go on behind 24.
+/// Largest hour \[h\], a year: no recording is longer. `[h]:mm:ss` of a spreadsheet and an operating hours counter exceed 24.
 const LONGEST: i64 = 8784;
-/// At the end of summer time, from 3 or 2 o'clock on, local time goes an hour back, in Lisbon at 2 and in the Azores at 1. Rows are
-/// no further apart than the second.
+/// Largest step between rows at the end of summer time \[ns\]. `SET_BACK`: times of day from which the clock may be set back an hour
+/// \[ns\]. That is at 3:00 or 2:00, in Lisbon at 2:00 and in the Azores at 1:00.
 const STEP: i64 = 10_000_000_000;
 const SET_BACK: Range<i64> = HOUR - STEP..3 * HOUR;
 
 impl Dates {
-    /// Seconds since the first of them.
+    /// Seconds since the first time of the table.
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
-        // Days that are counted and those of a calendar have nothing in common.
+        // Days counted at midnights and calendar dates have no common origin, so a table has only one of them.
         let ns = match self.day.is_empty() {
             true => compact(text)
                 .or_else(|| dated(text, &mut self.order))
@@ -105,7 +107,7 @@ impl Dates {
         Some(ns.saturating_sub(first) as f64 / 1e9)
     }
 
-    /// A date whose clock is set back an hour while rows go on was a local one at the end of summer time.
+    /// Continues local time at the end of summer time: a clock that goes back one hour between two close rows is corrected by one hour.
     fn through_summer_time(&mut self, text: &str, ns: i64) -> i64 {
         if has_zone(text) {
             return ns;
@@ -120,7 +122,7 @@ impl Dates {
         ns + self.set_back
     }
 
-    /// A leap second is the 61st of its minute, and has the number of the one that follows.
+    /// Correction for a leap second [ns]. Second 60 of a minute has the same number as the second after it.
     fn leap(&mut self, text: &str) -> i64 {
         let ends = |at: usize| !text[at + 3..].starts_with(|c: char| c.is_ascii_digit());
         let is_leap = text.find(":60").is_some_and(ends);
@@ -129,7 +131,7 @@ impl Dates {
         if has_leapt && !is_leap { SECOND } else { 0 }
     }
 
-    /// A date of which nobody knows what is the day, or the year, with its time of day.
+    /// Time of a date whose day or year is unclear, with its time of day. Counts midnights instead of reading the date.
     fn day_and_clock(&mut self, text: &str) -> Option<i64> {
         let (day, clock) = split_day(text).filter(|_| !is_ambiguous(text))?;
         let (clock, _) = zone(clock)?;
@@ -152,21 +154,21 @@ impl Dates {
             1 => return None,
             _ => (24 * HOUR, of_hours(text, 0..LONGEST)?),
         };
-        // A clock that was set by less is no midnight.
+        // A clock that was set back by less than half a period did not pass midnight or the full hour.
         self.periods += i64::from(clock < self.last - period / 2);
         self.last = clock;
         Some(self.periods * period + clock)
     }
 }
 
-/// Whether a date says how far it is ahead of UTC.
+/// Whether a date states its time zone.
 fn has_zone(text: &str) -> bool {
     let clock = text.split_once(['T', ' ']).map_or("", |(_, clock)| clock);
     let is_named = clock.trim_end().ends_with(['Z', 'C', 'T', ']']);
     is_named || clock.contains(['+', '-'])
 }
 
-/// Day, month and year in any order, with blanks, points, slashes, hyphens or commas in between, and the time of day behind them.
+/// Splits off the time of day from day, month and year in any order, separated by blanks, points, slashes, hyphens or commas.
 fn split_day(text: &str) -> Option<(&str, &str)> {
     let colon = text.find(':')?;
     let clock = text[..colon]
@@ -184,13 +186,13 @@ fn split_day(text: &str) -> Option<(&str, &str)> {
         .iter()
         .filter(|part| part.chars().all(char::is_alphabetic))
         .count();
-    // A month that is written out, and the day of the week.
+    // The words are the name of the month and the day of the week.
     let is_day =
         numbers + words == parts.len() && matches!((numbers, words), (3, 0 | 1) | (2, 1 | 2));
     is_day.then_some((day, clock))
 }
 
-/// `4.25 sec`, as MATLAB writes a duration, or `1 days 00:00:04.25`, as pandas does.
+/// Reads a duration: `4.25 sec` of MATLAB, or `1 days 00:00:04.25` of pandas.
 fn duration(text: &str) -> Option<i64> {
     let (count, rest) = text.split_once(' ')?;
     let (unit, clock) = rest.split_once(' ').unwrap_or((rest, "0:00"));
@@ -200,25 +202,25 @@ fn duration(text: &str) -> Option<i64> {
     Some(((count * unit.factor * 1e9).round() as i64).saturating_add(clock))
 }
 
-/// What a date has first where its year is last.
+/// Order of a date whose year is last: the part that comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
     Day,
     Month,
 }
 
-/// Names of the months, of which three letters tell.
+/// English abbreviations of the months.
 const MONTHS: [&str; 12] = [
     "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
 ];
 
-/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`; also with `/` for `-`, with `DD.MM.YYYY`, and with `MM/DD/YYYY`,
-/// `DD/MM/YYYY` or `DD-Mon-YYYY` where it is clear which is the month.
+/// Reads `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`, the same with `/` for `-`, and `DD.MM.YYYY`.
+/// Also reads `MM/DD/YYYY`, `DD/MM/YYYY` and `DD-Mon-YYYY` if the month is clear.
 pub(crate) fn date(text: &str) -> Option<i64> {
     dated(text, &mut None)
 }
 
-/// Whether a cell may be a date whose fourteen digits nothing parts: `20141004213009.5`.
+/// Whether a cell may be a date of fourteen digits without separators: `20141004213009.5`.
 pub(crate) fn is_compact(cell: &[u8]) -> bool {
     let digits = cell.iter().take_while(|b| b.is_ascii_digit()).count();
     let of_century = cell.starts_with(b"19") || cell.starts_with(b"20");
@@ -227,14 +229,14 @@ pub(crate) fn is_compact(cell: &[u8]) -> bool {
         && std::str::from_utf8(cell).is_ok_and(|text| compact(text).is_some())
 }
 
-/// Such a date.
+/// Reads a date without separators.
 fn compact(text: &str) -> Option<i64> {
     let (day, clock) = text.split_at_checked(8)?;
     let parted = clock.as_bytes().first().is_some_and(u8::is_ascii_digit);
     parted.then(|| basic(&format!("{day}T{clock}")))?
 }
 
-/// `20141004T213009.5`, the basic form of ISO 8601.
+/// Reads `20141004T213009.5`, the basic form of ISO 8601.
 fn basic(text: &str) -> Option<i64> {
     let (day, clock) = (text.get(..8)?, text.get(9..)?);
     if !text.get(8..9)?.starts_with(['T', '_', ' ']) || digits(day).is_none() {
@@ -250,7 +252,7 @@ fn basic(text: &str) -> Option<i64> {
     )
 }
 
-/// The same; the order of day and month is that of an earlier date, or becomes known.
+/// Like [`date`]. Uses the order of day and month of an earlier date, and sets it if this date shows it.
 fn dated(text: &str, order: &mut Option<Order>) -> Option<i64> {
     let (day, clock) = text.split_once(['T', ' ', '_'])?;
     if day.len() == 8 && digits(day).is_some() {
@@ -273,14 +275,14 @@ fn dated(text: &str, order: &mut Option<Order>) -> Option<i64> {
         .checked_add(of_day(clock)?)
 }
 
-/// The three parts of a day, and what stands between them.
+/// The separator of a date, and its three parts.
 fn parts(day: &str) -> Option<(char, [&str; 3])> {
     let separator = day.chars().find(|c| !c.is_ascii_digit())?;
     let parts: Vec<&str> = day.split(separator).collect();
     Some((separator, parts.try_into().ok()?))
 }
 
-/// Month and day, which stand before the year in either order.
+/// Month and day from the two parts before the year, in either order.
 fn month_and_day(a: &str, b: &str, order: &mut Option<Order>) -> Option<[i64; 2]> {
     let named = |month: &&str| b.len() == 3 && b.eq_ignore_ascii_case(month);
     if let Some(month) = MONTHS.iter().position(named) {
@@ -300,7 +302,7 @@ fn month_and_day(a: &str, b: &str, order: &mut Option<Order>) -> Option<[i64; 2]
     }
 }
 
-/// Whether this is a date whose day may be its month.
+/// Whether day and month of a date may be exchanged.
 pub(crate) fn is_ambiguous(text: &str) -> bool {
     let day = text.split(['T', ' ']).next().unwrap_or_default();
     let small = |text| digits(text).is_some_and(|x| (1..=12).contains(&x));
@@ -309,18 +311,18 @@ pub(crate) fn is_ambiguous(text: &str) -> bool {
     })
 }
 
-/// Marks of the halves of a day: of English, of Spanish sheets, Japanese, Chinese, Korean.
+/// Marks of the halves of a day: English, Spanish, Japanese, Chinese, Korean.
 const MORNING: [&str; 6] = ["AM", "A.M.", "A. M.", "午前", "上午", "오전"];
 const AFTERNOON: [&str; 6] = ["PM", "P.M.", "P. M.", "午後", "下午", "오후"];
 
-/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a clock of twelve hours with its AM or PM, and
-/// `24:00:00`, the end of a day by ISO 8601.
+/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]` or `hh:mm:ss:fraction`, also of a 12-hour clock with AM or PM. `24:00:00` is
+/// the end of a day by ISO 8601.
 fn of_day(clock: &str) -> Option<i64> {
     let end = |ns: &i64| *ns == 24 * HOUR;
     of_hours(clock, 0..24).or_else(|| of_hours(clock, 24..25).filter(end))
 }
 
-/// The same with these hours, where neither AM nor PM stands beside it.
+/// Like [`of_day`], with these hours allowed on a clock without AM or PM.
 fn of_hours(clock: &str, hours: Range<i64>) -> Option<i64> {
     let upper = clock.to_uppercase();
     let half = |mark: &str| {
@@ -338,7 +340,7 @@ fn of_hours(clock: &str, hours: Range<i64>) -> Option<i64> {
     let mut parts = clock.split(':');
     let (hour, minute) = (digits(parts.next()?)?, digits(parts.next()?)?);
     let second = seconds(parts.next().unwrap_or("0"))?;
-    // Some write a colon before the milliseconds too.
+    // Some programs write a colon before the milliseconds too.
     let below = match parts.next() {
         Some(digits) => fraction(digits).filter(|_| matches!(digits.len(), 3 | 6))?,
         None => 0,
@@ -348,7 +350,7 @@ fn of_hours(clock: &str, hours: Range<i64>) -> Option<i64> {
         && (0..60).contains(&minute)
         && (0..61_000_000_000).contains(&second)
         && parts.next().is_none();
-    // Of twelve hours the twelfth is the first.
+    // On a 12-hour clock, 12 is the first hour.
     let hour = if hours.start == 1 {
         hour % 12 + noon
     } else {
@@ -357,9 +359,9 @@ fn of_hours(clock: &str, hours: Range<i64>) -> Option<i64> {
     in_day.then_some((hour * 60 + minute) * 60_000_000_000 + second)
 }
 
-/// The clock without its zone, and the zone's minutes ahead of UTC.
+/// The clock without its zone, and the offset of the zone from UTC, east positive [min].
 fn zone(clock: &str) -> Option<(&str, i64)> {
-    // Java names the place behind the hours.
+    // Java appends the name of the zone in brackets.
     let clock = clock.split('[').next()?.trim_end();
     let utc = ["Z", "UTC", "GMT"].into_iter();
     if let Some(clock) = utc.filter_map(|name| clock.strip_suffix(name)).next() {
@@ -392,7 +394,7 @@ fn days(year: i64, month: i64, day: i64) -> Option<i64> {
     Some(era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468)
 }
 
-/// Seconds since 1970 as date and time: `2026-11-22T04:44:17Z` (the inverse of reading one, after H. Hinnant).
+/// Formats seconds since 1970 as date and time: `2026-11-22T04:44:17Z` (the inverse of `days`, after H. Hinnant).
 pub fn date_and_time(seconds: u64) -> String {
     let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let (era, day) = (days / 146_097, days % 146_097);
@@ -473,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn day_and_month_are_told_apart_where_one_is_no_month() {
+    fn day_and_month_are_distinguished_if_one_exceeds_twelve() {
         let same = date("2026-11-26 01:02:03.5");
         for text in [
             "11/26/2026 01:02:03.5",
@@ -488,7 +490,7 @@ mod tests {
             assert_eq!(date(text), None, "{text}");
             assert!(is_ambiguous(text), "{text}");
         }
-        // What one date tells holds for those behind it.
+        // The order that one date shows holds for later dates.
         let mut dates = Dates::default();
         assert_eq!(dates.seconds("11/30/2026 23:59:59"), Some(0.0));
         assert_eq!(dates.seconds("12/01/2026 00:00:01"), Some(2.0));
@@ -523,7 +525,7 @@ mod tests {
             ("2026-10-25 02:59:59.5", 0.0),
             ("2026-10-25 02:00:00.0", 0.5),
             ("2026-10-25 02:00:01.0", 1.5),
-            // Rows that are given twice, and a zone.
+            // A row that is given twice.
             ("2026-10-25 02:00:00.0", 0.5),
         ] {
             assert_eq!(dates.seconds(text), Some(seconds), "{text}");
@@ -602,7 +604,7 @@ mod tests {
     #[test]
     fn the_end_of_a_day_and_hours_beyond_it_are_times() {
         for times in [
-            // ISO 8601's end of a day, alone, with its date, and with one of an unclear order.
+            // The end of a day by ISO 8601: alone, with its date, and with a date of unclear order.
             ["23:59:59.5", "24:00:00.0", "00:00:00.5"],
             [
                 "2026-11-28 23:59:59.5",
@@ -614,7 +616,7 @@ mod tests {
                 "28.11.26 24:00:00,0",
                 "29.11.26 00:00:00,5",
             ],
-            // A sheet's [h]:mm:ss, and a counter of operating hours.
+            // [h]:mm:ss of a spreadsheet, and a counter of operating hours.
             ["23:59:59.5", "24:00:00.0", "24:00:00.5"],
             ["1207:59:59.5", "1208:00:00.0", "1208:00:00.5"],
         ] {

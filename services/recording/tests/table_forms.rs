@@ -1,4 +1,4 @@
-//! Tables as others write them are read as what they are.
+//! Tables in the forms of independent programs are read correctly.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ fn a_table_gives_the_same_rows_packed_with_comments_and_with_units() {
     }
 }
 
-/// What comes of a text line by line, as standard input and live sources read it.
+/// The torques of a table that is read line by line, as from standard input and live sources.
 fn lines(text: &str) -> Result<Vec<f64>, Error> {
     let mut decoder = LineDecoder::<ExcavatorSensors>::new(None)?;
     let mut found = Vec::new();
@@ -148,7 +148,7 @@ fn what_is_no_table_is_named_as_what_it_is() {
             "a row for each value",
             "pivot",
         ),
-        // Time and swing speed in GB18030.
+        // Time and swing speed in the encoding GB18030.
         (
             b"\xca\xb1\xbc\xe4,\xbb\xd8\xd7\xaa\xcb\xd9\xb6\xc8\n0,1\n".to_vec(),
             "another encoding",
@@ -225,7 +225,7 @@ fn serial_dates_of_a_sheet_and_times_of_day_are_times() {
     assert!((clock[1] - clock[0] - 0.02).abs() < 1e-9, "{clock:?}");
 }
 
-/// What a table of these lines lacks, or why it is refused.
+/// What a table of these lines lacks, or the error that refuses it.
 fn lacks(lines: &str, map: Option<&str>) -> Result<recording::Lacks, Error> {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("day.csv");
@@ -275,7 +275,7 @@ fn a_column_in_a_unit_of_something_else_is_no_signal() {
         map.text
     );
     assert_eq!(map.missing, [["swing_velocity", "swing_angle"]]);
-    // A DBC file says nothing of a table, and is not ignored.
+    // A DBC file does not apply to a table, and is not ignored silently.
     let error = recording::suggest(&path, &["x.dbc".into()], machine).expect_err("no log");
     assert!(error.remedy.contains("leave out --dbc x.dbc"), "{error}");
 }
@@ -308,7 +308,7 @@ fn names_of_rows_as_r_writes_them_are_no_column_or_are_named() {
         let found = table(quoted, separator, "\"");
         let torques = found.as_ref().map(|torques| (torques.len(), torques[3]));
         assert_eq!(torques.ok(), Some((400, 30.0)), "{separator:?}: {found:?}");
-        // A number without quotes may be one of the columns, and a name be missing.
+        // A number without quotes may belong to a column without a name.
         let error = table(HEADER, separator, "").expect_err("a name is missing");
         let error = error.to_string();
         assert!(
@@ -424,7 +424,7 @@ fn a_switch_may_be_a_word_and_nothing_else_may() {
     let said = table(["no", "yes", "no"], Some(map)).expect("rows");
     assert_eq!(said, [false, true, false]);
     assert!(table(["0", "half", "0"], None).is_err());
-    // Of a measurement a word is no number.
+    // A word is not a measurement.
     let torque = format!("{HEADER}\n0,0,true\n");
     assert!(read(&written(folder.path(), "b.csv", torque.as_bytes())).is_err());
 }
@@ -442,7 +442,7 @@ fn a_truck_may_be_a_word_each_with_a_number_of_its_own() {
     };
     assert!(first == again && first == back);
     assert!(second != first && number == 12.0);
-    // As frames of Python have it (bindings/python/tests/test_heft.py).
+    // The same number as for frames in Python (bindings/python/tests/test_heft.py).
     assert_eq!(first, 636594109.0);
     assert!(
         [first, second]
@@ -479,7 +479,7 @@ fn milliseconds_beside_whole_seconds_are_a_part_of_the_time() {
         let step = times[249] - times[248];
         assert!((step - 0.01).abs() < 1e-6, "{names}: {step}");
     }
-    // Where the time has its own parts of a second they are no more.
+    // If the time has parts of a second, the column of milliseconds is not added.
     let whole: fn(usize) -> String = |k| format!("2026-11-28 10:00:{:05.2}", k as f64 / 100.0);
     let (text, _) = map("timestamp,millisecond", whole);
     assert!(!text.contains("t = { terms"), "{text}");

@@ -1,4 +1,4 @@
-//! Frames made into rows of samples, as a map says.
+//! Decodes CAN frames into rows of samples, by a signal map.
 
 use super::dbc::{Dbc, Message, Place, Reading, source};
 use super::frame::Frame;
@@ -8,30 +8,30 @@ use crate::mapped::{MappedRows, Source};
 use crate::sampling::{SECOND, Series};
 use crate::signal::{self, Row, Sensors};
 
-/// A frame so much earlier than the one before is not merely out of order.
+/// Largest lateness of a frame that is merely out of order [ns].
 const DISORDER: i64 = SECOND;
-/// A frame so much later, or so much earlier, needs another one to be believed.
+/// Largest step forward in time without confirmation [ns], and largest difference of a second frame that confirms a larger step.
 const JUMP: i64 = 10 * SECOND;
-/// Strange times in a row after which any time is believed.
+/// Number of consecutive implausible times of which the last is accepted.
 const MOST_STRANGE: u32 = 3;
-/// No bus is read for longer, 73 years: sums of a few times cannot overflow.
+/// Largest time since the first frame [ns], 73 years: the sum of a few times cannot overflow.
 const LONGEST: i64 = i64::MAX / 4;
-/// Values of one signal that are further apart are too slow for any machine: their times are in another unit. A second apart they
-/// are of no use, but seconds.
+/// Largest plausible step between two values of a signal [ns]: no sensor is slower, so longer steps indicate times in milliseconds.
+/// Steps of 1 s are useless, but their times are in seconds.
 const TOO_FAR: i64 = 3 * SECOND;
-/// A sender that was silent for so long has left the signal to another.
+/// Silence of a sender after which another one may provide the signal [ns].
 const SENDER_TIMEOUT: i64 = 5 * SECOND;
-/// Remarks that are kept.
+/// Largest number of stored remarks.
 const MOST_REMARKS: usize = 20;
 
-/// Makes rows of frames. The frames alone decide what the rows are: a bus and its log give the same.
+/// Makes rows of frames. The rows depend only on the frames: a bus and its log give equal rows.
 #[derive(Debug)]
 pub struct Decoder<S: Sensors> {
     rows: MappedRows<S>,
-    /// The terms that come from the bus, as their series are numbered.
+    /// The terms that come from the bus, in the order of their series.
     terms: Vec<Bus>,
     clock: Clock,
-    /// Values, and those of them that carry the time of the one before, or come long behind it.
+    /// Number of values, of those with the time of the previous one, and of those more than [`TOO_FAR`] after it.
     values: u64,
     repeated: u64,
     far: u64,
@@ -42,33 +42,33 @@ pub struct Decoder<S: Sensors> {
 /// A term that comes from the bus.
 #[derive(Debug)]
 struct Bus {
-    /// The signal that it is part of.
+    /// Entry of its signal in the map.
     entry: Entry,
     name: CanName,
     message: Message,
     place: Place,
-    /// Who sends it.
+    /// The accepted sender.
     sender: Option<Sender>,
     has_value: bool,
-    /// When the last one came.
+    /// Time of the last value [ns].
     last: Option<i64>,
 }
 
-/// A place on a bus.
+/// A sender on a bus.
 #[derive(Debug)]
 struct Sender {
     interface: String,
     /// Source address of J1939.
     address: Option<u8>,
-    /// When it last sent.
+    /// Time of its last frame [ns].
     last: i64,
 }
 
 impl<S: Sensors> Decoder<S> {
-    /// A decoder for the frames that the map names; its DBC files are read.
+    /// A decoder for the frames that the map names. Reads its DBC files.
     ///
     /// # Errors
-    /// The map has no `[can]`, lacks a signal, or names what the DBC files do not have.
+    /// The map has no `[can]`, lacks a signal, or names a message or signal that the DBC files do not have.
     pub fn new(map: &Map) -> Result<Self, Error> {
         let Some(can) = &map.can else {
             return Err(Error::new(
@@ -126,7 +126,7 @@ impl<S: Sensors> Decoder<S> {
         let Some(clock) = self.clock.accept(frame.time_ns, &mut self.remarks) else {
             return;
         };
-        // What was complete before this frame is not its business.
+        // Rows that are complete before this frame do not depend on it.
         self.rows.pass(clock, |ns| self.clock.absolute(ns));
         let mut accepted = false;
         for (series, bus) in self.terms.iter_mut().enumerate() {
@@ -144,14 +144,14 @@ impl<S: Sensors> Decoder<S> {
         }
     }
 
-    /// No frame came until `now_ns`, on the clock of the frames: silence makes rows too.
+    /// Completes rows up to `now_ns` on the clock of the frames, without a frame: rows continue during silence.
     pub fn pass(&mut self, now_ns: i64) {
         if let Some(clock) = self.clock.relative(now_ns) {
             self.rows.pass(clock, |ns| self.clock.absolute(ns));
         }
     }
 
-    /// No frame will come any more: the rows that wait are complete.
+    /// Completes the pending rows after the last frame.
     pub fn finish(&mut self) {
         self.rows.finish(|ns| self.clock.absolute(ns));
     }
@@ -161,21 +161,21 @@ impl<S: Sensors> Decoder<S> {
         self.rows.row()
     }
 
-    /// The first frame gets the time `seconds` instead of 0.
+    /// Sets the time of the first frame to `seconds` instead of 0.
     pub fn begin_at(&mut self, seconds: f64) {
         self.clock.shift = (seconds * 1e9) as i64;
         self.rows.begin_at(self.clock.shift);
     }
 
-    /// What was strange so far, a line each; taken once.
+    /// Returns the remarks so far, one line each, and removes them.
     pub fn take_remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks)
     }
 
-    /// Whether there were frames, in the order of their times.
+    /// Checks whether there are frames, and whether their times are plausible and in order.
     ///
     /// # Errors
-    /// There was none, or most are earlier than one before them, or as late.
+    /// There is no frame, the times are equal, too coarse or in milliseconds, or more than 40 % of the frames are out of order.
     pub fn check_times(&self, log: &str) -> Result<(), Error> {
         let Clock {
             frames,
@@ -215,7 +215,7 @@ impl<S: Sensors> Decoder<S> {
                 "divide the times by 1000, or record anew with candump -L or -ta, whose times are in seconds",
             ));
         }
-        // Of the differences of `candump -td` at least every second is smaller than the largest.
+        // `candump -td` writes differences: at least every second one is smaller than the largest before it.
         if 5 * early > 2 * frames {
             return Err(Error::new(
                 format!("{early} of {frames} frames are earlier than one before them"),
@@ -226,10 +226,10 @@ impl<S: Sensors> Decoder<S> {
         Ok(())
     }
 
-    /// Whether every signal of the map has had a value.
+    /// Checks whether every signal of the map has had a value.
     ///
     /// # Errors
-    /// One has had none.
+    /// A signal has had no value.
     pub fn check_senders(&self, log: &str) -> Result<(), Error> {
         let Some(silent) = self.terms.iter().find(|bus| !bus.has_value) else {
             return Ok(());
@@ -256,7 +256,7 @@ impl<S: Sensors> Decoder<S> {
 }
 
 impl Bus {
-    /// The value in a frame: NaN if the frame says that there is none, nothing if it is another's.
+    /// The value in a frame: NaN if the frame marks it as missing, `None` if the frame does not contain it or is not accepted.
     fn read(&mut self, frame: &Frame, clock: i64, remarks: &mut Vec<String>) -> Option<f64> {
         let interface = self.name.interface.as_deref();
         if !self.message.matches(frame.id, frame.extended)
@@ -274,7 +274,8 @@ impl Bus {
         is_accepted.then_some(value)
     }
 
-    /// Two senders of one message measure at two places, and so do two buses: only the first counts.
+    /// Whether a frame comes from the accepted sender. Two senders of one message, or two buses, measure at two places: the first one
+    /// is accepted until it is silent for [`SENDER_TIMEOUT`].
     fn is_accepted(&mut self, frame: &Frame, clock: i64, remarks: &mut Vec<String>) -> bool {
         let address = self.message.j1939.then(|| source(frame.id));
         if self.name.source.is_some() && self.name.source != address {
@@ -308,7 +309,7 @@ impl Bus {
 }
 
 impl Sender {
-    /// What is said where another one sends the same.
+    /// Remark on a second sender of the same message.
     fn beside(&self, frame: &Frame, address: Option<u8>) -> String {
         let hex = |address: Option<u8>| format!("{:#04x}", address.unwrap_or_default());
         let (first, other, key) = if self.interface == frame.interface {
@@ -321,7 +322,7 @@ impl Sender {
     }
 }
 
-/// Keeps a remark that is new.
+/// Stores a new remark.
 fn remark(remarks: &mut Vec<String>, text: String) {
     if remarks.len() < MOST_REMARKS && !remarks.contains(&text) {
         remarks.push(text);
@@ -387,8 +388,8 @@ impl Resolver<'_> {
     }
 }
 
-/// The time of frames since the first. A single wrong time is not believed; a clock that was set
-/// is: forward it leaves a gap, backward the rows go on a second after the last.
+/// The time of frames since the first. A single wrong time is rejected, a clock that was set is accepted. Set forward, it leaves
+/// a gap. Set backward, the rows continue one second after the last.
 #[derive(Debug, Default)]
 struct Clock {
     start: Option<i64>,
@@ -396,14 +397,14 @@ struct Clock {
     shift: i64,
     strange: Option<i64>,
     strangers: u32,
-    /// Frames, and those that are earlier than one before them, or later than all.
+    /// Number of frames, of those earlier than a frame before them, and of those later than all before them.
     frames: u64,
     early: u64,
     later: u64,
 }
 
 impl Clock {
-    /// Time of a frame since the first [ns]; `None` if the frame's time is not to be believed.
+    /// Time of a frame since the first [ns]; `None` if it is rejected.
     fn accept(&mut self, time: i64, remarks: &mut Vec<String>) -> Option<i64> {
         let is_first = self.start.is_none();
         self.start.get_or_insert(time);

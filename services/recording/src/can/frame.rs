@@ -1,4 +1,4 @@
-//! A CAN frame, and its line in what `candump` prints.
+//! A CAN frame, and its line in the output of `candump`.
 
 use std::borrow::Cow;
 
@@ -64,19 +64,19 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What a line of candump says.
+/// Meaning of a line of candump.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Line<'a> {
-    /// A frame; `timed` is false where the line tells no time (the frame's is 0 then).
+    /// A frame; `timed` is false if the line has no time, and the time of the frame is then 0.
     Frame {
         /// The frame.
         frame: Frame<'a>,
-        /// Whether the line tells the time.
+        /// Whether the line has a time.
         timed: bool,
     },
-    /// Nothing of use: empty, a remote frame, an error frame and what `-e` says below it.
+    /// No data: an empty line, a remote frame, an error frame, or the details that `-e` prints below it.
     Nothing,
-    /// So many frames were lost while the log was recorded (`-d`).
+    /// Number of frames lost during recording (`-d`).
     Dropped(u64),
 }
 
@@ -98,15 +98,15 @@ pub(crate) fn text(line: &[u8]) -> Cow<'_, str> {
     Cow::Owned(rest.fold(first, |all, part| all + part))
 }
 
-/// Reads a line of `candump`: the log form (`-L`, `-l`), and the form for people with its times (`-t a`,
-/// `-t A`, `-t z`) or without, with or without direction (`-x`), text (`-a`), raw lengths (`-8`), in bits (`-i`) or
-/// swapped (`-S`). `None` for text that is no frame.
+/// Reads a line of `candump`: the log form (`-L`, `-l`), or the screen form with times (`-t a`, `-t A`, `-t z`) or without.
+/// The screen form may have direction (`-x`), text (`-a`), raw lengths (`-8`), bits (`-i`) or swapped bytes (`-S`).
+/// `None` for text that is not a frame.
 pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
-    // What `-e` says of an error frame stands below it.
+    // `-e` prints the details of an error frame on the line below it.
     if line.starts_with('\t') && line.split_whitespace().count() == 1 {
         return Some(Line::Nothing);
     }
-    // Some editors begin a file with a mark of its encoding.
+    // Some editors begin a file with a byte order mark.
     let line = line.trim_start_matches('\u{feff}').trim();
     if line.is_empty() {
         return Some(Line::Nothing);
@@ -160,7 +160,7 @@ pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
     })
 }
 
-/// The bytes of a line, as they are read.
+/// The data bytes of a line.
 struct Bytes {
     data: [u8; MAX_DATA],
     length: usize,
@@ -186,7 +186,7 @@ impl Bytes {
         Some(())
     }
 
-    /// `AABB..`, or `#` with a flag before it (CAN FD), or `R` (remote: false); a raw length may stand behind (`_F`).
+    /// Reads `AABB..`, the same after `#` and a flag (CAN FD), or `R` (remote frame: false). A raw length may follow (`_F`).
     fn compact(&mut self, data: &str) -> Option<bool> {
         if data.starts_with('R') {
             return Some(false);
@@ -209,7 +209,7 @@ impl Bytes {
         Some(true)
     }
 
-    /// `[8] AA BB ...`, `{F} AA BB ...` with a raw length, or `[8] remote request` (false). A byte may be eight bits.
+    /// Reads `[8] AA BB ...`, `{F} AA BB ...` with a raw length, or `[8] remote request` (false). A byte may be eight binary digits.
     fn spaced<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Option<bool> {
         let length = length(words.next()?)?;
         while self.length < length {
@@ -217,7 +217,7 @@ impl Bytes {
             if self.length == 0 && word == "remote" {
                 return Some(false);
             }
-            // Swapped bytes are one word, the last byte first.
+            // Swapped bytes form one word, the last byte first.
             for byte in word.rsplit('`') {
                 self.push_word(byte)?;
             }
@@ -225,7 +225,7 @@ impl Bytes {
         (self.length == length).then_some(true)
     }
 
-    /// `AA`, or `10101010`.
+    /// Reads `AA` or `10101010`.
     fn push_word(&mut self, word: &str) -> Option<()> {
         match word.as_bytes() {
             pair @ [_, _] => self.push(pair),
@@ -242,7 +242,7 @@ impl Bytes {
     }
 }
 
-/// `[8]`, `[08]`, or `{F}`: bytes of the data field; of the raw lengths behind 8 each says 8.
+/// Length of the data field in bytes: `[8]`, `[08]`, or `{F}`. A raw length above 8 means 8.
 fn length(word: &str) -> Option<usize> {
     if let Some(raw) = word.strip_prefix('{') {
         let raw = hex(raw.strip_suffix('}')?.as_bytes())?;
@@ -251,7 +251,7 @@ fn length(word: &str) -> Option<usize> {
     word.strip_prefix('[')?.strip_suffix(']')?.parse().ok()
 }
 
-/// Up to eight hexadecimal digits; nothing else.
+/// Reads one to eight hexadecimal digits, and nothing else.
 fn hex(digits: &[u8]) -> Option<u32> {
     (1..=8).contains(&digits.len()).then_some(())?;
     digits.iter().try_fold(0, |number: u32, digit| {

@@ -1,14 +1,14 @@
-//! Lines of a log that are no frames: counted, and the first of them named.
+//! Counts the lines of a log that are not frames, and stores the first of them for the message.
 
 use super::Line;
 use crate::Error;
 
-/// So many lines that are no frames are enough to judge a log before its end.
+/// Number of lines without a frame after which a log is judged before its end, and again after each multiple.
 const ENOUGH: u64 = 100;
-/// So much of a line is shown [characters].
+/// Largest number of characters of a line in a message.
 const SHOWN: usize = 80;
 
-/// What to do about a line that is no frame.
+/// The remedy for a line that is not a frame.
 fn remedy(text: &str) -> &'static str {
     if text.starts_with("Timestamp:") {
         return "this is what python-can prints: have it write a log, by can_logger -f day.log";
@@ -17,22 +17,22 @@ fn remedy(text: &str) -> &'static str {
      its time in seconds, or in ms, µs or ns since 1970"
 }
 
-/// What a log holds beside frames.
+/// Counts of a log: lines, and what is not a frame.
 #[derive(Debug, Default)]
 pub(crate) struct LeftOut {
-    /// Lines that are not blank.
+    /// Number of lines that are not blank.
     lines: u64,
-    /// Those that are no frames, and of these such as are frames without a time.
+    /// Number of those without a usable frame, and among these the number of frames without a time.
     strange: u64,
     untimed: u64,
-    /// Number and text of the first.
+    /// Number and text of the first line without a usable frame.
     first: Option<(u64, String)>,
-    /// Frames that were lost while the log was recorded.
+    /// Number of frames lost during recording.
     dropped: u64,
 }
 
 impl LeftOut {
-    /// Counts what line `number` says, of which `text` is shown where it is no frame.
+    /// Counts line `number`. Stores `text` for the message if it is the first line without a usable frame.
     pub(crate) fn count(&mut self, line: Option<&Line<'_>>, number: u64, text: &str) {
         self.lines += u64::from(!text.trim().is_empty());
         let is_untimed = match line {
@@ -50,7 +50,7 @@ impl LeftOut {
             .get_or_insert_with(|| (number, text.trim().chars().take(SHOWN).collect()));
     }
 
-    /// Whether the lines so far are enough to judge them, and are of no log.
+    /// Judges the log at every [`ENOUGH`] lines without a usable frame.
     ///
     /// # Errors
     /// As [`Self::judge`].
@@ -61,10 +61,10 @@ impl LeftOut {
         }
     }
 
-    /// Whether most lines are frames.
+    /// Checks whether at least half of the lines are frames with a time.
     ///
     /// # Errors
-    /// They are not, or have no times.
+    /// Most lines are not frames, or have no time.
     pub(crate) fn judge(&self, log: &str) -> Result<(), Error> {
         let Some((number, text)) = self
             .first
@@ -88,7 +88,7 @@ impl LeftOut {
         Err(Error::new(what, place, remedy(text)))
     }
 
-    /// Words on what was left out, if anything was.
+    /// Message on the lines that were left out and the frames that were lost, if there are any.
     pub(crate) fn words(&self, log: &str) -> Option<String> {
         let strange = self.first.as_ref().map(|(number, text)| {
             let lines = match self.strange {

@@ -6,8 +6,8 @@ use crate::Error;
 use crate::map::hint;
 use crate::signal::{self, Builder, Row, Sensors, Signal};
 
-/// The samples of a machine from columns with the names of its CSV, in order; columns of other names are
-/// ignored, a value that is not finite is a missing sample.
+/// The samples of a machine from columns with the names of its CSV, in order. Columns of other names are
+/// ignored. A value that is not finite is a missing sample.
 ///
 /// # Errors
 /// A required column is missing, or the columns differ in length.
@@ -53,7 +53,7 @@ pub fn rows<'a, S: Sensors>(
 
 const TABLE: &str = "the table";
 
-/// Refuses signals without one that the machine needs.
+/// Fails if a signal that the machine requires is missing.
 fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
     let time: &[&str] = &["t"];
     let mut groups = [time].into_iter().chain(S::REQUIRED.iter().copied());
