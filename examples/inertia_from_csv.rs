@@ -5,7 +5,7 @@
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Settings, SwingEstimator};
 
-/// One row in so many is printed.
+/// Number of rows per printed row.
 const EVERY: usize = 25;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

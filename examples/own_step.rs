@@ -1,6 +1,6 @@
-//! A step of one's own in the pipeline: after the filter of heft, before nothing.
+//! A user-defined step in the pipeline, after the filter of heft.
 //!
-//! It says how much torque a swing spends on acceleration, from the filtered motion. The same value
+//! It estimates the torque per acceleration of a swing from the filtered motion. The same step
 //! could run as a process (`runtime::run_stage`); here it runs on a simulated excavator.
 
 use messages::{ExcavatorEstimate, SwingMotion};

@@ -81,7 +81,7 @@ fn old_parts_make_room_for_new_ones() {
         .iter()
         .map(|f| std::fs::metadata(f).map_or(0, |m| m.len()))
         .collect();
-    // Beside the parts that are kept there is the part being written, of at most twice the length.
+    // In addition to the retained parts there is the part being written, of at most twice the length.
     let total: u64 = sizes.iter().sum();
     assert!((200_000..1_400_000).contains(&total), "{sizes:?}: {said}");
     assert!(sizes.iter().all(|s| *s < 400_000), "{sizes:?}: {said}");

@@ -14,7 +14,7 @@ fn asked(name: &str, usual: u64) -> String {
     value
 }
 
-/// Runs a target in a process and a folder of its own; what it said and its last input if it did not survive.
+/// Runs a target in a process and a folder of its own. The error has its output and its last input, if it did not survive.
 fn attack(target: &str) -> Result<(), String> {
     let folder = tempfile::tempdir().expect("a folder");
     let seed = asked("HEFT_FUZZ_SEED", 11);

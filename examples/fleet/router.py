@@ -21,12 +21,13 @@ def subject(common_name, names):
 
 ask = ["declare_subscriber", "query", "declare_liveliness_subscriber", "liveliness_query"]
 say = ["put", "reply", "declare_queryable", "liveliness_token"]
-# That somebody listens must reach a machine, or it would send nothing; what others say does not.
+# A machine receives the wishes of subscribers, without which it sends nothing, but no data of others.
 wishes = rule("wishes", "egress", ask, "heft/v1/**")
 for machine in machines:
     subject(machine, [rule(f"only {machine}", "ingress", say, f"heft/v1/{site}/{machine}/**"), wishes])
 subject("collector", [rule("collector asks", "ingress", ask, "heft/v1/**"), rule("collector hears", "egress", say, "heft/v1/**")])
-# `heft fleet serve` hears the samples of all machines, and writes what it makes of them beside what they say themselves, also when it is asked.
+# `heft fleet serve` receives the samples of all machines. It publishes its estimates beside those of the machines, and answers
+# queries for them.
 server = [rule("server asks", "ingress", ask, f"heft/v1/{site}/*/sample/**"), rule("server hears", "egress", say, f"heft/v1/{site}/*/sample/**"),
           rule("server says", "ingress", ["put", "reply", "declare_queryable"], f"heft/v1/{site}/*/site/*"), wishes]
 subject("server", server)

@@ -40,7 +40,7 @@ class Machine:
         # (2): what is known at the start, with standard deviations.
         bucket = stated(m["bucket_tolerance"], 11 * tolerance) * g["bucket_mass"]
         sticks = 0.035 * self.rated
-        # Of bucket and soil together so much is soil; and what a payload may be.
+        # Expected soil in the bucket, given the sum of bucket and soil; and the range of payloads.
         self.soil = lambda both: sticks + (sticks / math.hypot(bucket, sticks)) ** 2 * (both - sticks)
         most = prior["payload"] + 4 * prior["payload_std"]
         self.range = e["payload_min"], max(e["payload_max"], most)

@@ -56,7 +56,7 @@ fn answer(description: &Description, samples: &Wild) {
     }
 }
 
-/// A sample on its way.
+/// Passes a sample through the steps. All answers must be finite.
 fn follow(way: &mut [Box<dyn AnyStep>], mut message: Envelope) {
     for step in way {
         let Some(answer) = step.answer(&message) else {

@@ -41,8 +41,8 @@ pub fn http(input: &[u8]) {
     }
 }
 
-/// Says the input, looks at what comes for a while, goes. What fails is the client's affair: the page may close before
-/// everything was said.
+/// Sends the input, reads the answer for a while, and closes. Errors of the client are ignored: the page may close the
+/// connection before it has read everything.
 fn look(mut stream: TcpStream, input: &[u8], stays: bool) {
     stream.set_read_timeout(Some(LOOK / 5)).expect("a limit");
     let _ = stream.write_all(input);
@@ -68,7 +68,7 @@ fn answer(mut stream: TcpStream) -> (Vec<u8>, String) {
     (answer, ended)
 }
 
-/// What browsers ask, and what they do not, one after the other on a connection.
+/// Requests of browsers and unusual requests, in sequence on one connection.
 pub fn requests() -> Vec<u8> {
     b"GET / HTTP/1.1\r\nHost: localhost\r\nAccept: */*\r\n\r\n\
       POST / HTTP/1.1\r\nHost: 127.0.0.1:8440\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n0\r\n\r\n\

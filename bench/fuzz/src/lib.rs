@@ -29,7 +29,7 @@ pub struct Target {
     pub seeds: &'static [&'static str],
     /// More that are made.
     pub made: fn() -> Vec<Vec<u8>>,
-    /// Only so many bytes of a file: short inputs are quick.
+    /// Largest number of bytes of a file: short inputs run quickly.
     pub longest: usize,
     /// Must return, whatever the input is. Writes files into the working folder.
     pub run: fn(&[u8]),

@@ -29,7 +29,7 @@ unsafe impl GlobalAlloc for Limited {
             > MOST.load(Relaxed)
         {
             USED.fetch_sub(layout.size(), Relaxed);
-            // Allocates nothing; what is asked for is said by whoever gets none.
+            // This write does not allocate. The caller reports the size that it requested.
             let _ = std::io::stderr()
                 .write_all(b"an input costs more than 256 MB, all threads together\n");
             return std::ptr::null_mut();

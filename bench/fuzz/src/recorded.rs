@@ -20,7 +20,7 @@ pub fn mcap(input: &[u8]) {
     }
 }
 
-/// A whole recording of the numbers that the input says.
+/// Writes a complete recording of the numbers in the input, and its report.
 pub fn report(input: &[u8]) {
     record("x.mcap", &Wild::new(input));
     let page = page_of("x.mcap").expect("a whole recording");

@@ -121,8 +121,8 @@ pub struct Outcome {
 /// Runs a chain of processes and returns when its last sample has arrived.
 ///
 /// # Errors
-/// `InvalidInput` for options that make no chain; otherwise what the system said when a process or its memory could not be had, or
-/// `TimedOut` when the chain came to a halt.
+/// `InvalidInput` for options that make no chain, `TimedOut` if the chain stopped. Otherwise the error of the system for a process
+/// or its memory.
 pub fn chain(kind: Primitive, options: &Options) -> io::Result<Outcome> {
     let options = checked(kind, options)?;
     let shared =

@@ -34,7 +34,7 @@ impl Output<'_> {
         }
     }
 
-    /// Says that nothing more will come. A pipe says so by being closed.
+    /// Marks the end of the samples. A pipe marks it by being closed.
     pub fn finish(self) -> io::Result<()> {
         match self {
             Output::Futex(ring) => {

@@ -105,12 +105,12 @@ impl Shared {
         &self.data()[START]
     }
 
-    /// A stage says that it does not run under SCHED_FIFO.
+    /// Notes that a stage does not run under SCHED_FIFO.
     pub fn note_not_fifo(&self) {
         self.data()[NOT_FIFO].store(1, Ordering::Release);
     }
 
-    /// Whether no stage said so.
+    /// Whether all stages run under SCHED_FIFO.
     pub fn all_fifo(&self) -> bool {
         self.data()[NOT_FIFO].load(Ordering::Acquire) == 0
     }
@@ -186,7 +186,7 @@ impl Ring<'_> {
         self.word.store((count + 1) & !DONE, Ordering::Release);
     }
 
-    /// Says that nothing more will come.
+    /// Marks the end of the samples.
     pub fn finish(&self) {
         self.word.fetch_or(DONE, Ordering::Release);
     }

@@ -35,7 +35,7 @@ int main(void)
     assert(heft_loader_complete(NULL) == HEFT_NULL);
     settings.machine.mass = NAN;
     assert(heft_loader_complete(&settings) == HEFT_REFUSED);
-    /* What nobody states follows from the mass, and what is stated stays. */
+    /* Values that are not stated follow from the mass, and stated ones are unchanged. */
     settings.machine.mass = 20000.0;
     settings.machine.wheelbase = 3.5;
     assert(heft_loader_complete(&settings) == HEFT_OK);

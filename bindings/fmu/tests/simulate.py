@@ -85,7 +85,7 @@ def main():
         assert compared > 10 * len(expected)
         print(f"{file}: {len(expected)} rows, {compared} numbers and flags with the bits of the command line")
     # As a user simulates: inputs from a table, a fixed step, named outputs.
-    # One swing with a torque that nobody calibrated is not enough.
+    # One swing with an uncalibrated torque is not enough.
     data = rows(GOLDEN / "excavator_input_two_swings.csv")
     names = ["swing_velocity", "swing_torque", "boom_angle", "arm_angle", "bucket_angle"]
     table = np.array([tuple([row["t"]] + [row[n] for n in names]) for row in data], dtype=[(n, float) for n in ["time"] + names])

@@ -1,4 +1,4 @@
-//! What a description may say, what it prints, and how it refuses.
+//! Accepted descriptions, their printed form, and the errors of refused ones.
 
 use config::{Description, Excavator, Form, Loader, Numbers, Tables, Value, Variant};
 use messages::Machine;

@@ -1,4 +1,4 @@
-//! What a program says of itself on standard error: the same choices for the command and for the programs of a fleet.
+//! Log messages of a program on standard error, with the same options for the command and the programs of a fleet.
 
 mod journal;
 

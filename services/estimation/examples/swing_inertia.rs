@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut velocity: f64 = 0.0;
     for row in 0..6000_u32 {
         let time = f64::from(row) * PERIOD;
-        // Speeds up for a second, slows down for a second, rests for two; then in the other direction.
+        // Accelerates for a second, brakes for a second, rests for two; then in the opposite direction.
         let phase = time % 8.0;
         let torque = match phase {
             p if p < 1.0 => 6000.0,

@@ -2,7 +2,7 @@
 //! verdicts are known. Tests attach a gateway to it, and count.
 //!
 //! `stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]`: those of a file are sent from the
-//! [`WAIT`]th second on, when whoever listens is there.
+//! [`WAIT`]th second on, when the subscribers are connected.
 
 use std::time::{Duration, Instant};
 

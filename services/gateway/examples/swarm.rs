@@ -1,5 +1,5 @@
-//! Many machines from one process, to see what a router and a collector can take: estimates with labels, and a
-//! status a second each. Nothing is answered from a recording: what is lost on the way stays a gap.
+//! Simulates many machines in one process, to measure the capacity of a router and a collector. Each sends estimates with labels,
+//! and a status per second. There are no recordings to answer from: a lost message remains a gap.
 //!
 //! `swarm ROUTER MACHINES HZ SECONDS [gateways]`; then compare what it sent with `heft fleet query`. All machines share a
 //! session, and declare two keys each; `gateways`: each has a session, and everything that a gateway declares.
@@ -141,7 +141,7 @@ impl Machine {
         };
     }
 
-    /// Says how it is, and how far its stream has got.
+    /// Publishes its status, and the head of its stream.
     fn report(&self, run: u64, round: u64) {
         let head = Stream {
             head: round as i64,

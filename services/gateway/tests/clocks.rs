@@ -16,7 +16,7 @@ const HOUR_MS: i64 = 3_600_000;
 /// A gateway stays for so long after its run, unless stated otherwise [s].
 const LINGER: u64 = 20;
 
-/// A machine, or somebody who says so.
+/// A session that claims to be a machine.
 struct Speaker<'a> {
     session: &'a Session,
     name: &'a str,
@@ -80,7 +80,7 @@ impl Speaker<'_> {
         );
     }
 
-    /// A run of so many messages.
+    /// Sends a run of this number of messages.
     fn speak(&self, messages: u64) {
         for number in 0..messages {
             self.message(number);
@@ -89,7 +89,7 @@ impl Speaker<'_> {
     }
 }
 
-/// Numbers of each run of a machine, in the order in which the query tells them.
+/// Message numbers of each run of a machine, in the order of the query.
 fn by_run(centre: &Collector, machine: &str) -> Vec<(u64, Vec<u64>)> {
     let mut runs: Vec<(u64, Vec<u64>)> = Vec::new();
     for message in centre.query("estimates") {
@@ -125,7 +125,7 @@ fn a_run_is_kept_whatever_its_clock_says() {
         !by_run(&centre, "hello").is_empty()
     });
     let since_1970 = 60_000 - wall_ms() as i64;
-    // Right, an hour back, ahead by 20 hours, by three days, 1970, right again. The ids say nothing of the order.
+    // Clocks: correct, an hour slow, 20 hours fast, three days fast, 1970, correct. The ids carry no information about the order.
     let clocks = [0, -HOUR_MS, 20 * HOUR_MS, 72 * HOUR_MS, since_1970, 0];
     let ids = [50, 7, 901, 3, 66, 12];
     let runs = || clocks.iter().zip(ids).enumerate();

@@ -48,7 +48,7 @@ fn client(address: &str, config: PathBuf) -> Option<Session> {
         .expect("its configuration is good")
 }
 
-/// Says for a machine, as whoever the session is, that it has an estimate.
+/// Publishes an estimate of a machine over a session, which may have another identity.
 fn say(session: &Session, machine: &str) {
     let mut payload = Vec::new();
     let message = ExcavatorEstimate::default();
@@ -62,7 +62,7 @@ fn say(session: &Session, machine: &str) {
         wall_ms: wall_ms(),
     };
     let key = format!("heft/v1/north/{machine}/{UKF}");
-    // Whether it passes is what the collector says.
+    // The collector shows whether the message passes.
     let _ = session
         .put(key, payload)
         .attachment(label.to_string())

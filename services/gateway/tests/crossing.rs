@@ -20,7 +20,7 @@ fn stored(centre: &Collector) -> u64 {
         .expect("a count")
 }
 
-/// Sends so many numbers of a machine over a session of its own, as fast as the router takes them.
+/// Sends messages with these numbers over a session of their own, as fast as the router accepts them.
 fn send(router: &Router, machine: &str, numbers: std::ops::Range<u64>) {
     let session = router.client();
     let key = format!("heft/v1/north/{machine}/{STREAM}");

@@ -196,7 +196,7 @@ fn what_the_recording_has_dropped_is_counted_at_both_ends() {
         .expect("a stream");
     assert!(lost > 0, "something was dropped");
     assert_eq!(here as i64 + lost, 400, "{here} here");
-    // And so says the machine, of all its streams.
+    // The page shows the losses of all streams, counted by the collector and by the machine.
     let page = || centre.get("/north/ex-1", "localhost");
     let said = |words: &str| -> Option<i64> {
         let page = page();
@@ -213,7 +213,7 @@ fn what_the_recording_has_dropped_is_counted_at_both_ends() {
         said(" asked for and no longer recorded"),
     );
     assert_eq!(ours, Some(centre.account("ex-1").0));
-    // A machine may say more, never less: Zenoh's cache may still have had some.
+    // The machine may report more lost messages, never fewer: Zenoh's cache may have provided some.
     assert!(theirs >= ours, "{theirs:?} at the machine, {ours:?} here");
 }
 

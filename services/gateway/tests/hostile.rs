@@ -86,7 +86,7 @@ fn what_a_machine_may_not_say_is_refused_and_counted_under_its_own_name() {
     };
     let json = |s: &Status| serde_json::to_vec(s).expect("plain data");
     put(&session, "heft/v1/north/bad/status", json(&status), "");
-    // About itself it may say what it likes; it is not asked for ever because of it.
+    // It may claim any state of itself, and is still not queried without end.
     let mut own_status = Status {
         machine: "bad".into(),
         run: wall_ms() - 500,
@@ -133,7 +133,7 @@ fn a_flood_of_one_machine_is_thinned_and_another_is_heard() {
         let label = format!("loud {run} {i} {} {}", i - 1, wall_ms());
         put(&session, &own, message(i, 1.0), &label);
     }
-    // Live is at most once, so the other speaks until it is heard.
+    // Live messages may be lost, so the honest machine repeats its message until it arrives.
     let (other, label_of_other) = (
         format!("heft/v1/north/quiet/{STREAM}"),
         label("quiet", 0, -1),

@@ -15,7 +15,7 @@ fn ages(centre: &Collector) -> [i64; 2] {
     [all[0], all[all.len() / 2]]
 }
 
-/// A machine of so many seconds behind a link of this quality, cut for so long in its midst.
+/// Runs a machine behind a link of this quality, which is cut for `cut` seconds in the middle.
 fn over(quality: Quality, seconds: u64, cut: f64) -> [i64; 2] {
     let router = Router::start();
     let relay = Relay::to(&router.address, quality);

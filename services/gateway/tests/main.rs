@@ -11,7 +11,7 @@ mod links;
 mod python;
 mod serve;
 
-/// A file that is no module here would be compiled by nobody.
+/// A test file that is not a module here would not be compiled.
 #[test]
 fn every_file_of_tests_is_in_this_program() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");

@@ -25,7 +25,7 @@ fn a_subscriber_in_python_prints_and_plots_what_machines_send() {
         gateway(&machines[0], "ex-1", &router.address),
         gateway(&machines[1], "ex-2", &router.address),
     ];
-    // The machines tell what their messages mean, so they must be there.
+    // The machines provide the schemas of their messages, so they must be running.
     crate::common::sleep(3.0);
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("inertia.png");
@@ -59,7 +59,7 @@ fn a_subscriber_in_python_prints_and_plots_what_machines_send() {
         );
         for line in its {
             let value = line.rsplit_once("inertia=").map(|(_, v)| v.parse::<f64>());
-            // What the stand-in says.
+            // The inertia that the stand-in sends.
             let is_right = value.is_some_and(|v| v.is_ok_and(|v| (5790.0..5810.0).contains(&v)));
             assert!(
                 is_right && line.contains(" run ") && line.contains(" t="),

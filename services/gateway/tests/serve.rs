@@ -194,7 +194,7 @@ fn a_collector_that_was_away_asks_the_site_for_its_estimates() {
     let machine = machine.until_it_ends();
     let expected = alone(&heft, &machine);
     let count = rows(&expected).len();
-    // All that is still to come: the last estimate, said again, and what the site is asked for.
+    // Messages still to arrive: the repeated last estimate, and the answers of the site to queries.
     let centre = collector(&router.address, &db, &[]);
     let before = centre.numbers("ex-1", STREAM).len();
     assert!(before < count, "{before}: it was away in vain");

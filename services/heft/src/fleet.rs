@@ -105,7 +105,7 @@ fn program(name: &str, place: &str) -> Result<PathBuf, Failure> {
 /// `heft fleet`
 #[derive(Debug, Args)]
 pub struct PassedArgs {
-    /// `heft fleet --help` tells
+    /// See `heft fleet --help`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     pub args: Vec<String>,
 }

@@ -57,7 +57,7 @@ fn a_motion_survives_its_message() {
 
 #[test]
 fn every_field_of_a_motion_has_a_place_in_the_message() {
-    // No two values alike: a field that took another's place would show.
+    // All values differ, so that exchanged fields are detected.
     let m = Motion {
         time: 1.0,
         period: 2.0,

@@ -67,7 +67,7 @@ fn the_channels_of_a_machine_are_those_of_its_stages() {
             .stages
             .iter()
             .filter_map(|s| Some(s.output()?.name));
-        // The supervisor tells the loads.
+        // The supervisor publishes the loads.
         let loads = steps::loads::channel(pipeline.machine).name;
         assert_eq!(outputs.chain([loads]).collect::<Vec<_>>(), of_machine);
     }

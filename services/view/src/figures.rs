@@ -16,7 +16,7 @@ pub struct Curve<'a> {
     pub values: &'a [f64],
 }
 
-/// A figure: caption and panels; "heft" says that the data are ours.
+/// A figure with caption and panels; "heft" marks the data as those of this project.
 pub(crate) fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
     let caption = format!("Fig. {number}: {what}");
     crate::plot::file(

@@ -42,7 +42,7 @@ fn the_report_tells_inertia_uncertainty_reasons_and_truth() {
     );
 }
 
-/// Of a part of the samples nobody sees where a swing ends.
+/// The end of a swing cannot be determined from a part of the samples.
 #[test]
 fn swings_are_told_apart_only_where_every_sample_is_there() {
     let mut run = common::excavator(20.0, 100.0, true);

@@ -75,13 +75,13 @@ struct Arguments {
     /// The program that is attacked; the one beside this if absent
     #[arg(long, value_name = "PATH")]
     heft: Option<PathBuf>,
-    /// One target of the fuzzer alone, in this folder, for so many --seconds
+    /// One target of the fuzzer alone, in this folder, for --seconds
     #[arg(long, value_name = "TARGET")]
     fuzz: Option<String>,
-    /// The cells of the trust matrix whose name holds this word, as a table, with the fault --from so many seconds on
+    /// The cells of the trust matrix whose name contains this word, as a table, with the fault from --from seconds on
     #[arg(long, value_name = "WORD")]
     trust: Option<String>,
-    /// Both machines in real time for so many minutes, with the slopes of memory, descriptors and disk
+    /// Both machines in real time for this number of minutes, with the slopes of memory, descriptors and disk
     #[arg(long, value_name = "MINUTES")]
     soak: Option<f64>,
     /// With --fuzz

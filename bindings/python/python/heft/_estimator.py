@@ -15,7 +15,7 @@ _NEEDED = (
     *("excited", "excited_ratio", "excited_height", "consistent", "fresh"),
     *("converged", "converged_ratio", "converged_height", "identifiable"),
 )
-# What they decide; said where nothing else is: not everything that decides has a column.
+# The verdicts that follow from them: named where no other flag explains them, because not every cause has a column.
 _VERDICTS = ("trusted", "trusted_ratio", "trusted_height")
 
 

@@ -23,7 +23,7 @@ const BROKE_OFF: &str = "its run broke off: killed, or given up after failures";
 /// What is an alarm.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
-    /// A machine that runs and was not trusted for so many minutes; or a time such as 2h
+    /// Minutes for which a running machine was not trusted; or a time such as 2h
     #[arg(long, default_value_t = 30.0, value_name = "MIN", value_parser = minutes)]
     pub untrusted_after: f64,
 }

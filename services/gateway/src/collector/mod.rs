@@ -76,7 +76,7 @@ pub struct CollectorArgs {
     /// Where the page is shown: an address of this host
     #[arg(long, default_value = PAGE, value_name = "ADDR")]
     pub page: SocketAddr,
-    /// Days of history that are kept; or a time such as 12h
+    /// Days of history that are stored; or a time such as 12h
     #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = days)]
     pub keep: f64,
     /// What is an alarm

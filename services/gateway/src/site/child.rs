@@ -68,7 +68,7 @@ pub(super) fn end(mut child: Child) -> Result<(), Failure> {
     let ended = child
         .wait()
         .map_err(|e| error(e, "heft serve", "check the system"))?;
-    // 1: what some machines measure is not what it is taken for, which it has said.
+    // Status 1: the samples of some machines are faulty, which the child has reported.
     if ended.success() || ended.code() == Some(1) {
         return Ok(());
     }

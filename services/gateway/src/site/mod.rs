@@ -51,7 +51,7 @@ pub struct ServeArgs {
     /// Method; the headline one if absent
     #[arg(long)]
     pub method: Option<String>,
-    /// At most one estimate a machine in so much of its time, such as 1 (s) or 500ms; every one if 0
+    /// At most one estimate per machine in this time of its clock, such as 1 (s) or 500ms; every one if 0
     #[arg(long, value_name = "TIME", default_value_t = 1.0, value_parser = view::duration::seconds)]
     pub every: f64,
     /// The program heft; beside this one, or in the search path, if absent

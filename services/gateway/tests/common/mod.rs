@@ -73,7 +73,7 @@ impl Router {
         }
     }
 
-    /// Every connection breaks, and nobody listens.
+    /// Closes the router: all connections break, and new ones are refused.
     pub fn down(&mut self) {
         if let Some(session) = self.session.take() {
             session.close().wait().expect("the router ends");
@@ -96,7 +96,7 @@ pub struct Machine {
     pub process: Process,
 }
 
-/// `parts`: bytes of a part of the recording, and bytes kept.
+/// `parts`: bytes of a part of the recording, and bytes retained.
 pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
     let parts = parts.map_or_else(Vec::new, |(part, kept)| {
         vec![part.to_string(), kept.to_string()]
@@ -186,7 +186,7 @@ pub fn collector(router: &str, db: &Path, more: &[&str]) -> Collector {
     let mut process = Process::start(command.stderr(Stdio::piped()));
     let mut lines = BufReader::new(process.0.stderr.take().expect("piped")).lines();
     let first = lines.next().expect("a line").expect("text");
-    // What it says later must not fill the pipe.
+    // Later messages must not fill the pipe.
     std::thread::spawn(move || {
         lines.for_each(|line| eprintln!("collector: {}", line.unwrap_or_default()))
     });
@@ -234,8 +234,8 @@ impl Collector {
             .collect()
     }
 
-    /// Waits until so many messages of a stream are here and no stream of the machine has a gap. What never closes is
-    /// named with its numbers: without them a failure tells nobody where to look.
+    /// Waits until this number of messages of a stream has arrived and no stream of the machine has a gap. A failure names the
+    /// missing numbers.
     pub fn until_whole(&self, machine: &str, stream: &str, messages: usize) {
         let begun = Instant::now();
         loop {
@@ -327,7 +327,7 @@ pub fn heft() -> Option<PathBuf> {
     heft
 }
 
-/// The numbers of the estimates that a stand-in's gateway sends in so many seconds: ten a second. The verdict
+/// The numbers of the estimates that a stand-in's gateway sends in this number of seconds: ten per second. The verdict
 /// changes at multiples of five seconds, which are among them.
 pub fn expected(rate: u64, seconds: u64) -> Vec<u64> {
     (0..seconds * 10).map(|i| i * rate / 10).collect()

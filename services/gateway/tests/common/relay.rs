@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-/// What the link does to bytes, each way.
+/// Properties of the link in each direction.
 #[derive(Clone, Copy)]
 pub struct Quality {
-    /// Time on the way, and how much it varies to both sides [s].
+    /// Mean delay, and its largest deviation [s].
     pub delay: f64,
     pub jitter: f64,
-    /// Share of packets that are lost; TCP sends such a one again after 0.2 s, and what follows waits for it.
+    /// Share of lost packets. TCP sends a lost packet again after 0.2 s, and later packets wait for it.
     pub loss: f64,
 }
 
@@ -61,18 +61,18 @@ impl Relay {
         Self { address, is_cut }
     }
 
-    /// Nothing passes from now on, and nobody is notified: both ends wait, as behind a dead radio.
+    /// Stops all traffic without notice: both ends wait, as with a dead radio.
     pub fn cut(&self) {
         self.is_cut.store(true, Ordering::Relaxed);
     }
 
-    /// What waited passes.
+    /// Resumes the traffic, including the waiting bytes.
     pub fn mend(&self) {
         self.is_cut.store(false, Ordering::Relaxed);
     }
 }
 
-/// Bytes on the way, each packet with the time of its arrival; an empty one is the end.
+/// Packets in transit, each with the time of its arrival; an empty one is the end.
 type Queue = Arc<(Mutex<VecDeque<(Instant, Vec<u8>)>>, Condvar)>;
 
 fn way(mut from: TcpStream, mut to: TcpStream, quality: Quality, is_cut: Arc<AtomicBool>) {

@@ -43,7 +43,7 @@ pub struct TailArgs {
     /// How a sample is written
     #[arg(long, value_enum, default_value = "json")]
     pub format: Format,
-    /// At most so many samples a second; all if absent
+    /// At most this number of samples per second; all if absent
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub rate: Option<f64>,
     /// With --format candump: which estimates, in which frames (TOML)

@@ -33,7 +33,7 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// Starts the browser; `None`, said in a plain line, where it is not installed.
+    /// Starts the browser. Prints a line and returns `None` if it is not installed.
     pub fn start() -> Option<Self> {
         let installed = ["/usr/bin/chromium", "/usr/bin/chromedriver"]
             .iter()

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 /// `heft limits-worker`
 #[derive(Debug, Args)]
 pub struct WorkerArgs {
-    /// What the chain tells its links
+    /// Arguments of a link of the chain
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     pub args: Vec<String>,
 }
