@@ -1,4 +1,4 @@
-//! Bad input: every row is answered, nothing is ever NaN, and what is not known is said.
+//! Bad input: every row gets an answer, no number is NaN, and unknown quantities are marked.
 
 mod excavator_common;
 
@@ -18,7 +18,7 @@ fn base() -> Vec<Sample> {
     samples(&Table::golden("input_base_case2.csv"))
 }
 
-/// Small generator of reproducible nonsense (xorshift).
+/// Small generator of reproducible faults (xorshift).
 struct Noise(u64);
 
 impl Noise {
@@ -29,7 +29,7 @@ impl Noise {
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Now and then something that no sensor should say.
+    /// Replaces a value at random by one that no sensor should deliver.
     fn spoil(&mut self, value: Option<f64>) -> Option<f64> {
         match (self.next() * 40.0) as u32 {
             0 => Some(f64::NAN),
@@ -43,7 +43,7 @@ impl Noise {
     }
 }
 
-/// A swing whose every signal, and whose clock, is unreliable.
+/// A swing in which all signals and the clock are unreliable.
 fn spoiled(seed: u64) -> Vec<Sample> {
     let mut noise = Noise(seed);
     let mut rows = base();
@@ -181,7 +181,7 @@ fn a_refused_row_leaves_the_state_untouched() {
 
 #[test]
 fn nothing_becomes_surer_without_an_accepted_velocity() {
-    // Velocity lost in the middle of the swing for good.
+    // The velocity is lost permanently in the middle of the swing.
     for (method, settings) in variants() {
         if method == Method::Velocity || settings.estimator.variant == Variant::Drop {
             continue;
@@ -198,7 +198,7 @@ fn nothing_becomes_surer_without_an_accepted_velocity() {
                 Some(payload) => payload.std,
                 None => e.inertia_std / e.inertia,
             };
-            // Mode C answers 0.15 s late.
+            // Mode C has a delay of 0.15 s.
             if row.time > 6.7
                 && let Some(last) = last
             {
@@ -302,7 +302,7 @@ fn what_no_upper_body_and_no_drive_can_do_is_as_if_it_were_missing() {
                 let mut estimator =
                     SwingEstimator::new(&Settings::calibrated(), method, COLUMNS).unwrap();
                 let rows = base().into_iter().enumerate().map(|(k, mut row)| {
-                    // A row, a moment, a third of a second.
+                    // One row, 50 ms, a third of a second.
                     if k == 150 || (220..225).contains(&k) || (300..333).contains(&k) {
                         fault(&mut row, word);
                     }
@@ -372,7 +372,7 @@ fn one_absurd_stamp_costs_no_row_after_it_and_a_clock_set_back_is_followed() {
                 refused += usize::from(e.flags.refused);
             }
         }
-        // A second of rows, one more where their steps round down.
+        // One second of rows, and one more if their steps are rounded down.
         assert!((100..=102).contains(&refused), "{method:?} {refused}");
     }
 }
@@ -395,7 +395,7 @@ fn auto_gives_up_a_column_that_never_has_a_value() {
     assert_eq!(estimator.method(), Method::Posture);
 }
 
-/// The velocity alone tells the inertia by the damping: of a machine without damping it is no way out.
+/// The method with velocity only uses the damping to determine the inertia, so it is no fallback for a machine without damping.
 #[test]
 fn without_damping_the_velocity_does_not_serve_in_place_of_silent_columns() {
     let mut settings = golden_settings();
@@ -488,14 +488,14 @@ fn the_paper_keeps_an_initial_error_and_never_calls_itself_identifiable() {
             })
             .collect()
     };
-    // Without the nominal rule the recursion is linear in its start.
+    // Without the nominal rule the recursion is linear in its initial value.
     let (whole, part) = (run(5451.25995), run(0.8 * 5451.25995));
     for (a, b) in whole.iter().zip(&part) {
         assert!((b - 0.8 * a).abs() <= 1e-9 * a.abs().max(1.0), "{a} {b}");
     }
 }
 
-/// Methods at work, in turn, where velocity, torque and joint angles begin to come so long after the first row [s].
+/// Sequence of methods in use if velocity, torque and joint angles first arrive at these times after the first row [s].
 fn methods_where(velocity: f64, torque: f64, posture: f64) -> Vec<Method> {
     let auto = SwingEstimator::new(&Settings::calibrated(), Method::Auto, COLUMNS);
     let mut estimator = auto.expect("settings");
@@ -513,18 +513,18 @@ fn methods_where(velocity: f64, torque: f64, posture: f64) -> Vec<Method> {
 }
 
 #[test]
-fn a_source_that_is_silent_at_first_says_nothing_of_its_columns() {
+fn silence_at_the_start_does_not_exclude_a_signal() {
     const ALL: Method = Method::PostureTorque;
     const NEVER: f64 = f64::INFINITY;
     assert_eq!(methods_where(0.0, 0.0, 0.0), [ALL]);
-    // A bus that wakes up: all at once, or one after the other.
+    // A starting bus: all signals at once, or one by one.
     assert_eq!(methods_where(2.5, 2.5, 2.5), [ALL]);
     assert_eq!(methods_where(2.0, 2.3, 2.7), [ALL]);
-    // What comes late counts from then on.
+    // A late signal counts from its arrival on.
     assert_eq!(methods_where(0.0, 2.0, 0.0), [ALL, Method::Posture, ALL]);
     let one_by_one = [ALL, Method::Velocity, Method::Torque, ALL];
     assert_eq!(methods_where(0.0, 1.5, 3.0), one_by_one);
-    // What never comes is given up, once.
+    // A signal that never arrives is dropped, once.
     assert_eq!(methods_where(0.0, NEVER, 0.0), [ALL, Method::Posture]);
     assert_eq!(methods_where(0.0, NEVER, NEVER), [ALL, Method::Velocity]);
 }

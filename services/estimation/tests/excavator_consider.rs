@@ -1,4 +1,4 @@
-//! What is taken as known and is not: the interval grows by what a wrong value would do.
+//! Uncertain settings that are not estimated: the interval grows by the effect of an error of the setting.
 
 mod excavator_common;
 
@@ -14,7 +14,8 @@ fn base() -> Vec<Sample> {
     samples(&Table::golden("input_base_case2.csv"))
 }
 
-/// What the variance of a setting adds, and what a small change of it does, per standard deviation.
+/// Effects of a setting on the inertia [kg m^2]: the standard deviation that its uncertainty adds, and the change of the estimate by
+/// a small change of the setting, per standard deviation of the setting.
 struct Pair {
     time: f64,
     added: f64,
@@ -60,7 +61,7 @@ fn torques(rows: &mut [Sample], change: impl Fn(f64) -> f64) {
 }
 
 fn agree(pairs: &[Pair], tolerance: f64) {
-    // Where the effect changes its sign, both are small against its largest size.
+    // Where the effect changes its sign, both are small compared with its maximum.
     let largest = pairs.iter().map(|p| p.caused).fold(0.0, f64::max);
     assert!(largest > 0.0);
     for p in pairs {
@@ -80,7 +81,7 @@ fn known() -> Settings {
     settings
 }
 
-/// Damping and offset certain, so that one doubt can be looked at alone.
+/// Settings with known damping and offset, to test one uncertainty alone.
 fn certain() -> Settings {
     let mut settings = golden_settings();
     settings.prior.damping_std = 0.0;
@@ -92,7 +93,7 @@ fn certain() -> Settings {
 fn an_uncertain_damping_widens_the_method_torque_by_what_it_does_to_the_inertia() {
     let doubt = |s: &mut Settings| s.prior.damping_std = 225.0;
     let shift = |s: &mut Settings, _: &mut [Sample]| s.nominal_damping += 225.0 * SMALL;
-    // The gain itself depends on the state, most where the braked velocity is small.
+    // The sensitivity itself depends on the state, most at small velocity while braking.
     agree(&pairs(Method::Torque, certain(), doubt, shift), 0.08);
 }
 
@@ -119,7 +120,7 @@ fn an_uncertain_gain_widens_both_methods_with_torque_by_what_it_does_to_the_iner
 fn an_uncertain_damping_widens_the_method_posture_by_what_it_does_to_the_inertia() {
     let doubt = |s: &mut Settings| s.prior.damping_std = 225.0;
     let shift = |s: &mut Settings, _: &mut [Sample]| s.nominal_damping += 225.0 * SMALL;
-    // The weights of the grid are a parabola only nearly.
+    // The weights of the grid are only approximately a parabola.
     agree(&pairs(Method::Posture, certain(), doubt, shift), 0.15);
 }
 

@@ -1,5 +1,5 @@
-//! One finite sample of any size in any signal makes no number infinite and ends no method: some seconds later every
-//! answer is as it would have been without it.
+//! One finite sample of any size in any signal makes no number infinite and stops no method. Ten seconds later the
+//! answers are the same as without it.
 
 use estimation::excavator::{
     Columns, Estimate, Method, Motion, MotionFilter, Regression, Sample, Settings, SwingEstimator,
@@ -7,7 +7,7 @@ use estimation::excavator::{
 
 const RATE: f64 = 100.0;
 const ROWS: usize = 4000;
-/// The row of the sample, and the row from which nothing of it may be left: 10 s later.
+/// The row of the sample, and the row from which it may have no effect: 10 s later.
 const WRONG: usize = 1500;
 const AFTER: usize = WRONG + 1000;
 
@@ -24,7 +24,7 @@ fn columns(angle: bool) -> Columns {
     }
 }
 
-/// Swings to and fro with damping and friction, the joints moving a little.
+/// Swings to and fro with damping and friction and small motions of the joints.
 fn rows(settings: &Settings, angle: bool) -> Vec<Sample> {
     let inertia = settings.prior.inertia;
     let mut noise = 1_u32;
@@ -88,7 +88,7 @@ fn motion_numbers(m: &Motion) -> [f64; 11] {
     ]
 }
 
-/// Inertia with its deviation and velocity of the last rows; every number on the way is finite.
+/// Inertia, its standard deviation and velocity of the rows from [`AFTER`] on. Asserts that every number of all rows is finite.
 fn run(
     method: Method,
     settings: &Settings,
@@ -135,7 +135,7 @@ fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
         for method in Method::ALL {
             let clean = run(method, &settings, &clean_rows, angle, "clean");
             for (signal, value) in (0..7).flat_map(|i| SIZES.map(|size| (i, size))) {
-                // What the source does not have.
+                // The source does not have this signal.
                 if signal == usize::from(!angle) {
                     continue;
                 }
@@ -147,7 +147,7 @@ fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
                 );
                 let found = run(method, &settings, &spoiled, angle, &what);
                 let last = clean.len() - 1;
-                // The other methods' velocity follows what they hold of the motion, which is judged by the inertia.
+                // The velocity of the other methods follows their model of the motion, which is tested by the inertia.
                 for (c, f) in clean
                     .iter()
                     .zip(&found)

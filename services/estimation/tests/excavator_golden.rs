@@ -1,4 +1,4 @@
-//! The estimators give the numbers of the reference implementation.
+//! The estimators reproduce the numbers of the reference implementation.
 
 mod excavator_common;
 
@@ -10,7 +10,7 @@ use estimation::keys::Numbers;
 use estimation::rls::MultipleForgettingRls;
 use excavator_common::{COLUMNS, Table, close, golden_settings, samples};
 
-/// Differences of rounding only.
+/// Tolerance for rounding only.
 const EXACT: f64 = 1e-12;
 
 #[test]
@@ -151,7 +151,7 @@ fn nominal_and_forgetting_rules_act_where_the_reference_acts() {
                 measured: true,
                 ..Default::default()
             });
-            // theta3 passes through zero: there 1e-9 of its usual size.
+            // theta3 passes through zero: the tolerance there is 1e-9 of its usual size.
             compare_paper(&estimate, &golden, k, 1e-9, 1e-6);
         }
     }
@@ -220,7 +220,7 @@ fn paper_mode_gives_the_reference_trajectories_and_table() {
             let Some(row) = k.checked_sub(50).filter(|&row| row < golden.rows.len()) else {
                 continue;
             };
-            // theta2 and theta3 swing by thousands between samples; J is the quantity.
+            // theta2 and theta3 vary by thousands between samples; the estimated quantity is J.
             compare_paper(&estimate, &golden, row, 1e-6, 0.05);
             errors.push(100.0 * (estimate.inertia / input.get(k, "true_inertia").unwrap() - 1.0));
         }
@@ -300,7 +300,7 @@ fn compare(mode: &str, input: &str, method: Method, change: impl Fn(&mut Setting
     let mut k = 0;
     let mut last = rows[0].time - 0.01;
     for row in &rows {
-        // The files count the samples that fill a gap.
+        // The index in the files includes the samples of a gap.
         k += ((row.time - last) / 0.01).round() as usize;
         last = row.time;
         let estimate = estimator.step(row);
@@ -344,7 +344,7 @@ fn compare_row(
         "{context}: sd {} {std}",
         estimate.inertia_std
     );
-    // The files give the correction of the torque; ours is the error of the measured one.
+    // The files have the correction of the torque; `offset` is the error of the measured torque, with the opposite sign.
     let offset = if estimate.offset.is_some() {
         estimate.offset.map(|q| -q.value)
     } else {

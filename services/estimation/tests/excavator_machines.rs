@@ -1,12 +1,12 @@
-//! Other machines than the reference one: every constant has the size of the machine.
+//! Machines of other sizes than the reference machine: every constant scales with the machine.
 
 mod excavator_common;
 
 use estimation::excavator::{Method, Sample, Settings, SwingEstimator, Variant};
 use excavator_common::{Table, columns_for, golden_settings, samples};
 
-/// The reference machine with all masses, torques and their uncertainties `size` times as large:
-/// it moves exactly alike.
+/// The reference machine with all masses, torques and their uncertainties multiplied by `size`:
+/// its motion is exactly the same.
 fn machine(size: f64) -> Settings {
     let mut s = golden_settings();
     s.estimator.variant = Variant::Known;
@@ -69,8 +69,8 @@ fn a_machine_of_another_size_is_estimated_as_the_reference_machine_is() {
                     if a.time < 6.0 {
                         continue;
                     }
-                    // The ends of the payload's range are in kilograms, and so is the variance of
-                    // the momentum at rest.
+                    // The limits of the payload and the variance of the momentum at rest do not
+                    // scale with the machine.
                     let share = found.inertia / size / expected.inertia - 1.0;
                     assert!(
                         share.abs() < 0.05,

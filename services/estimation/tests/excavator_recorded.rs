@@ -1,4 +1,4 @@
-//! Parameters of real machines from recordings made by others; where they are not here, the tests say so and pass.
+//! Parameters of real machines from independent recordings. If a recording is absent, its test reports that and passes.
 
 mod excavator_common;
 #[path = "../../../tests/common/theirs.rs"]
@@ -44,7 +44,7 @@ fn run(
     last
 }
 
-/// What one knows of the axis before: its size, not its parameters.
+/// Settings of the axis: only the order of magnitude of its parameters is stated.
 fn axis(filter_frequency: f64) -> Settings {
     let mut s = Settings::calibrated();
     s.sensors.rate = 1000.0;
@@ -72,7 +72,7 @@ fn mass_and_friction_of_a_real_axis_come_out_as_published() {
     let Some(table) = recording("emps_identification.csv") else {
         return;
     };
-    // The result must not hang on the one setting that a user has to choose.
+    // The result must not depend on the one setting that a user has to choose.
     for filter_frequency in [20.0, 40.0, 60.0, 80.0] {
         let settings = axis(filter_frequency);
         let end = run(&table, &settings, "position_m", "motor_force_N", |_, _| ());
@@ -147,6 +147,6 @@ fn interval_of_a_servo_stand_covers_its_inertia_from_the_first_second_on() {
         "inertia {:.2e} +- {:.2e} kg m^2",
         end.inertia, end.inertia_std
     );
-    // One direction of motion and slow steps: the record cannot tell it well, and says so.
+    // One direction of motion and slow steps: the record carries little information about it, so it is not trusted.
     assert!(!end.flags.trusted());
 }

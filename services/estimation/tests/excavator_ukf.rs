@@ -1,5 +1,5 @@
 //! The state-space modes are extended Kalman filters. The square-root UKF on the same model gives
-//! the same inertia, to a small part of the interval.
+//! the same inertia, up to a small share of the interval.
 
 mod excavator_common;
 
@@ -65,8 +65,8 @@ fn the_square_root_ukf_agrees_with_the_extended_kalman_filter_in_a_swing() {
         let (mut worst, mut compared) = (0.0_f64, 0);
         for pair in rows.windows(2) {
             let e = ekf.step(&pair[1]);
-            // The standstill is not the UKF's business: it begins as the EKF does, where the machine
-            // sets off, by the torque or with a measured velocity.
+            // The UKF does not model standstill: it starts with the state of the EKF when the machine
+            // begins to move, detected by the torque or by a measured velocity.
             let (code, released) = (ekf.code(), ekf.details().velocity);
             if code == 1 {
                 continue;

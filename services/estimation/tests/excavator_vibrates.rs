@@ -1,37 +1,38 @@
-//! A boom that gives way sideways makes the velocity waver about that of a rigid machine, with a drive whose friction grows as it
-//! works: neither takes the trust away, nor makes a wrong estimate trusted.
+//! Deviations from the model: a laterally flexible boom, whose vibration adds to the velocity of a rigid machine, growing friction
+//! of the drive, and a change of slope. They neither end trust nor make a wrong estimate trusted.
 
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 
 const RATE: f64 = 100.0;
-/// Stretched and folded: it swings in one and in the other by turns.
+/// Joint angles of the extended and the folded attachment [rad]: the swings alternate between them.
 const POSTURES: [[f64; 3]; 2] = [[0.6, -1.2, -0.8], [1.1, -2.3, -1.5]];
 const PAYLOAD: f64 = 300.0;
 
-/// What a machine does beside the model.
+/// Deviations of a machine from the model.
 struct Machine {
-    /// Amplitude of the velocity's wavering at 3.1 Hz [rad/s].
+    /// Amplitude of the vibration of the velocity at 3.1 Hz [rad/s].
     vibration: f64,
-    /// Growth of the Coulomb friction over the whole time, as a factor.
+    /// Factor by which the Coulomb friction grows over the run.
     friction: f64,
-    /// Slope of the ground, downwards before and upwards after a way on the tracks that begins with row [`TRAVELS`] [rad].
+    /// Slope of the ground [rad]: negative before and positive after a drive on the tracks that begins with row [`TRAVELS`].
     slope: f64,
 }
 
-/// First row of the way, and length of it [rows].
+/// First row and number of rows of the drive.
 const TRAVELS: usize = 4200;
 const WAY: usize = 700;
 const GRAVITY: f64 = 9.806_65;
 
-/// Swings to and fro for a minute and a half with a stand in between; shares of the moving rows that are trusted, and of those the
-/// wrong ones. Its bucket is never emptied, so nothing tells the torque's gain but what is stated of it.
+/// Swings to and fro for a minute and a half with a stand in between. Returns the share of trusted rows among the moving ones, and of
+/// wrong rows among these. The bucket is never emptied, so only the stated gain of the torque is known.
 fn shares(machine: &Machine) -> (f64, f64) {
     let shares = shares_by(machine, Some(0.03));
     (shares.trusted, shares.wrong)
 }
 
-/// Of the moving rows; of the trusted ones; of the moving ones; and the smallest standard deviation of the inertia as a share of it.
+/// Shares of moving rows that are trusted, of trusted rows that are wrong, and of moving rows whose interval covers the truth.
+/// `closest` is the smallest standard deviation of the inertia, as a share of it.
 struct Shares {
     trusted: f64,
     wrong: f64,
@@ -64,7 +65,7 @@ fn shares_by(machine: &Machine, gain_std: Option<f64>) -> Shares {
         let time = k as f64 / RATE;
         let way = if machine.slope == 0.0 { 0 } else { WAY };
         let worked = (k - k.saturating_sub(TRAVELS).min(way)) as f64 / RATE;
-        // 2 s of standing, in which the joints move, and a swing of 4 s; the next one goes back.
+        // 2 s of standstill, in which the joints move, and a swing of 4 s; the next swing is in the opposite direction.
         let (swing, phase) = ((worked / 6.0) as usize, worked % 6.0);
         let side = if swing % 2 == 0 { 1.0 } else { -1.0 };
         let [before, after] = [swing + 1, swing].map(|swing| POSTURES[swing % 2]);
@@ -112,7 +113,7 @@ fn shares_by(machine: &Machine, gain_std: Option<f64>) -> Shares {
 }
 
 #[test]
-fn a_velocity_that_wavers_is_noise_of_the_velocity_and_no_torque() {
+fn a_vibrating_velocity_is_noise_of_the_velocity_and_no_torque() {
     let (trusted, wrong) = shares(&Machine {
         vibration: 0.012,
         friction: 1.0,
@@ -141,10 +142,10 @@ fn a_machine_that_has_moved_stands_on_other_ground() {
     assert!(trusted > 0.6 && wrong < 0.05, "{trusted} {wrong}");
 }
 
-/// A gain of 1 ± .05 leaves 5 % of the inertia open, of which what is expected of a load takes .1 %. A filter whose linearisation tells the
-/// scale claims 4.7 % after some swings.
+/// A gain of 1 ± .05 leaves the inertia uncertain by 5 %, which the prior of the load reduces by .1 %. A filter whose linearisation
+/// gains false information about the scale claims 4.7 % after some swings.
 #[test]
-fn a_gain_that_nobody_states_leaves_the_inertia_as_open_as_it_is_itself() {
+fn a_gain_that_is_not_stated_leaves_the_inertia_as_uncertain_as_the_gain() {
     for (vibration, friction, slope) in [(0.012, 1.0, 0.0), (0.0, 4.0, 0.0), (0.0, 1.0, 0.015)] {
         let machine = Machine {
             vibration,

@@ -1,4 +1,4 @@
-//! What the loader's estimator does with rows that it should not believe.
+//! The loader's estimator with rows that it must not trust.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ fn with_columns(method: Method, columns: Columns) -> CgEstimator {
     CgEstimator::new(&settings, method, columns).unwrap()
 }
 
-/// Steady driving at 2.5 m/s on a level road: torque against the rolling resistance only.
+/// Steady driving at 2.5 m/s on a level road: the torque balances only the rolling resistance.
 fn cruise(time: f64) -> Sample {
     let machine = Machine::default();
     let force = machine.rolling_resistance * machine.mass * 9.81;
@@ -40,7 +40,7 @@ fn cruise(time: f64) -> Sample {
     }
 }
 
-/// Cruises at 100 Hz through these rows; the last answer.
+/// Cruises at 100 Hz through these rows, and returns the last answer.
 fn drive(estimator: &mut CgEstimator, rows: Range<u32>) -> Estimate {
     for k in rows {
         estimator.step(&cruise(f64::from(k) * 0.01));
@@ -73,7 +73,7 @@ fn numbers(e: &Estimate) -> Vec<f64> {
     all
 }
 
-/// A row whose cells are drawn from everything a broken bus delivers.
+/// A row whose cells are drawn from the values of a broken bus.
 fn nasty(k: u64) -> Sample {
     const CELLS: [Option<f64>; 12] = [
         None,
@@ -151,7 +151,7 @@ fn what_no_drive_and_no_road_can_do_is_as_if_it_were_missing() {
             let mut estimator = estimator(Method::Full);
             let rows = (0..600_u32).map(|k| {
                 let time = f64::from(k) * 0.01;
-                // Signals without noise leap unseen: what is held may have changed meanwhile.
+                // In signals without noise a step is not detected: a held signal may have changed in the meantime.
                 let noise = f64::from(k * 7919 % 13) / 13.0;
                 let row = cruise(time);
                 let mut row = Sample {
@@ -160,7 +160,7 @@ fn what_no_drive_and_no_road_can_do_is_as_if_it_were_missing() {
                     slope: Some(1e-4 * noise),
                     ..row
                 };
-                // A row, a moment, a third of a second.
+                // One row, 50 ms, a third of a second.
                 if k == 150 || (220..225).contains(&k) || (300..333).contains(&k) {
                     fault(&mut row, word);
                 }
@@ -181,7 +181,7 @@ fn full_finds_back_after_a_broken_bus() {
     for k in 0..500 {
         estimator.step(&nasty(k));
     }
-    // A slope that has had noise and has none any more is stuck.
+    // A slope signal whose noise disappears is stuck, so it needs noise here.
     let noise = |k: u32| 0.001 * f64::from(k * 7919 % 13) / 13.0;
     for k in 500..1500 {
         let row = cruise(f64::from(k) * 0.01);
@@ -230,7 +230,7 @@ fn one_time_far_ahead_costs_no_row_after_it() {
 #[test]
 fn a_clock_set_back_is_followed_after_a_second_and_shown_as_a_reset() {
     let mut estimator = estimator(Method::Full);
-    // By more than the ten seconds after which rows simply go on.
+    // The clock goes back by more than the ten seconds up to which rows continue without a reset.
     let before = drive(&mut estimator, 0..2000);
     let answers: Vec<Estimate> = (0..200)
         .map(|k| estimator.step(&cruise(k as f64 * 0.01)))
@@ -239,12 +239,12 @@ fn a_clock_set_back_is_followed_after_a_second_and_shown_as_a_reset() {
         .iter()
         .position(|e| e.status == Status::ClockSetBack)
         .unwrap();
-    // A second of rows that increase among themselves; one more where the steps round down.
+    // One second of rows with increasing times, and one more if the steps are rounded down.
     assert!((100..=101).contains(&back), "{back}");
     assert!(answers[..back].iter().all(|e| e.status == Status::Refused));
     assert!(!answers[back - 1].fresh && !answers[back - 1].trusted_ratio);
     assert_eq!((answers[back].resets, answers[back].reset), (1, true));
-    // What was learnt stays.
+    // The estimate is retained.
     assert_eq!(answers[back].cg_ratio.value, before.cg_ratio.value);
     let after = &answers[back + 1..];
     assert!(after.iter().all(|e| e.status == Status::Updated));
@@ -282,7 +282,7 @@ fn height_is_not_trusted_on_a_cruise() {
                 "{method}, row {k}"
             );
         }
-        // The prior is 0.1 m; the report may not claim to know more than 15 % of it better.
+        // The prior has 0.1 m; the reported standard deviation may be at most 15 % smaller.
         assert!(
             estimator.last().cg_height.std > 0.085,
             "{method}: {:?}",
@@ -372,7 +372,7 @@ fn a_stated_payload_is_added_to_the_empty_machine() {
     let height = (4700.0 * empty[4] + 1500.0 * 1.5) / 6200.0;
     assert!((answer.cg_ratio.value - ratio).abs() < 1e-12);
     assert!((answer.cg_height.value - height).abs() < 1e-12);
-    // What weighing and boom do not know of the payload stays in the interval.
+    // The uncertainty of the stated payload remains in the interval.
     assert!(answer.cg_ratio.std > 1500.0 / 6200.0 * 0.05 / 2.3);
     estimator.set_payload(Some(Payload::new(f64::NAN, 0.0, 0.0)));
     assert!(estimator.step(&cruise(1.01)).cg_ratio.value.is_finite());

@@ -1,4 +1,4 @@
-//! One finite sample of any size in any signal makes no number infinite and ends no method of the loader.
+//! One finite sample of any size in any signal makes no number infinite and stops no method of the loader.
 
 use estimation::loader::keys::Description;
 use estimation::loader::{CgEstimator, Columns, Estimate, Machine, Method, Sample, Settings};
@@ -9,7 +9,7 @@ const WRONG: usize = 1500;
 const AFTER: usize = WRONG + 1000;
 const SIZES: [f64; 6] = [1e-308, 10.0, 1e4, 1e20, 1e160, 1e308];
 
-/// Drives off and stops on a level road, slipping a little.
+/// Accelerates and stops on a level road, with a little slip.
 fn sample(k: usize) -> Sample {
     let time = k as f64 / 100.0;
     let machine = Machine::default();
@@ -113,7 +113,7 @@ fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
     }
 }
 
-/// The paper's filters weigh every sample by its usual noise (docs/reliability.md): theirs are not forgotten so soon.
+/// The filters of the paper weight every sample by its usual noise (docs/reliability.md), so a wrong one acts longer in them.
 #[test]
 fn the_slip_stiffness_of_a_protected_filter_outlives_one_wrong_wheel_speed() {
     for method in [Method::Full, Method::FullEkf] {

@@ -7,7 +7,7 @@ use estimation::loader::{CgEstimator, Columns, LoadTransfer, Method, Sample, Sta
 use loader_common::{golden, matrix, number, numbers, text};
 use serde_json::Value;
 
-/// The rows of an input file, and the columns it has.
+/// The rows and the columns of an input file.
 fn samples(file: &str) -> (Vec<Sample>, Columns) {
     let text = text(file);
     let mut lines = text.lines();
@@ -133,7 +133,7 @@ fn check_run(
     sensitivity: f64,
 ) -> Vec<Status> {
     let run = &file["filters"][name];
-    // As each file states: alpha = 0.01 amplifies rounding.
+    // The tolerance is that of the file: alpha = 0.01 amplifies rounding.
     let tolerance = if run["tolerance"].as_str().unwrap().contains("1e-5") {
         (1e-5, 1e-7)
     } else {
@@ -159,7 +159,7 @@ fn check_run(
             );
             let used = if x.len() == 10 { 4.0 } else { 3.0 };
             let nis = number(&first["nis"]);
-            // The NIS of one row may cancel: it is judged at the scale of one.
+            // The NIS of a row may be near zero by cancellation: the tolerance is relative to at least 1.
             assert!(
                 (answer.nis * used - nis).abs() <= 10.0 * tolerance.0 * nis.max(1.0),
                 "{what}: nis"

@@ -42,7 +42,7 @@ impl Model<N, M> for Bent {
     }
 }
 
-/// The same with nothing declared: every state may move, no measurement is a state itself.
+/// The same model without declared structure: every state may move, and no measurement is a state.
 struct Undeclared;
 
 impl Model<N, M> for Undeclared {
@@ -132,7 +132,7 @@ fn structured_step_equals_the_qr_of_the_whole_array() {
         let roots = [declared.root(), undeclared.root()];
         for which in 0..2 {
             let (update, state) = (&updates[which], &states[which]);
-            // Rounding of two different orders of elimination.
+            // The two orders of elimination differ by rounding.
             assert!((factor(update, &roots[which]) - golden).amax() < 1e-14);
             let s_y = golden.fixed_view::<M, M>(0, 0).into_owned();
             let z = s_y.lu().solve(&SVector::<f64, M>::from(e)).unwrap();
@@ -236,7 +236,7 @@ fn on_a_linear_model_both_filters_are_the_kalman_filter() {
     }
 }
 
-/// The condition in the documentation of `ekf`: with process noise nothing is lost down to R/P = 1e-9.
+/// The condition in the documentation of `ekf`: with process noise no accuracy is lost down to R/P = 1e-9.
 #[test]
 fn the_exact_row_keeps_the_covariance_where_the_measurement_is_far_better_than_the_prior() {
     let (q, r) = ([1e-4, 1e-3], [1e-4]);
@@ -250,7 +250,7 @@ fn the_exact_row_keeps_the_covariance_where_the_measurement_is_far_better_than_t
         for i in 0..2 {
             let of_root: f64 = ukf.root[i].iter().map(|x| x * x).sum();
             let error = (ekf.covariance[i][i] / of_root - 1.0).abs();
-            // Row 0 is exact from the first row on; what is left of the other is 1e-7 of what it was.
+            // State 0 is exact from the first row on; the variance of state 1 falls to 1e-7 of its initial value.
             assert!(
                 error < if i == 0 { 1e-6 } else { 1e-5 },
                 "{k}, {i}: {error:e}"

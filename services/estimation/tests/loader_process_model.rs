@@ -18,7 +18,7 @@ fn inputs(value: &Value) -> Inputs {
 #[track_caller]
 fn assert_close(what: &str, ours: &[f64], golden: &[f64], relative: f64) {
     for (a, b) in ours.iter().zip(golden) {
-        // A result that cancels to near zero is judged by the size of the others.
+        // The tolerance of a result near zero is relative to the size of the others.
         let size = golden.iter().fold(b.abs(), |m, x| m.max(1e-3 * x.abs()));
         assert!((a - b).abs() <= relative * size, "{what}: {a} {b}");
     }
@@ -94,7 +94,7 @@ fn ten_states_and_specific_force_agree_with_every_reference_case() {
         let (_, y): (_, [f64; 4]) = Model::<10, 4>::predict(&model, &state);
         let golden = numbers(&case["n10_mu08_rho001"]);
         assert_close("n10", &y[..3], &golden[..3], 1e-12);
-        // a_x is a difference of speeds over dt, so it carries their rounding over dt.
+        // a_x is a difference of speeds over dt, so its rounding error is theirs over dt.
         let rounding = 1e-12 * golden[0].abs().max(0.1) / model.dt;
         assert!(
             (y[3] - golden[3]).abs() <= 1e-12 * golden[3].abs() + rounding,

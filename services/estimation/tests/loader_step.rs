@@ -83,7 +83,7 @@ fn check_case<L: Model<6, 3>>(file: &Value, case: &Value, model: &L) {
         array(&file["R_sqrt"]),
         array::<3>(&file["measurement"]),
     );
-    // Stated for alpha = 0.01, which loses four digits.
+    // This tolerance is for alpha = 0.01, which loses four digits.
     let tolerance = 1e-9;
 
     let mut ukf = SquareRootUkf::<6, 3>::with_root(x, root(&file["S0"]), Spread::PAPER);

@@ -1,14 +1,14 @@
-//! What counts as a load, and what trucks add up to.
+//! Detection of loads, and the totals of trucks.
 
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Truck, Witness};
 use estimation::{CommonError, Quantity};
 
 const RATED: f64 = 1000.0;
 const DT: f64 = 0.01;
-/// Mean and standard deviation of an estimator that knows nothing.
+/// Mean and standard deviation of an estimator without information.
 const PRIOR: (f64, f64) = (500.0, 400.0);
 
-/// A ledger with a clock, and what it has said.
+/// A ledger with a clock, and the loads and trucks that it has reported.
 struct Site {
     ledger: Ledger,
     time: f64,
@@ -52,14 +52,14 @@ impl Site {
         self.note(events);
     }
 
-    /// Stands for some time with this estimate.
+    /// Stands for this time with this estimate.
     fn stand(&mut self, seconds: f64, estimate: (f64, f64)) {
         for _ in 0..(seconds / DT) as u32 {
             self.row(estimate, 0.0, false);
         }
     }
 
-    /// Swings with this content, which the estimator learns within a second.
+    /// Swings with this content; the estimate converges within a second.
     fn swing(&mut self, kg: f64) {
         for i in 0..300 {
             let share = (-f64::from(i) * DT / 0.3).exp();
@@ -106,7 +106,7 @@ fn what_all_payloads_are_off_together_hides_no_load() {
             },
             ..Settings::with_rated(RATED)
         });
-        // Two fifths of each payload are that of the scale.
+        // The common error of the scale has a standard deviation of 0.4 of each payload.
         let swing = |site: &mut Site, kg: f64| {
             let std = f64::hypot(30.0, 0.4 * kg);
             (0..300).for_each(|_| site.row((kg, std), 0.5, false));
@@ -125,7 +125,7 @@ fn what_all_payloads_are_off_together_hides_no_load() {
     assert_eq!([0.0, 0.4, f64::NAN].map(loads), [(2, 0), (2, 2), (2, 0)]);
 }
 
-/// Swings with a content that the estimator does not learn closely.
+/// Swings with a content of which the estimate stays vague.
 fn swing_vaguely(site: &mut Site, estimate: (f64, f64)) {
     for _ in 0..300 {
         site.row(estimate, 0.5, false);
@@ -215,7 +215,7 @@ fn a_swing_that_goes_on_one_way_brings_no_second_load() {
     for _ in 0..100 {
         site.row((800.0, 100.0), 0.5, false);
     }
-    // A load that hangs: the estimator says that the content changes, until it is dumped.
+    // A hanging load: the estimator reports a changing content until it is dumped.
     for _ in 0..400 {
         site.row((900.0, 300.0), 0.4, true);
     }
@@ -232,7 +232,7 @@ fn a_load_that_nothing_weighs_counts_too_where_it_leaves_in_the_swing() {
     for kg in [700.0, 800.0] {
         site.stand(3.0, PRIOR);
         swing_vaguely(&mut site, (kg, 280.0));
-        // The estimator sees it go, and knows the emptied bucket.
+        // The estimate follows the load as it leaves, and is close for the emptied bucket.
         for i in 0..80 {
             let left = 1.0 - f64::from(i) / 80.0;
             site.row((kg * left + 20.0, 60.0 + 200.0 * left), 0.4, true);
@@ -260,7 +260,7 @@ fn the_next_load_is_seen_beside_a_surer_empty_bucket() {
     assert_eq!(site.loads().len(), 3);
 }
 
-/// Swings one way with a load that hangs, and stands.
+/// Swings in one direction with a hanging load, and stands.
 fn swing_hanging(site: &mut Site, speed: f64) {
     for i in 0..1000 {
         site.time += DT;
@@ -385,7 +385,8 @@ fn a_load_that_is_dumped_and_replaced_unseen_counts_twice() {
     assert!(!loads[0].carry_back_weighed && loads[1].carry_back_weighed);
 }
 
-/// A loader pushes its bucket into the pile, which weighs half of the load on the way; drives away and dumps.
+/// A loader pushes its bucket into the pile twice, with a short estimate of half of the load in between, drives away and dumps.
+/// `way_back`: duration of a drive backwards and forwards between the two pushes [s].
 fn push_in(site: &mut Site, way_back: f64) {
     let mut drive = |seconds: f64, estimate: (f64, f64), speed: f64, changing: bool| {
         for _ in 0..(seconds / DT) as u32 {

@@ -1,4 +1,4 @@
-//! What a calibration finds, and what it refuses.
+//! Results of a calibration, and refused recordings.
 
 use std::sync::atomic::AtomicBool;
 
@@ -58,7 +58,7 @@ fn two_recordings_find_the_machine_within_its_intervals_and_the_description_hold
     ] {
         let q = outcome.quantity(role).expect("a value");
         let error = (q.value - true_value).abs();
-        // Four standard deviations: one seed in 16 000 misses one by chance.
+        // Four standard deviations: one seed in 16 000 exceeds them by chance.
         assert!(
             error < 4.0 * q.std && error < tolerance,
             "{role:?} {q:?} {true_value}"
@@ -76,7 +76,7 @@ fn two_recordings_find_the_machine_within_its_intervals_and_the_description_hold
         config::Excavator::parse(&text, "written"),
         Ok(after.clone())
     );
-    // Gain and masses were found together, and err together.
+    // Gain and masses are identified together, so their errors are correlated.
     let m = &after.machine;
     assert!(m.links_gain_correlation < Some(-0.5), "{m:?}");
     assert!(m.upper_tolerance < Some(0.06) && m.bucket_tolerance < Some(0.07));
@@ -145,8 +145,8 @@ fn a_key_that_no_recording_can_tell_is_refused_with_those_that_can() {
     assert!(error.contains("machine.nominal_damping"), "{error}");
 }
 
-/// The same recording on ground inclined by these angles across and along the machine at its beginning: the drive,
-/// which loses nothing, holds against the slope.
+/// The same recording on ground inclined by these angles across and along the machine at its beginning. The drive
+/// without losses balances the slope.
 fn on_slope(truth: &Truth, mut samples: Vec<Sample>, load: f64, slope: [f64; 2]) -> Vec<Sample> {
     let geometry = Geometry::default();
     let (upper, _) = Doubts::default().upper_moment(&geometry);

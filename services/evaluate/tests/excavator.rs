@@ -99,7 +99,7 @@ fn a_payload_that_visibly_changes_is_never_called_valid_while_it_is_wrong() {
     }
 }
 
-/// Without torque a dump cannot be followed: the value from before it stays, but not its trust.
+/// Without torque a dump cannot be followed: the earlier value is retained, but is no longer trusted.
 #[test]
 fn without_torque_an_opening_bucket_ends_the_trust() {
     for scenario in [Scenario::Drop, Scenario::DropAccelerating] {
@@ -116,10 +116,10 @@ fn without_torque_an_opening_bucket_ends_the_trust() {
     }
 }
 
-/// With these seeds the last of a slow dump left while the bucket seemed to be done: its value was
-/// valid and wrong for 0.03 to 0.11 s.
+/// With these seeds the last part of a slow dump leaves when the bucket seems to be finished. Without protection the
+/// value was valid and wrong for 0.03 to 0.11 s.
 #[test]
-fn the_end_of_a_slow_dump_is_not_believed_at_once() {
+fn the_end_of_a_slow_dump_is_not_trusted_at_once() {
     let case = Case::new(Scenario::SlowDrop, None);
     for seed in [13, 86, 138, 145, 189, 239] {
         let rows = case.rows(seed, Sensors::default(), &[]).expect("rows");
@@ -149,12 +149,12 @@ fn bounds_and_reached_errors_belong_together() {
         let points = modes.iter().find(|m| m["mode"] == mode).expect("a mode")["points"].clone();
         points[7].clone()
     };
-    // At 9.0 s the data rule: the error is above the bound, and below thrice of it.
+    // At 9.0 s the data determine the result: the error is 0.8 to 3 times the bound.
     for mode in ["D_known", "D_auto"] {
         let ratio = number(&last(mode), "reached") / number(&last(mode), "bound");
         assert!((0.8..3.0).contains(&ratio), "{mode}: {ratio}");
     }
-    // Velocity alone leaves the inertia as unknown as it was.
+    // The velocity alone adds no information about the inertia.
     assert!(number(&last("A"), "bound") > 25.0);
 }
 
@@ -209,7 +209,7 @@ fn what_is_trusted_is_right_whatever_the_machine_does_beside_its_description() {
             .find(|line| line["what"] == "posture-torque")
             .expect("a line")
     };
-    // A torque further off than the machine file allows looks like another inertia; who states it gets the interval.
+    // A torque error beyond the doubt in the machine file looks like another inertia. If the doubt is stated, the interval covers it.
     let unstated = |line: &Value| {
         let far = ["+10 %", "-10 %"].iter().any(|s| line["severity"] == *s);
         far && line["effect"] == "torque gain"
@@ -231,7 +231,7 @@ fn what_is_trusted_is_right_whatever_the_machine_does_beside_its_description() {
         assert!(number(line, "trusted") >= trusted, "{line}");
         assert!(number(line, "covered") >= 0.93, "{line}");
     }
-    // A method that cannot tell the inertia of such a machine never says that it does.
+    // A method that cannot determine the inertia of such a machine never claims to do so.
     for line in lines.iter().filter(|line| line["what"] != "posture-torque") {
         assert_eq!(number(line, "trusted"), 0.0, "{line}");
     }

@@ -1,4 +1,4 @@
-//! A sensor of an excavator breaks in the middle of the work, for good: what it says is not trusted, and why not is said.
+//! A sensor of an excavator fails permanently during work: its values are not trusted, and the reason is reported.
 
 mod estimates;
 
@@ -7,11 +7,11 @@ use estimation::excavator::{Estimate, Method, Reason, Settings};
 use evaluate::excavator::honesty_lines::described;
 use sim::excavator::{Effects, Row, Run, Scenario, Simulation, Size, Work};
 
-/// The fault begins [s]; the work ends [row].
+/// Begin of the fault [s], and number of rows of the work.
 const FROM: f64 = 28.0;
 const ROWS: usize = 6000;
 
-/// What is said of each row of a machine whose rows are changed from the fault on.
+/// Each row of a machine with its estimate. `wrong` changes the rows from the fault on.
 fn estimates(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let work = Work::new(sizes[seed as usize % 4], Effects::default(), seed);
@@ -26,7 +26,7 @@ fn estimates(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
 }
 
 #[test]
-fn a_joint_that_jumps_is_not_believed_any_more_and_named() {
+fn a_joint_that_jumps_is_not_trusted_any_more_and_named() {
     for seed in 0..4 {
         for joint in 0..3 {
             for offset in [-0.4, 0.15] {
@@ -78,7 +78,7 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
                     );
                     rows += 1;
                 }
-                // An emptied bucket that weighs less may be another one: it is named, and nothing is trusted.
+                // An emptied bucket that weighs less may be another bucket: then the reason names it, and no row is trusted.
                 let mut later = estimates.iter().filter(|(row, _)| row.time > FROM);
                 let another = later.clone().any(|(_, e)| e.reason == Reason::Attachment)
                     && later.all(|(_, e)| !e.flags.trusted());
@@ -106,7 +106,7 @@ fn nothing_contradicts_a_sound_machine() {
 
 #[test]
 fn a_signal_that_is_away_for_ten_seconds_is_trusted_again_soon_after_it_is_back() {
-    /// It is away until then [s].
+    /// End of the loss of the signal [s].
     const BACK: f64 = FROM + 10.0;
     for seed in 0..4 {
         for signal in 0..4 {

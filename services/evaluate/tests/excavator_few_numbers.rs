@@ -1,4 +1,4 @@
-//! What a few numbers of the data sheet say of the loads of the reference machine, whose boom stands ahead on a post.
+//! Loads of the reference machine, whose boom stands ahead on a post, with only a few stated numbers of the data sheet.
 
 use config::{Excavator, Tables as _};
 use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
@@ -11,11 +11,11 @@ const COLUMNS: Columns = Columns {
     posture: true,
 };
 
-/// Half of the rated payload [kg]; slowest swing [rad/s].
+/// Least payload that counts as a load [kg], half of the rated one; least velocity of a swing [rad/s].
 const LOAD: f64 = 210.0;
 const SWINGS: f64 = 0.1;
 
-/// The reference machine for so many seconds.
+/// Rows of the reference machine for this number of seconds.
 fn work(effects: Effects, seed: u64, seconds: usize) -> impl Iterator<Item = (Sample, Truth)> {
     let rows = Work::new(Size::reference(), effects, seed).take(100 * seconds);
     rows.map(|row| {
@@ -40,7 +40,7 @@ fn estimator(described: &Excavator) -> SwingEstimator {
     SwingEstimator::new(&Settings::of(described), Method::Auto, COLUMNS).expect("settings")
 }
 
-/// Of the rows in which the machine swings a load the shares of payload and inertia inside their 95 % intervals.
+/// Shares of the rows with a swinging load in which the 95 % intervals of payload and inertia cover the truth.
 fn covered(stated: &[&str], rows_of: impl Iterator<Item = (Sample, Truth)>) -> [f64; 2] {
     let mut estimator = estimator(&described(stated));
     let (mut inside, mut rows) = ([0; 2], 0);

@@ -1,5 +1,5 @@
-//! An excavator works for an hour and a half, stands for a while, or has a fault that passes: what was trusted in the first minutes is
-//! trusted in the last ones.
+//! An excavator works for an hour and a half, stands for a while, or has a temporary fault: the estimates of the last minutes
+//! are trusted as in the first ones.
 
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use evaluate::excavator::honesty_lines::{describe_boom_cylinder, described};
@@ -16,7 +16,7 @@ const COLUMNS: Columns = Columns {
 /// Machines and their seeds.
 const MACHINES: [(fn() -> Size, u64); 3] = [(Size::t13, 1), (Size::t22, 2), (Size::t36, 3)];
 
-/// An estimator that knows of a machine what a competent user states.
+/// An estimator with the settings that a competent user states.
 struct Estimator(SwingEstimator);
 
 impl Estimator {
@@ -64,7 +64,7 @@ fn assert_is_trusted(tally: &Tally, said: &str) {
     assert!(tally.wrong() <= 0.05 && tally.covered() > 0.93, "{said}");
 }
 
-/// Rows of the work, and how many of them are judged at the end.
+/// Number of rows of the work, and of those at its end that are judged.
 const ROWS: usize = 540_000;
 const LAST: usize = 120_000;
 
@@ -87,14 +87,14 @@ fn what_was_learnt_of_the_machine_does_not_wander_off_in_hours() {
     }
 }
 
-/// Work before and after a stand, and the stand, in rows: 5 and 20 minutes.
+/// Number of rows of the work before and after a stand (5 minutes), and of the stand (20 minutes).
 const SHIFT: usize = 30_000;
 const STAND: usize = 120_000;
-/// Noise of a joint angle [rad], of a pressure [Pa].
+/// Standard deviation of the noise of a joint angle [rad], and of a pressure [Pa].
 const ANGLE: f64 = 1e-3;
 const PRESSURE: f64 = 50e3;
 
-/// The machine stands as it does in this row, its engine and its sensors on.
+/// A row of the machine at rest in the state of `row`, with engine and sensors on.
 fn stands(work: &Work, row: &Row, noise: &mut Noise) -> Row {
     let size = work.size();
     let mut normal = |std: f64| std * noise.normal();
@@ -107,7 +107,7 @@ fn stands(work: &Work, row: &Row, noise: &mut Noise) -> Row {
     }
 }
 
-/// What is said of work with pressures after a stand.
+/// Judgement of the work with pressures after a stand.
 fn after_a_stand(size: Size, seed: u64) -> Tally {
     let work = working(size, seed, true);
     let mut estimator = Estimator::of(&work);
@@ -146,12 +146,12 @@ fn a_machine_that_stands_with_its_engine_on_is_trusted_when_it_works_again() {
     }
 }
 
-/// Work before a fault, the fault, and the work after it, of which what follows after [`SHIFT`] is judged, in rows.
+/// Number of rows before a fault, during it and after it. Rows later than [`SHIFT`] after its end are judged.
 const BEFORE: usize = 60_000;
 const FAULT: usize = 18_000;
 const AFTER: usize = 90_000;
 
-/// A sensor is wrong in a row.
+/// Falsifies a sensor in a row.
 type Fault = fn(&mut Row);
 
 /// Faults, and whether the machine has pressures.
@@ -170,7 +170,7 @@ const FAULTS: [(&str, bool, Fault); 4] = [
     }),
 ];
 
-/// What is said of the work while a sensor is wrong, and after that.
+/// Judgement of the work while a sensor is wrong, and after that.
 fn with_fault(work: Work, fault: Fault) -> [Tally; 2] {
     let mut estimator = Estimator::of(&work);
     let [mut during, mut after] = [Tally::default(), Tally::default()];

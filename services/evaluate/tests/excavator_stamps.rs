@@ -1,4 +1,4 @@
-//! Time stamps that jitter, or rows that come in bursts: nothing wrong is trusted, and no trust is lost.
+//! Jitter of the time stamps, or rows in bursts: no wrong estimate is trusted, and trust is not lost.
 
 mod estimates;
 
@@ -12,7 +12,7 @@ const ROWS: usize = 6000;
 const BURST: usize = 4;
 const CLOSE: f64 = 2e-4;
 
-/// What is said of the rows of a machine, stamped anew.
+/// Estimates of the rows of a machine with new time stamps.
 fn estimates(seed: u64, jitter: f64, stamped: impl Fn(usize, f64) -> f64) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let effects = Effects {

@@ -1,4 +1,4 @@
-//! What the excavator's estimators say while something happens: a story each.
+//! Estimates of the excavator during single events, one story each.
 
 mod estimates;
 
@@ -6,12 +6,12 @@ use estimation::excavator::{Estimate, Method, Settings};
 use sim::excavator::{Row, Story};
 use sim::fault::{FaultKind, ROW};
 
-/// What a method says of each row of a story.
+/// Each row of a story with the estimate of a method.
 fn estimates(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
     estimates::estimates(story.clone().rows(), &Settings::calibrated(), method)
 }
 
-/// Nothing that is trusted lies outside of three standard deviations and more than 4 % off.
+/// Asserts that every trusted inertia is within three standard deviations or within 4 % of the truth.
 fn assert_honest(estimates: &[(Row, Estimate)]) {
     for (row, e) in estimates.iter().filter(|(_, e)| e.flags.trusted()) {
         let away = (e.inertia - row.truth.inertia).abs();
@@ -30,11 +30,11 @@ fn trusted(estimates: &[(Row, Estimate)]) -> usize {
     estimates.iter().filter(|(_, e)| e.flags.trusted()).count()
 }
 
-/// Those that see a load; posture alone is never trusted of one swing.
+/// Methods that estimate a load; `Posture` is never trusted after a single swing.
 const TESTED: [Method; 3] = [Method::PostureTorque, Method::Torque, Method::Posture];
 
 #[test]
-fn one_swing_tells_the_inertia() {
+fn one_swing_determines_the_inertia() {
     for seed in 1..=3 {
         let estimates = estimates(
             &Story::at_rest().seed(seed).swing_to(1.7),
@@ -50,7 +50,7 @@ fn one_swing_tells_the_inertia() {
 }
 
 #[test]
-fn a_machine_that_stands_tells_nothing() {
+fn a_machine_at_standstill_gives_no_information() {
     for method in TESTED {
         let estimates = estimates(&Story::at_rest().rest(10.0), method);
         assert_eq!(trusted(&estimates), 0, "{method:?}");
@@ -140,7 +140,7 @@ fn a_velocity_that_freezes_is_not_trusted() {
 }
 
 #[test]
-fn a_long_gap_begins_anew_and_says_so() {
+fn a_long_gap_resets_the_filter_and_sets_the_flag() {
     let begin = Story::at_rest().swing_to(1.7);
     let story = begin.lose(ROW, 3.0).rest(3.0).swing_to(0.0);
     for method in TESTED {

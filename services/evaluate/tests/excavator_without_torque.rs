@@ -1,4 +1,4 @@
-//! What the velocity alone says of the content.
+//! Information of the velocity alone about the content of the bucket.
 
 use config::{Excavator, Tables as _};
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};

@@ -1,4 +1,4 @@
-//! Golden files of the loader, and the machine that they are of.
+//! Golden files of the loader, and their machine.
 #![allow(dead_code)] // each test file uses its part
 
 pub mod explicit;

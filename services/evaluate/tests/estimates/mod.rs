@@ -1,4 +1,4 @@
-//! What an excavator's estimator says of rows.
+//! Estimates of an excavator's estimator for rows of a simulation.
 
 use estimation::excavator::{Columns, Estimate, Method, Sample, Settings, SwingEstimator};
 use sim::excavator::Row;
@@ -10,7 +10,7 @@ const COLUMNS: Columns = Columns {
     posture: true,
 };
 
-/// Each row with what is said of it.
+/// Each row with its estimate.
 pub fn estimates(
     rows: impl Iterator<Item = Row>,
     settings: &Settings,
