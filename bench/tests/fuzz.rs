@@ -1,5 +1,5 @@
-//! A short share of the battery's fuzzing, with everything that was found before: every target returns, within its memory.
-//! The gate asks for a longer one, with one seed each time.
+//! A short part of the battery's fuzzing, including all earlier findings: every target returns within its memory limit.
+//! The gate runs a longer part, with one seed each time.
 
 use std::collections::VecDeque;
 use std::process::Command;

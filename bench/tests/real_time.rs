@@ -1,4 +1,4 @@
-//! Real-time manners of the steps: they do not allocate, do not call the system, and the filters do the same work whatever the data.
+//! Real-time properties of the steps: no allocations, no system calls, and filters with a data-independent number of instructions.
 
 use bench::{counts, groups, real};
 use messages::keyframe::LONGEST;
@@ -18,7 +18,7 @@ thread_local! {
 }
 
 fn note() {
-    // A thread that is being torn down has no counter left, and is not under test.
+    // A terminating thread has no counter any more, and is not tested.
     let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
 }
 
@@ -55,8 +55,8 @@ fn ten_thousand_steps_allocate_nothing() {
     }
 }
 
-/// Allocations of a service that answers ten thousand messages, the first included, and writes its state
-/// down in the middle. A service that reads that state then goes on bit for bit.
+/// Number of allocations of a service that answers ten thousand messages, including the first, and saves its state
+/// in the middle. Asserts that a service that restores this state continues with identical bits.
 fn allocations<S: Step + Clone>(mut service: S, messages: &[S::Input]) -> u64 {
     assert!(messages.len() >= 10_000);
     let mut other = service.clone();
@@ -134,7 +134,7 @@ fn the_counter_counts() {
     assert_eq!(CALLS.get() - before, 2);
 }
 
-/// System calls of a process that runs `passes` passes over the data of a step.
+/// Number of system calls of a process that runs `passes` passes over the data of a step.
 fn system_calls(key: &str, passes: usize) -> usize {
     let output = Command::new("valgrind")
         .args([
@@ -162,7 +162,7 @@ fn steps_make_no_system_calls() {
         let _ = writeln!(std::io::stderr(), "skipped: valgrind is not installed");
         return;
     }
-    // Thousands of steps more, and not one call more: start-up and end are all there is.
+    // Thousands of further steps add no system call: all calls belong to the start and the end of the process.
     for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_12"] {
         let (few, many) = (system_calls(key, 1), system_calls(key, 2));
         assert!(few > 10, "{key}: valgrind reports calls at all");
@@ -180,7 +180,7 @@ fn a_filter_does_the_same_work_on_all_data() {
     for (key, index, ..) in counts::BUDGETS {
         let count =
             |passes| counts::instructions(bench, key, index, passes).expect("valgrind counts");
-        // The first pass starts at the prior, the later ones in other states: the work must not show it.
+        // The first pass starts at the prior, the later ones in other states: the number of instructions must not depend on it.
         let (one, two, three) = (count(1), count(2), count(3));
         assert_eq!(two - one, three - two, "{key} {index}");
         assert_eq!(two, 2 * one, "{key} {index}");

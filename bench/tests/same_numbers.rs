@@ -1,4 +1,4 @@
-//! A ratio of times means nothing unless both sides compute the same thing.
+//! Both sides of a comparison of times compute the same numbers.
 
 use bench::problem::{Filter, regression_data, rover_data, velocity_data};
 use bench::{ours, peers};
@@ -34,9 +34,9 @@ where
     );
 }
 
-/// Equal formulas in another order: rounding only.
+/// Tolerance for equal formulas in another order: rounding only.
 const ROUNDING: f64 = 1e-10;
-/// A covariance against its root: rounding, magnified by the condition of the covariance.
+/// Tolerance for a covariance against its root: rounding, amplified by the condition of the covariance.
 const ROOT: f64 = 1e-8;
 
 #[test]
@@ -68,7 +68,8 @@ fn unscented_filters_agree() {
     against_ours::<ours::Unscented, peers::unscented::NumerisSrUkf, _, 6>(&data, ROOT);
 }
 
-/// minikalman leaves the redraw of the sigma points out, so it agrees with the textbook that does, and not quite with ours.
+/// minikalman does not redraw the sigma points after the prediction. It agrees with the textbook filter without redraw, and only
+/// approximately with heft's.
 #[test]
 fn minikalman_agrees_with_the_filter_without_redraw() {
     let data = rover_data();

@@ -1,4 +1,4 @@
-//! What a simulated run does, at any rate and with faults.
+//! Simulated runs at different rates and with faults.
 
 use sim::excavator::{Row, Run, Scenario, Sensors, Simulation};
 use sim::fault::{Fault, FaultKind};
@@ -90,7 +90,7 @@ fn the_truth_does_not_depend_on_the_sampling_rate() {
     for rate in [10.0, 1000.0, 10_000.0] {
         for (a, b) in at(rate).iter().zip(&reference) {
             assert!((a.inertia - b.inertia).abs() < 1e-8);
-            // Above 1 kHz the step is shorter, and the rule that lets the machine stick acts per step:
+            // Above 1 kHz the step is shorter, and the rule for static friction acts per step:
             // the last 2 mrad/s of a stop differ.
             assert!(
                 (a.velocity - b.velocity).abs() < 2e-4,
@@ -137,7 +137,7 @@ fn the_endless_cycle_repeats_and_always_comes_back() {
         assert!(after(start + 7.5).truth.velocity > 0.89);
         assert!(after(start + 13.0).truth.velocity < -0.7);
         let angle = after(start + 15.9).swing_angle.expect("an angle");
-        // 97 degrees there and back; what is left after four corrections and the last slow creep.
+        // 97 degrees in each direction; the tolerance is the error after four corrections and the last slow creep.
         assert!(angle.abs() < 0.02, "{angle}");
     }
     let jump = rows

@@ -1,4 +1,4 @@
-//! Descriptions, and what every step makes of them and of samples.
+//! Targets: descriptions, and all steps on descriptions and samples.
 
 use config::Description;
 use messages::channels::Visitor;
@@ -7,7 +7,7 @@ use steps::stages::{AnyStep, Pipeline};
 
 use crate::recorded::{Wild, assert_finite};
 
-/// What is read prints itself; what its steps take, they work with.
+/// A description that is read prints itself, and the steps that accept it work with it.
 pub fn description(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     for machine in [None, Some(Machine::Excavator), Some(Machine::Loader)] {
@@ -22,13 +22,13 @@ pub fn description(input: &[u8]) {
     }
 }
 
-/// Samples with wild numbers, through every step with every method.
+/// Samples with extreme numbers through every step with every method.
 pub fn estimate(input: &[u8]) {
     let samples = Wild::new(input);
     answer(&Description::default_of(samples.machine), &samples);
 }
 
-/// Every number that leaves a step is one.
+/// Asserts that every number from a step is finite.
 fn answer(description: &Description, samples: &Wild) {
     let pipeline = Pipeline::of(description.machine());
     let source = pipeline.sensors().expect("a source");
@@ -91,7 +91,7 @@ impl Receiver for Finite {
     }
 }
 
-/// Every key of each machine.
+/// A description with all keys for each machine.
 pub fn whole_descriptions() -> Vec<Vec<u8>> {
     let whole = |machine| Description::default_of(machine).to_toml().into_bytes();
     Machine::ALL.map(whole).into()

@@ -1,15 +1,15 @@
-//! The live page over a real socket.
+//! Target: the live page over a real socket.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// How long a client looks at what is streamed, and how long the page may take to answer.
+/// Duration for which a client reads a stream, and longest time for an answer of the page.
 const LOOK: Duration = Duration::from_millis(100);
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Whatever comes, the page answers the next one, and who went leaves no seat taken.
+/// After any input the page answers the next client, and a client that left occupies no place.
 pub fn http(input: &[u8]) {
     static SERVER: OnceLock<view::live::Server> = OnceLock::new();
     let server = SERVER.get_or_init(|| {
@@ -18,7 +18,7 @@ pub fn http(input: &[u8]) {
         view::live::serve(any, feed).expect("a port")
     });
     let connect = || TcpStream::connect(server.address()).expect("the page lets a client in");
-    // One in eight waits for more: it is left after a moment, what is streamed after a look.
+    // One client in eight does not end its input: an incomplete request is left after 20 ms, a stream after `LOOK`.
     look(connect(), input, input.len().is_multiple_of(8));
     let begun = Instant::now();
     let (answer, ended) = answer(connect());
@@ -53,7 +53,7 @@ fn look(mut stream: TcpStream, input: &[u8], stays: bool) {
     while stream.read(&mut some).is_ok_and(|n| n > 0) && begun.elapsed() < LOOK {}
 }
 
-/// Asks for a page that is not there: what comes until the connection ends, and how it ended.
+/// Requests a missing page. Returns the received bytes, and how the connection ended.
 fn answer(mut stream: TcpStream) -> (Vec<u8>, String) {
     let request = b"GET /nothing HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     stream.set_read_timeout(Some(PATIENCE)).expect("a limit");

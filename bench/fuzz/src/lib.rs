@@ -1,7 +1,7 @@
-//! What is fuzzed: every parser, from a recording to its report, and from samples to estimates.
+//! Fuzz targets: every parser, the path from a recording to its report, and from samples to estimates.
 //!
-//! Two programs feed the same targets. `battery --fuzz` changes inputs by chance, with a seed: no tools, in every
-//! `cargo test`. `bench/fuzz/guided` has libFuzzer look at what each input reaches.
+//! Two programs feed the same targets. `battery --fuzz` changes inputs at random, with a seed; it needs no tools and runs in every
+//! `cargo test`. `bench/fuzz/guided` uses the coverage of each input, by libFuzzer.
 //!
 //! | file | targets |
 //! |---|---|
@@ -21,13 +21,13 @@ use std::path::{Path, PathBuf};
 
 pub use memory::{Limited, limited};
 
-/// A parser and what it is given.
+/// A parser and its inputs.
 pub struct Target {
-    /// On the command line, and its folder in `tests/fuzz`.
+    /// Name on the command line, and of its folder in `tests/fuzz`.
     pub name: &'static str,
-    /// Files of the project to begin with.
+    /// Files of the project as initial inputs.
     pub seeds: &'static [&'static str],
-    /// More that are made.
+    /// Further initial inputs, which are generated.
     pub made: fn() -> Vec<Vec<u8>>,
     /// Largest number of bytes of a file: short inputs run quickly.
     pub longest: usize,
@@ -37,7 +37,7 @@ pub struct Target {
 
 const KB: usize = 1 << 10;
 
-/// All of them.
+/// All targets.
 pub const TARGETS: &[Target] = &[
     Target {
         name: "csv",
@@ -127,10 +127,10 @@ pub const TARGETS: &[Target] = &[
     },
 ];
 
-/// The target of that name.
+/// The target of this name.
 ///
 /// # Errors
-/// There is none; the error names those that there are.
+/// The name is unknown; the error lists the known ones.
 pub fn target(name: &str) -> Result<&'static Target, String> {
     let known = || TARGETS.iter().map(|t| t.name).collect::<Vec<_>>();
     let found = TARGETS.iter().find(|t| t.name == name);
@@ -138,7 +138,7 @@ pub fn target(name: &str) -> Result<&'static Target, String> {
 }
 
 impl Target {
-    /// Inputs to begin with: files of the project's tests, what was found before, and what is made.
+    /// Initial inputs: files of the project's tests, earlier findings, and generated ones.
     #[must_use]
     pub fn corpus(&self) -> Vec<Vec<u8>> {
         let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");

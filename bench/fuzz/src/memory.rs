@@ -1,21 +1,21 @@
-//! A limit of memory: what asks for more than an input may cost gets none, and ends.
+//! A limit of memory: an allocation beyond the limit of one input fails, and the process aborts.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// What one input may cost at most [bytes].
+/// Largest memory for one input [bytes].
 const LIMIT: usize = 256 << 20;
-/// What it may leave behind [bytes]: names and tables that are made once.
+/// Largest memory that remains allocated after it [bytes]: names and tables that are created once.
 const KEPT: usize = 1 << 20;
-/// How long it may take to give back the rest.
+/// Longest time until the rest is freed.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 static USED: AtomicUsize = AtomicUsize::new(0);
 static MOST: AtomicUsize = AtomicUsize::new(usize::MAX);
 
-/// The system's allocator with a limit; a program that fuzzes makes it its own.
+/// The system's allocator with a limit; a program that fuzzes uses it as its global allocator.
 pub struct Limited;
 
 // SAFETY: every call that is not refused is passed on to the system's allocator unchanged; null is what a
@@ -45,16 +45,16 @@ unsafe impl GlobalAlloc for Limited {
     }
 }
 
-/// Runs one input under the limit, in a program whose allocator is [`Limited`]. Who asks for more aborts the process.
+/// Runs one input under the limit, in a program whose allocator is [`Limited`]. A larger allocation aborts the process.
 ///
 /// # Errors
-/// More than 1 MB is not given back.
+/// More than 1 MB is not freed.
 pub fn limited(work: impl FnOnce()) -> Result<(), String> {
     let before = USED.load(Relaxed);
     MOST.store(before.saturating_add(LIMIT), Relaxed);
     work();
     MOST.store(usize::MAX, Relaxed);
-    // Another thread, of a server, may hold some of it for a moment.
+    // Another thread of a server may still hold some memory.
     let begun = Instant::now();
     while kept_since(before) > KEPT && begun.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(1));

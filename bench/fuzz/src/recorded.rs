@@ -1,4 +1,4 @@
-//! Recordings: files of bytes, and whole ones of wild numbers up to their report.
+//! Targets: recordings of arbitrary bytes, and complete recordings of extreme numbers with their report.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use recording::{Metadata, Reader, Writer};
 
 use crate::write;
 
-/// A file of these bytes, and what `recover` makes of it.
+/// Reads a file of these bytes, and the file that `recover` writes from it.
 pub fn mcap(input: &[u8]) {
     write("x.mcap", input);
     let _ = fs::remove_file("x.recovered.mcap");
@@ -37,17 +37,17 @@ fn page_of(file: &str) -> Result<String, recording::Error> {
     view::Run::from_recording(&reader).map(|run| view::report(&run))
 }
 
-/// Messages that are plausible but for the fields that an input names: a byte for the machine, one for the number
-/// of rows, then twelve each for a change.
+/// Plausible messages with changed fields. The input has a byte for the machine, one for the number
+/// of rows, then twelve for each change.
 pub struct Wild {
-    /// Of which machine.
+    /// The machine.
     pub machine: Machine,
-    /// Messages of each channel.
+    /// Number of messages on each channel.
     pub rows: u64,
     changes: Vec<Change>,
 }
 
-/// Row (128 and more: every one), channel, field, kind, and the value in eight bytes.
+/// Row (from 128 on: all rows), channel, field, kind, and the value in eight bytes.
 #[derive(Clone, Copy)]
 struct Change([u8; 4], [u8; 8]);
 
@@ -64,7 +64,7 @@ impl Wild {
         }
     }
 
-    /// Message number `row` of the channel in place `channel`.
+    /// Message number `row` of the channel with index `channel`.
     pub fn message<M: Message>(&self, channel: usize, row: u64) -> M {
         let mut message = M::default();
         for (index, field) in M::FIELDS.iter().enumerate() {
@@ -83,7 +83,7 @@ impl Wild {
     }
 }
 
-/// Numbers of a machine that moves; every bit is set.
+/// Numbers of a moving machine; all bits are set.
 fn plausible(kind: NumberType, index: usize, row: u64) -> Value {
     match kind {
         NumberType::U32 => Value::U32(if index < HEAD { 0 } else { u32::MAX }),
@@ -92,7 +92,7 @@ fn plausible(kind: NumberType, index: usize, row: u64) -> Value {
     }
 }
 
-/// The bits of `value`, or one of the numbers on which programs stumble.
+/// The bits of `value`, or one of the numbers that often cause errors.
 fn wild(kind: NumberType, choice: u8, value: [u8; 8]) -> Value {
     const NUMBERS: [f64; 8] = [
         f64::NAN,
@@ -113,7 +113,7 @@ fn wild(kind: NumberType, choice: u8, value: [u8; 8]) -> Value {
     }
 }
 
-/// Writes them into a recording.
+/// Writes the messages into a recording.
 fn record(file: &str, wild: &Wild) {
     let _ = fs::remove_file(file);
     let metadata: Metadata = [
@@ -158,7 +158,7 @@ impl Visitor for Write<'_> {
     }
 }
 
-/// A whole recording of each machine.
+/// A complete recording of each machine.
 pub fn recordings() -> Vec<Vec<u8>> {
     let recording = |machine: u8| {
         let file = std::env::temp_dir().join(format!("fuzz-{}.mcap", std::process::id()));
@@ -170,7 +170,7 @@ pub fn recordings() -> Vec<Vec<u8>> {
     [0, 1].map(recording).into()
 }
 
-/// Every number is one. What is before them, the stamp, is the source's.
+/// Asserts that every number is finite. The stamp and the hops before them come from the source, and are not checked.
 pub fn assert_finite<M: Message>(message: &M) {
     for (index, field) in M::FIELDS.iter().enumerate().skip(HEAD) {
         if let Some(Value::F64(value)) = message.get(index) {

@@ -1,4 +1,4 @@
-//! Parsers of text: tables, signal maps, CAN logs and what describes them, lines of a live source.
+//! Targets: parsers of text, which are tables, signal maps, CAN logs, DBC files, and lines of a live source.
 
 use std::path::{Path, PathBuf};
 
@@ -69,7 +69,7 @@ pub fn lines(input: &[u8]) {
     }
 }
 
-/// A map that is suggested is a map, be it an empty one.
+/// Asserts that a suggested map is valid, or empty.
 fn suggest(file: &str, dbc: &[PathBuf]) {
     let Ok(recording::Suggestion { text, .. }) = recording::suggest(Path::new(file), dbc, None)
     else {
@@ -80,7 +80,7 @@ fn suggest(file: &str, dbc: &[PathBuf]) {
     }
 }
 
-/// What is read has no number that is none.
+/// Asserts that all numbers of loaded samples are finite.
 fn load<S: Sensors>(file: &str, map: Option<&Map>) {
     for (sensors, truth) in recording::load::<S>(file, map).into_iter().flatten() {
         assert_finite(&sensors);

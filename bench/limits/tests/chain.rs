@@ -1,4 +1,4 @@
-//! Chains of real processes. The stages are this program started again, so it has its own `main`.
+//! Chains of real processes. Each stage is another instance of this program, so it has its own `main`.
 
 use limits::{Options, Primitive, SUBCOMMAND, chain, worker_main};
 use std::time::Duration;
@@ -59,7 +59,7 @@ fn work_is_part_of_a_hop() {
         ..Options::default()
     };
     let outcome = chain(Primitive::Futex, &options).expect("a chain with work runs");
-    // Two of three hops begin with 100 us of work: that of stages 1 and 2.
+    // Two of the three hops begin with 100 us of work, in stages 1 and 2.
     assert!(
         outcome
             .latencies_ns

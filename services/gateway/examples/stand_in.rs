@@ -1,5 +1,5 @@
 //! A stand-in for a pipeline: the channels and the recording of an excavator, with estimates whose number and
-//! verdicts are known. Tests attach a gateway to it, and count.
+//! verdicts are known. Tests attach a gateway to it, and count the messages.
 //!
 //! `stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]`: those of a file are sent from the
 //! [`WAIT`]th second on, when the subscribers are connected.
@@ -16,7 +16,7 @@ use messages::{
 use recording::Metadata;
 use runtime::{Domain, Ports, Sink, now_ns};
 
-/// When samples begin [s].
+/// Time of the first samples [s].
 const WAIT: f64 = 6.0;
 
 fn main() {
@@ -59,7 +59,7 @@ fn main() {
     };
     let mark = owner.domain().mark_file();
     let mut logger = Logger::create(&file, &Metadata::new(), limits, &mark).expect("a recording");
-    // Whole before it has its name: a gateway may wait for it.
+    // The file gets its name when it is complete, because a gateway may wait for it.
     let plan_file = owner.domain().plan_file();
     let part = plan_file.with_extension("part");
     std::fs::write(&part, plan.to_string()).expect("a plan");
@@ -96,7 +96,7 @@ fn main() {
     drop(logger);
 }
 
-/// Trusted in every second half of ten seconds; a swing of three seconds in each ten.
+/// An estimate that is trusted in every second half of 10 s, with a swing of 3 s in every 10 s.
 fn estimate(i: u64, rate: f64) -> ExcavatorEstimate {
     let time = i as f64 / rate;
     let phase = time % 10.0;

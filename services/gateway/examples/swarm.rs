@@ -76,7 +76,7 @@ fn main() {
     std::thread::sleep(Duration::from_secs(1));
 }
 
-/// What machine `i` estimates in this round.
+/// The estimate of machine `i` in this round.
 fn estimate(round: u64, i: usize, hz: f64) -> ExcavatorEstimate {
     let value = (round as f64 * 0.1 + i as f64).sin();
     let mut message = ExcavatorEstimate {
@@ -95,7 +95,7 @@ fn estimate(round: u64, i: usize, hz: f64) -> ExcavatorEstimate {
     message
 }
 
-/// A machine and what it has declared.
+/// A machine and its Zenoh declarations.
 struct Machine {
     id: MachineId,
     estimates: Estimates,
@@ -105,7 +105,7 @@ struct Machine {
 
 enum Estimates {
     Plain(Publisher<'static>),
-    /// Those of all streams, that of the estimates first.
+    /// Publishers of all streams, that of the estimates first.
     Advanced(Vec<AdvancedPublisher<'static>>),
 }
 

@@ -1,5 +1,5 @@
-//! Machines whose clocks are wrong, names that are made up, a disk that is full: every message that a machine sends is in
-//! the history, or counted.
+//! Machines with wrong clocks, invented names, and a full disk: every message that a machine sends is in
+//! the history, or is counted.
 
 use std::time::Instant;
 
@@ -13,7 +13,7 @@ use zenoh::{Session, Wait};
 
 const STREAM: &str = "estimate/inertia_ukf";
 const HOUR_MS: i64 = 3_600_000;
-/// A gateway stays for so long after its run, unless stated otherwise [s].
+/// Default time for which a gateway remains after its run [s].
 const LINGER: u64 = 20;
 
 /// A session that claims to be a machine.
@@ -22,7 +22,7 @@ struct Speaker<'a> {
     name: &'a str,
     run: u64,
     count: u64,
-    /// Its clock minus ours [ms].
+    /// Its clock minus that of the host [ms].
     ahead_ms: i64,
 }
 
@@ -155,7 +155,7 @@ fn a_run_is_kept_whatever_its_clock_says() {
         page.contains("complete: 0 messages lost") && !page.contains("not complete"),
         "nothing is missing"
     );
-    // A collector that is started again knows the same, and goes on.
+    // A restarted collector has the same history, and continues it.
     centre.process.end();
     let centre = collector(&router.address, &db, &[]);
     let next = Speaker {
@@ -169,7 +169,7 @@ fn a_run_is_kept_whatever_its_clock_says() {
         next.speak(15);
         by_run(&centre, "ex-9").last() == Some(&(4, whole.clone()))
     });
-    // Of the runs 7 and 8 nothing came: that is not complete.
+    // No message of runs 7 and 8 arrived: the history is not complete.
     until("runs that were not heard are counted", || {
         let page = centre.get("/north/ex-9", "localhost");
         page.contains("not complete") && page.contains("2 runs not received")
@@ -206,7 +206,7 @@ fn a_forged_status_blocks_nobody_and_what_is_refused_is_counted_for_good() {
     until("the victim's run is here", || {
         by_run(&centre, "victim") == [(5, whole.clone())]
     });
-    // Runs begun faster than any machine does are counted, and hold up the victim for seconds, not for a day.
+    // Runs that begin faster than those of any machine are counted. They delay the victim for seconds, not for a day.
     for run in 100..160 {
         forger(run, 0).message(0);
     }
@@ -291,7 +291,7 @@ fn a_question_that_is_lost_is_asked_again_before_a_gateway_whose_run_is_over_has
         count: 1,
         ahead_ms: 0,
     };
-    // It takes the first question of each stream and never ends it; what it is asked then, it does not have.
+    // It holds the first query open without an answer. To later queries it answers that the messages are lost.
     let (asked, questions) = std::sync::mpsc::channel();
     let first = std::sync::Mutex::new(None);
     let key = format!("heft/v1/north/mute/{STREAM}");

@@ -1,4 +1,4 @@
-//! A site that is closed: mutual TLS, and a router that lets a machine write its own keys only, both made by
+//! A closed site: mutual TLS, and a router that permits a machine to write only its own keys, both set up by
 //! `examples/fleet`. Needs `openssl` and `python3`.
 
 use std::net::TcpListener;
@@ -31,13 +31,13 @@ fn keys(folder: &Path, listen: &str, days: &str, machines: &[&str]) {
     );
 }
 
-/// Where a router can listen.
+/// An address with a free port for a router.
 fn address() -> String {
     let listener = TcpListener::bind("127.0.0.1:0").and_then(|l| l.local_addr());
     format!("tls/127.0.0.1:{}", listener.expect("a port").port())
 }
 
-/// A session, if the router lets it in within some seconds.
+/// A session, if the router accepts it within some seconds.
 fn client(address: &str, config: PathBuf) -> Option<Session> {
     let link = LinkArgs {
         connect: address.to_owned(),
@@ -74,7 +74,7 @@ fn a_machine_writes_its_own_keys_only_and_one_without_a_valid_certificate_none()
     let address = address();
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(format!("{name}.json5"));
-    // Valid for no day: over at once.
+    // Valid for 0 days: expired at once.
     keys(folder.path(), &address, "30", &["ex-1", "ex-2"]);
     keys(folder.path(), &address, "0", &["ex-late"]);
     let _router = link::router(None, Some(&at("router"))).expect("the router starts");

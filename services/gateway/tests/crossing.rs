@@ -1,4 +1,4 @@
-//! Messages of many senders that cross at a router: the collector takes all, in whatever order they come.
+//! Messages of many senders that arrive at a router in mixed order: the collector stores all of them.
 
 use crate::common::{Collector, Router, collector, until};
 use gateway::label::Label;
@@ -6,13 +6,13 @@ use gateway::wall_ms;
 use messages::ExcavatorEstimate;
 use zenoh::Wait;
 
-/// Without numbers of Zenoh's own: the router's clock stamps its messages.
+/// Its publisher has no sequence numbers of Zenoh: the router's clock stamps its messages.
 const STREAM: &str = "site/inertia_ukf";
 const SENDERS: usize = 8;
-/// As many as a machine may send at once.
+/// Largest number of messages that a machine may send at once.
 const MESSAGES: u64 = 900;
 
-/// Messages of the stream that are in the history.
+/// Number of messages of the stream in the history.
 fn stored(centre: &Collector) -> u64 {
     let sql = gateway::collector::query::open(&centre.db).expect("a history");
     let text = "SELECT count(*) FROM message e JOIN stream s ON s.id = e.stream WHERE s.name = ?";

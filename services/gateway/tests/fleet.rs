@@ -1,5 +1,5 @@
-//! What a fleet promises, with a real router, gateways and collectors: live at most once; the history complete
-//! when the link is back; what is lost is counted at both ends.
+//! Guarantees of a fleet, with a real router, gateways and collectors. Live messages arrive at most once. The history is complete
+//! after the link is restored, and lost messages are counted at both ends.
 
 use crate::common::{Router, collector, expected, gateway, machine, sleep, until};
 
@@ -10,7 +10,7 @@ fn two_machines_are_on_the_page_and_in_the_history() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
-    // Three swings: what is live is at most once, and a busy computer listens late.
+    // Three swings: a live message arrives at most once, and a busy computer subscribes late.
     let machines = [machine(100.0, 34.0, None), machine(100.0, 34.0, None)];
     let gateways = [
         gateway(&machines[0], "ex-1", &router.address),
@@ -51,7 +51,7 @@ fn two_machines_are_on_the_page_and_in_the_history() {
     for id in ["ex-1", "ex-2"] {
         centre.until_whole(id, UKF, whole.len());
         assert_eq!(centre.numbers(id, UKF), whole, "{id}");
-        // A swing from 2 to 5 s of each ten, reported by its last estimate.
+        // A swing from 2 to 5 s of every 10 s, reported by its last estimate.
         let loads = centre.numbers(id, "loads/inertia_ukf");
         assert_eq!(loads, [499, 1499, 2499], "{id}");
         assert_eq!(centre.account(id), (0, 0), "{id}");
@@ -140,7 +140,7 @@ fn a_run_that_was_killed_or_gave_up_is_told_and_one_that_ended_in_order_is_not()
     until("the page says so", || {
         centre.get("/", &centre.page).matches(">broke off<").count() == 2
     });
-    // Longer than a machine may be silent, if its gateway left.
+    // Longer than the permitted silence of a machine without a gateway.
     sleep(9.0);
     let all = centre.query("alarms");
     let others = all.iter().filter(|alarm| alarm["machine"] == "ended");
@@ -175,7 +175,7 @@ fn what_the_recording_has_dropped_is_counted_at_both_ends() {
     let mut router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
-    // Parts of 100 kB, of which three stay: some seconds.
+    // Parts of 100 kB, of which three are retained: some seconds.
     let machine = machine(200.0, 40.0, Some((100_000, 300_000)));
     let _gateway = gateway(&machine, "ex-1", &router.address);
     until("it is heard", || !centre.numbers("ex-1", UKF).is_empty());

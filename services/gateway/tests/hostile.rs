@@ -1,4 +1,4 @@
-//! A machine that lies lies about itself only: nothing that it sends is taken for another's, and nothing of it
+//! A machine can send false data only about itself: none of its messages is attributed to another machine, and none
 //! harms the collector.
 
 use crate::common::{Router, collector, sleep, until};

@@ -1,11 +1,11 @@
-//! What a fleet promises over links that are slow, lossy, or silent for a while.
+//! Guarantees of a fleet over links that are slow, lossy, or interrupted.
 
 use crate::common::relay::{LTE, Quality, Relay, SATELLITE};
 use crate::common::{Collector, Router, collector, expected, gateway, machine, sleep, until};
 
 const UKF: &str = "estimate/inertia_ukf";
 
-/// Milliseconds from a message's making to its arrival, smallest and median.
+/// Time from the creation of a message to its arrival [ms], minimum and median.
 fn ages(centre: &Collector) -> [i64; 2] {
     let sql = gateway::collector::query::open(&centre.db).expect("a history");
     let text = "SELECT received_ms - e.wall_ms FROM message e JOIN stream s ON s.id = e.stream WHERE s.name = ? ORDER BY 1";
@@ -53,7 +53,7 @@ fn the_last_message_before_the_end_of_a_run_arrives() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
-    // Every sample is a message, and the run ends with the last: between two visits of the gateway.
+    // Every sample is a message, and the run ends with the last one: between two reads of the gateway.
     let machine = machine(10.0, 8.0, None);
     let _gateway = gateway(&machine, "ex-1", &router.address);
     machine.process.wait();

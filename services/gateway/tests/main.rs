@@ -1,5 +1,5 @@
-//! All tests of fleets, in one program: each waits for processes and messages most of its time, so all wait beside each other, and Zenoh is linked
-//! once.
+//! All tests of fleets in one program. Each test waits for processes and messages most of its time, so all run in parallel, and Zenoh
+//! is linked once.
 
 mod clocks;
 mod closed;

@@ -1,5 +1,5 @@
-//! `examples/fleet/subscribe.py`: what a program in another language reads. Needs python3 with eclipse-zenoh and protobuf,
-//! or an interpreter that has them, named as HEFT_PYTHON.
+//! `examples/fleet/subscribe.py`: a subscriber in another language. Needs python3 with eclipse-zenoh and protobuf,
+//! or such an interpreter in HEFT_PYTHON.
 
 use std::process::Command;
 
@@ -51,7 +51,7 @@ fn a_subscriber_in_python_prints_and_plots_what_machines_send() {
     assert!(out.status.success(), "{said}");
     for name in ["ex-1", "ex-2"] {
         let its: Vec<&str> = printed.lines().filter(|l| l.starts_with(name)).collect();
-        // Two streams, ten a second each, for four seconds.
+        // Two streams of ten messages per second for four seconds.
         assert!(
             (40..=100).contains(&its.len()),
             "{} of {name}: {printed}",

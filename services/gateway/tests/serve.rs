@@ -1,4 +1,4 @@
-//! `heft fleet serve`: machines send their samples, and the site's estimates are those that `heft estimate` makes of them.
+//! `heft fleet serve`: machines send their samples, and the estimates of the site equal those of `heft estimate`.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -13,7 +13,7 @@ use crate::common::{
 use zenoh::Wait;
 
 const STREAM: &str = "site/inertia_ukf";
-/// What is compared.
+/// The compared columns.
 const COLUMNS: [&str; 6] = [
     "t",
     "inertia",
@@ -67,7 +67,7 @@ fn rows(text: &str) -> Vec<BTreeMap<&str, &str>> {
     lines.map(row).collect()
 }
 
-/// What a program prints.
+/// The output of a program.
 fn printed(command: &mut Command) -> String {
     let out = command.output().expect("it runs");
     assert!(
@@ -78,7 +78,7 @@ fn printed(command: &mut Command) -> String {
     String::from_utf8(out.stdout).expect("text")
 }
 
-/// What `heft estimate` makes of the samples in a recording, as a table.
+/// The table that `heft estimate` writes for the samples in a recording.
 fn alone(heft: &Path, machine: &Machine) -> String {
     let out = machine.folder.path().join("alone.csv");
     let mut command = Command::new(heft);
@@ -89,7 +89,7 @@ fn alone(heft: &Path, machine: &Machine) -> String {
     std::fs::read_to_string(out).expect("estimates")
 }
 
-/// The same rows, bit for bit.
+/// Asserts that the rows are equal, bit for bit.
 fn assert_same(found: &[BTreeMap<&str, &str>], expected: &[BTreeMap<&str, &str>]) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {
@@ -97,7 +97,7 @@ fn assert_same(found: &[BTreeMap<&str, &str>], expected: &[BTreeMap<&str, &str>]
             let number = |row: &BTreeMap<&str, &str>| row[column].parse::<f64>().ok();
             match number(expected) {
                 Some(x) => assert_eq!(number(found).map(f64::to_bits), Some(x.to_bits())),
-                // The method does not estimate it, or not yet.
+                // The method does not estimate the quantity, or not yet.
                 None => assert_eq!((expected[column], found[column]), ("", ""), "{column}"),
             }
         }
@@ -142,7 +142,7 @@ fn the_site_estimates_what_heft_estimate_does_bit_for_bit_also_when_its_processe
         until("all is answered", || {
             centre.numbers(name, STREAM).len() >= expected.len()
         });
-        // Not as JSON, whose readers round.
+        // Not as JSON, because its readers round.
         let mut query = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
         query.args(["query", "--what", "site", "--machine", name, "--db"]);
         let found = printed(query.arg(&centre.db));
@@ -254,7 +254,7 @@ fn a_machine_that_was_not_asked_sends_no_samples() {
     assert!(heard[0].1.try_recv().is_err(), "it sends samples too");
 }
 
-/// The status of a site whose `heft serve` is this script.
+/// Exit status of a site with this script in place of `heft serve`.
 fn status_with(router: &Router, script: &str) -> Option<i32> {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().expect("a folder");
@@ -272,7 +272,7 @@ fn a_site_that_cannot_go_on_ends_with_1_where_another_start_may_help() {
     let router = Router::start();
     assert_eq!(status_with(&router, "exit 2"), Some(2), "wrong use");
     assert_eq!(status_with(&router, "exit 0"), Some(1), "it has ended");
-    // An answer that cannot be read, then an end in order.
+    // An unreadable answer, and then a regular end.
     let unreadable = format!("printf '{}'; cat > /dev/null", r"\377".repeat(16));
     assert_eq!(status_with(&router, &unreadable), Some(1));
 }

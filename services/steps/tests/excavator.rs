@@ -1,4 +1,4 @@
-//! The excavator's messages: nothing is lost between the filter stage and the regression.
+//! The excavator's messages: no value is lost between the filter stage and the regression.
 
 use estimation::excavator::{Columns, Method, Motion, MotionFilter, Sample, Settings};
 use messages::EXCAVATOR_METHODS;
@@ -15,7 +15,7 @@ fn valid(sample: &Sample) -> u32 {
         | bit(bits::SWING_TORQUE, sample.torque)
 }
 
-/// A swing with a lost velocity, a lost torque, and a row out of time.
+/// A swing with a lost velocity, a lost torque, and a row with a time out of order.
 fn motions(encoder: bool) -> Vec<(Motion, u32)> {
     let columns = Columns {
         velocity: !encoder,

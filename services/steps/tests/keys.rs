@@ -1,4 +1,4 @@
-//! The keys of the descriptions: each does something, and errors name only keys that exist.
+//! The keys of the descriptions: each has an effect, and errors name only existing keys.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,7 +7,7 @@ use config::{Description, Excavator, Form, Loader, Tables, Value};
 use estimation::{excavator, loader};
 use steps::idle_keys;
 
-/// Every key with another value than the default; what it was is not stated.
+/// One description per key, in which this key has another value than the default.
 fn changes<M: Tables>() -> Vec<(String, M)> {
     let default = M::default();
     let mut all = Vec::new();
@@ -40,11 +40,11 @@ fn names<M: Tables>() -> BTreeSet<String> {
     changes::<M>().into_iter().map(|(name, _)| name).collect()
 }
 
-/// Keys that are for others than the estimators.
+/// Keys that the estimators do not use directly.
 const ELSEWHERE: &[&str] = &[
-    // The simulator, and the period that a late sample is recognized by.
+    // For the simulator, and for the detection of late samples.
     "sensors.rate",
-    // The other defaults scale with them (`config::excavator`); the estimators read those.
+    // Other defaults scale with them (`config::excavator`), and the estimators read those.
     "machine.operating_mass",
     "machine.rated_payload",
     "machine.swing_torque",
@@ -52,7 +52,7 @@ const ELSEWHERE: &[&str] = &[
 
 #[test]
 fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing() {
-    // A key of the boom's cylinder acts where the cylinder is described, correlations where a calibration has found them.
+    // A key of the boom cylinder acts only if the cylinder is described, a correlation only if a calibration has identified it.
     let described = |description: &Excavator| {
         let mut described = description.clone();
         let cylinder = &mut described.boom_cylinder;
@@ -80,13 +80,13 @@ fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing(
     }
 }
 
-/// Methods of the excavator under which every key acts that does at all.
+/// Methods of the excavator: every key that has an effect has one under at least one of them.
 const METHODS: &[&str] = &["auto", "svf-rls", "multi-forgetting-rls"];
 
 #[test]
 fn every_key_of_the_loader_reaches_the_settings_of_some_method() {
     let methods = loader::Method::ALL;
-    // Some keys act under the other tuning only.
+    // Some keys act only under this tuning.
     let tuned = Loader {
         estimator: loader::keys::Estimator {
             tuning: config::Tuning::Tuned,
@@ -121,7 +121,7 @@ fn the_algorithms_name_only_keys_that_exist() {
                     && literal
                         .chars()
                         .all(|c| c.is_ascii_lowercase() || "._0123456789".contains(c));
-                // The name of a table inside another.
+                // The name of a table inside another table is no key.
                 if is_key && !known.iter().any(|k| k.starts_with(&format!("{literal}."))) {
                     assert!(known.contains(literal), "{folder} names {literal}");
                     named += 1;

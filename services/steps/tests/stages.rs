@@ -1,4 +1,4 @@
-//! The table of processes agrees with itself, the channels and the methods.
+//! The table of processes is consistent with itself, the channels and the methods.
 
 use config::Description;
 use messages::{EXCAVATOR_METHODS, Hop, LOADER_METHODS, Machine, channels};

@@ -1,4 +1,4 @@
-//! No number, however wild, and no run, however short, breaks a report or puts a NaN into it.
+//! Extreme numbers and short runs do not break a report, and put no NaN into it.
 
 mod common;
 
@@ -8,7 +8,7 @@ use messages::{
 };
 use view::{Estimator, MachineRun, Parts, Run, number, report};
 
-/// A seeded generator of any bits, and of the numbers that break things.
+/// A seeded generator of arbitrary bits, and of numbers that often cause errors.
 struct Any(u64);
 
 impl Any {
@@ -46,7 +46,7 @@ impl Any {
         for (i, field) in M::FIELDS.iter().enumerate() {
             let value = match field.kind {
                 NumberType::F64 => Value::F64(self.double()),
-                // Half of the flags of anything are set.
+                // Each flag is set with a probability of one half.
                 NumberType::U32 => Value::U32(self.bits() as u32),
                 NumberType::U64 => Value::U64(self.bits() >> (self.bits() % 64)),
             };

@@ -1,4 +1,4 @@
-//! What people outside heft use must name what heft has: the Foxglove layout and the Python example.
+//! The Foxglove layout and the Python example name only existing channels, messages and fields.
 
 use messages::channels::{Channel, Visitor};
 use messages::{ExcavatorEstimate, LoaderEstimate, Message};
@@ -53,7 +53,7 @@ fn the_python_example_shows_channels_and_messages_that_there_are() {
     }
     let named = [ExcavatorEstimate::NAME, LoaderEstimate::NAME];
     assert!(named.iter().all(|name| text.contains(name)));
-    // What it reads beside the head must be a field.
+    // Names that it reads, except those of the head, must be fields.
     let read = text.split("{e.").skip(1).map(|rest| {
         let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
         &rest[..end.unwrap_or(rest.len())]

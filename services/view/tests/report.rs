@@ -1,10 +1,10 @@
-//! What a reader of the report may rely on.
+//! Contents of the report.
 
 mod common;
 
 use view::{Run, compared, report};
 
-/// Addresses that a page could load; the only ones allowed are names of XML vocabularies.
+/// Addresses in a page, which it could load; only names of XML vocabularies are permitted.
 fn addresses(html: &str) -> Vec<&str> {
     html.match_indices("http")
         .map(|(at, _)| &html[at..(at + 30).min(html.len())])
@@ -118,7 +118,7 @@ fn the_report_loads_nothing_and_runs_no_script_but_its_own() {
         points: vec![(0.0, 1.0), (1.0, 2.0)],
     });
     for run in [hostile, common::loader(5.0, 100.0, true), Run::default()] {
-        // Its licence line names an address, and nothing reads it.
+        // The address in the licence line of uPlot is only a comment.
         let html = report(&run).replace("/*! https://github.com/leeoniya/uPlot", "");
         assert_eq!(addresses(&html), Vec::<&str>::new());
         for loader in [
@@ -132,7 +132,7 @@ fn the_report_loads_nothing_and_runs_no_script_but_its_own() {
             assert!(!html.contains(loader), "{loader}");
         }
         let drawn = html.contains("data-plot");
-        // The numbers, and the one script whose hash the policy names.
+        // One element with the numbers, and the script whose hash is in the policy.
         assert_eq!(html.matches("<script").count(), if drawn { 2 } else { 0 });
         let policy = "content=\"default-src 'none'; style-src 'unsafe-inline'; script-src '";
         let allowed = if drawn { "sha256-" } else { "none'\"" };
@@ -203,7 +203,7 @@ fn a_recording_makes_the_same_report_as_the_run_in_memory() {
 fn step_times_have_a_column_only_where_processes_reported_them() {
     let run = common::excavator(5.0, 100.0, true);
     assert!(report(&run).contains("<th>step p50 / p99</th>"));
-    // As `heft estimate` makes it: one process, no telemetry.
+    // As from `heft estimate`: one process, no telemetry.
     let alone = Run {
         health: Vec::new(),
         ..run

@@ -1,4 +1,4 @@
-//! What the terminal dashboard shows, on a terminal in memory.
+//! Contents of the terminal dashboard, on a terminal in memory.
 
 mod common;
 
@@ -82,7 +82,7 @@ fn on_a_small_terminal_every_value_has_its_reason_and_no_line_is_cut() {
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
-    // A sentence that was cut would not end: three verdicts, three full stops at the end of a line.
+    // A truncated sentence would have no full stop: three verdicts end with one, each at the end of a line.
     let ends = |line: &&str| line.trim_end().ends_with(").") || line.trim_end().ends_with('.');
     assert!(text.lines().filter(ends).count() >= 3, "{text}");
 }
@@ -107,7 +107,7 @@ fn on_a_small_terminal_a_trend_has_its_range_its_unit_and_its_time() {
     let line = text.lines().find(|l| l.contains(bar));
     let line = line.unwrap_or_else(|| panic!("a trend in\n{text}"));
     assert!(line.contains(" to ") && line.contains("kg m²"), "{text}");
-    // 46 columns of a tenth of a second, scaled by what is seen.
+    // 46 columns of a tenth of a second, scaled to the visible range.
     assert!(line.contains("5 s") && line.contains('█'), "{text}");
     assert!(
         !text.contains("inertia_rls, "),

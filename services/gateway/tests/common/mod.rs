@@ -1,4 +1,4 @@
-//! Processes of a fleet, for tests: a router in this process, and everything else as it is run.
+//! Processes of a fleet for tests: a router in this process, and all other programs as processes of their own.
 
 pub mod relay;
 
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use gateway::link;
 use zenoh::{Session, Wait};
 
-/// A process that does not outlive the test.
+/// A process that is killed at the end of the test.
 pub struct Process(pub Child);
 
 impl Drop for Process {
@@ -27,14 +27,14 @@ impl Process {
         Self(command.spawn().expect("the program is built"))
     }
 
-    /// Asks it to end, and waits.
+    /// Sends SIGTERM, and waits for the end.
     pub fn end(mut self) {
         let pid = rustix::process::Pid::from_raw(self.0.id() as i32).expect("a process");
         let _ = rustix::process::kill_process(pid, rustix::process::Signal::TERM);
         let _ = self.0.wait();
     }
 
-    /// Waits for its own end.
+    /// Waits until it ends by itself.
     pub fn wait(mut self) {
         let _ = self.0.wait();
     }
@@ -63,7 +63,7 @@ impl Router {
     pub fn up(&mut self) {
         let begun = Instant::now();
         while self.session.is_none() {
-            // The port may be held for a moment.
+            // The port may still be in use for a short time.
             self.session = link::router(Some(&self.address), None).ok();
             assert!(
                 begun.elapsed() < Duration::from_secs(30),
@@ -89,7 +89,7 @@ impl Router {
     }
 }
 
-/// A machine: the stand-in for its pipeline.
+/// A machine, with the stand-in in place of its pipeline.
 pub struct Machine {
     pub domain: String,
     pub folder: tempfile::TempDir,
@@ -104,7 +104,7 @@ pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
     stand_in(rate, seconds, &parts)
 }
 
-/// A machine that has the samples of a file too.
+/// A machine that also has the samples of a file.
 pub fn machine_with_samples(rate: f64, seconds: f64, file: &Path) -> Machine {
     stand_in(rate, seconds, &[format!("samples={}", file.display())])
 }
@@ -137,14 +137,14 @@ fn stand_in(rate: f64, seconds: f64, more: &[String]) -> Machine {
 }
 
 impl Machine {
-    /// Waits for the end of its pipeline; its recording stays.
+    /// Waits for the end of its pipeline; its recording is retained.
     pub fn until_it_ends(mut self) -> Self {
         let _ = self.process.0.wait();
         self
     }
 }
 
-/// A program that cargo has built beside the tests.
+/// The path of a program that cargo has built with the tests.
 fn beside(name: &str) -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_heft-gateway")).with_file_name(name)
 }
@@ -251,7 +251,7 @@ impl Collector {
         }
     }
 
-    /// Streams of a machine that have a gap: up to where each is whole, up to where it goes, and what is lost.
+    /// Streams of a machine with a gap: last number without a gap, last number, and count of lost messages.
     fn gaps(&self, machine: &str) -> Vec<(String, [i64; 3])> {
         let sql = gateway::collector::query::open(&self.db).expect("a history");
         let text = "SELECT s.name, good, head, lost FROM stream s JOIN machine m ON m.id = s.machine WHERE m.name = ? AND good < head";
@@ -263,7 +263,7 @@ impl Collector {
         all.map(|stream| stream.expect("a stream")).collect()
     }
 
-    /// Messages lost and streams with a gap, of a machine.
+    /// Number of lost messages, and of streams with a gap, of a machine.
     pub fn account(&self, machine: &str) -> (i64, i64) {
         let sql = gateway::collector::query::open(&self.db).expect("a history");
         let text = "SELECT coalesce(sum(lost), 0), coalesce(sum(good < head), 0) FROM stream s JOIN machine m ON m.id = s.machine WHERE m.name = ?";
@@ -290,10 +290,10 @@ pub fn query(db: &Path, what: &str) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// What is not so by then never is.
+/// Longest wait for a condition.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Waits until something holds.
+/// Waits until a condition holds.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !holds() {
@@ -313,7 +313,7 @@ pub fn of_repository(path: &str) -> PathBuf {
         .join(path)
 }
 
-/// The program heft, from the environment's HEFT or a build of the main workspace. Without one, says so.
+/// The program heft, from the variable HEFT or a build of the main workspace. Reports if there is none.
 pub fn heft() -> Option<PathBuf> {
     let own = std::env::var_os("HEFT").map(PathBuf::from);
     let built = ["target/debug/heft", "target/release/heft"].map(of_repository);

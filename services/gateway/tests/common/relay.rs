@@ -1,5 +1,5 @@
-//! A link with faults between a gateway and its router: bytes come late, in their order, or not at all for a while.
-//! (Network namespaces with `tc netem` would do it below TCP, where the kernel has netem.)
+//! A link with faults between a gateway and its router: bytes arrive late and in order, or not at all during an interruption.
+//! (Network namespaces with `tc netem` would simulate this below TCP, if the kernel has netem.)
 
 use std::collections::VecDeque;
 use std::io::{Read, Write};
@@ -28,12 +28,12 @@ pub const SATELLITE: Quality = Quality {
     jitter: 0.0,
     loss: 0.0,
 };
-/// What TCP waits before it sends again [s].
+/// Time until TCP sends a lost packet again [s].
 const AGAIN: f64 = 0.2;
 
 /// The link.
 pub struct Relay {
-    /// Where a gateway connects.
+    /// Address to which a gateway connects.
     pub address: String,
     is_cut: Arc<AtomicBool>,
 }

@@ -1,4 +1,4 @@
-//! A browser that can be asked: Debian's chromium through the WebDriver protocol of its
+//! Control of a browser: Debian's chromium by the WebDriver protocol of its
 //! chromedriver.
 
 use std::io::{Read, Write};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-/// What makes chromium quiet and self-contained.
+/// Options for a headless chromium without dialogs and without network access of its own.
 const OPTIONS: [&str; 11] = [
     "--headless",
     "--no-sandbox",
@@ -83,7 +83,7 @@ impl Driver {
         String::new()
     }
 
-    /// Asks and waits for the answer; null where there is none.
+    /// Sends a request and waits for the answer; null if there is none.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
         self.exchange(method, path, body).unwrap_or(Value::Null)
     }
@@ -130,7 +130,7 @@ impl Driver {
         self.ask("POST", &path, Some(&json!({"script": script, "args": []})))["value"].clone()
     }
 
-    /// The page as it stands.
+    /// The present document of the page.
     pub fn page(&self) -> String {
         let page = self.run("return document.documentElement.outerHTML");
         page.as_str().unwrap_or_default().to_owned()
