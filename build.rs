@@ -46,7 +46,7 @@ fn main() {
     );
     if let (true, Some(folder)) = (is_ours, git(&["rev-parse", "--absolute-git-dir"])) {
         println!("cargo::rerun-if-changed={folder}/HEAD");
-        // What is not committed, and not the index: each `git status` writes that anew.
+        // Uncommitted changes. Not the index, because each `git status` writes it again.
         let crates = std::fs::read_dir("services")
             .into_iter()
             .flatten()

@@ -76,7 +76,7 @@ fn find(key: &str, index: usize) -> Option<Contender> {
     row.map(|(_, make)| make())
 }
 
-/// Runs some passes of a contender under valgrind; returns `false` if there is none such.
+/// Runs some passes of a contender under valgrind; returns `false` if it does not exist.
 pub fn run_block(key: &str, index: usize, passes: usize) -> bool {
     let Some(mut contender) = find(key, index) else {
         return false;

@@ -573,7 +573,7 @@ def number(text):
         return False
 
 
-# What heft uses where it is measured, and this does not.
+# Signals that heft uses if they are measured, and this example does not.
 OTHERS = ["articulation", "yaw_rate", "brake", "lift_angle", "tilt_angle", "lift_head_pressure", "lift_rod_pressure"]
 
 

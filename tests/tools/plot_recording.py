@@ -14,7 +14,7 @@ import collections
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-# What is worth a plot: title with unit, the channels, value and standard deviation, truth.
+# The plots: title with unit, channels, value and standard deviation, truth.
 PLOTS = [
     ("Swing inertia [kg m²]", ["excavator/inertia_rls", "excavator/inertia_ukf"], "inertia", ("excavator/truth", "inertia")),
     ("Front-axle load fraction [–]", ["loader/cg_ekf", "loader/cg_ukf"], "cg_ratio", ("loader/truth", "cg_ratio")),

@@ -1,4 +1,4 @@
-//! What a stage is given on its command line.
+//! Arguments of a stage on its command line.
 
 use crate::{Options, Primitive, WARM_UP};
 use std::io;
@@ -20,9 +20,9 @@ pub struct Assignment {
     pub core: Option<usize>,
     pub parent: i32,
     pub memory: RawFd,
-    /// Read end of the pipe from the stage before; -1 where there is none.
+    /// Read end of the pipe from the stage before; -1 if there is none.
     pub input: RawFd,
-    /// Write end of the pipe to the stage after; -1 where there is none.
+    /// Write end of the pipe to the stage after; -1 if there is none.
     pub output: RawFd,
 }
 

@@ -1,7 +1,7 @@
-//! What this machine can do at best: a chain of processes that does nothing but pass a sample on.
+//! Lower bounds of the latency on a computer: chains of processes that only pass a sample on.
 //!
-//! A latency is a number about the machine as much as about the program. So `heft latency` runs, in the same minute and under the same
-//! scheduling, the shortest chain each mechanism of the kernel allows, and states its own figures as ratios to that.
+//! A latency depends on the computer as much as on the program. So `heft latency` also runs the shortest chain of each mechanism of
+//! the kernel, in the same minute and under the same scheduling. Its own figures are ratios to these.
 //!
 //! ```text
 //!  process 0          process 1                process P-1
@@ -39,7 +39,7 @@ pub const SUBCOMMAND: &str = "limits-worker";
 /// Samples sent ahead of the measured ones, to fill caches, page tables and branch predictors.
 pub const WARM_UP: usize = 64;
 
-/// How a sample gets from one process to the next.
+/// Mechanism that passes a sample from one process to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Primitive {
     /// A ring in shared memory; the reader sleeps on a futex word.
@@ -82,7 +82,7 @@ pub struct Options {
     pub fifo: bool,
     /// Cores for the stages, taken in turn: one entry pins all to that core, several spread them. `None` leaves it to the scheduler.
     pub cores: Option<Vec<usize>>,
-    /// Size of a sample \[bytes\], rounded up to 8 and to what the time stamps need; at most 4096 (a pipe writes that in one piece).
+    /// Size of a sample \[bytes\], rounded up to 8 and to the size of the time stamps. At most 4096, which a pipe writes at once.
     pub payload: usize,
     /// Busy work of every stage but the first, between the stamp of arrival and the sending on.
     pub work: Duration,
@@ -103,7 +103,7 @@ impl Default for Options {
     }
 }
 
-/// What a chain took.
+/// Measurements of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// First stamp to last stamp \[ns\], in the order sent, of the samples that arrived.
@@ -112,9 +112,9 @@ pub struct Outcome {
     pub per_hop: Vec<Vec<u64>>,
     /// Measured samples that did not arrive, or not in order.
     pub lost: u64,
-    /// Whether every process really ran under SCHED_FIFO. `false` where it was not asked for or is not permitted.
+    /// Whether every process ran under SCHED_FIFO. `false` if it was not requested or is not permitted.
     pub fifo: bool,
-    /// Processes that took part. Fewer than asked for only for [`Primitive::Spin`], which needs a core for each: compare hop by hop then.
+    /// Number of processes. Less than requested only for [`Primitive::Spin`], which needs a core for each: then compare hop by hop.
     pub stages: usize,
 }
 

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const START: Duration = Duration::from_secs(10);
 /// From the word "go" to the first sample [ns]: every stage is asleep on its word by then.
 const LEAD_NS: u64 = 20_000_000;
-/// How often the starter looks after its processes; it shares their cores, so not often.
+/// Period at which the starter checks its processes: long, because it shares their cores.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Runs the chain to its end.

@@ -1,7 +1,7 @@
 //! Memory and pointers of the caller: all the unsafe code of the library.
 //!
-//! Every function checks what can be checked (null, size, alignment, whether the memory was initialised
-//! by `init` for this machine); the header states the other requirements.
+//! Every function checks pointers for null, size and alignment, and whether `init` has initialised the memory
+//! for this machine. The header states the other requirements.
 #![allow(unsafe_code)]
 
 use core::ffi::{CStr, c_char, c_void};

@@ -2,8 +2,8 @@
 //!
 //! The caller provides the memory, and then one row after the other. No function here allocates, opens a
 //! file, reads a clock or panics on data; every output number is finite. Structures are passed
-//! as plain numbers in the order of one table per machine ([`Machine`]), from which the
-//! header and the model descriptions of the FMUs are generated.
+//! as plain numbers in the order of one table per machine ([`Machine`]). The
+//! header and the model descriptions of the FMUs are generated from it.
 //!
 //! | file | idea |
 //! |---|---|

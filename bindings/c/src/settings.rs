@@ -183,8 +183,8 @@ pub fn read<S: Settings>(get: impl Fn(usize) -> f64) -> Result<S, Unfit> {
     Ok(settings)
 }
 
-/// A description in which keys with the reference machine's value get that of a machine of the stated size, like keys that a machine
-/// file does not state.
+/// A description in which each key with the value of the reference machine gets that of a machine of the stated size. A machine file
+/// does the same for keys that it does not state.
 pub fn completed<S: Settings>(stated: S) -> S {
     let (plain, sized) = (S::default(), stated.of_its_size());
     let mut all = stated;

@@ -32,7 +32,7 @@ impl Zip {
         };
         let packed_size = u32::try_from(packed.len()).expect("less than 4 GiB");
         let length = u16::try_from(name.len()).expect("a short name");
-        // What local header and table of contents have in common: version 2.0, no flags, method
+        // The common part of local header and table of contents: version 2.0, no flags, method
         // (8 deflated, 0 stored), time, date, checksum, sizes, length of the name, no extra field.
         let mut common = Vec::new();
         for half in [20, 0, method, 0, DATE] {

@@ -3,7 +3,7 @@ use std::fmt;
 /// A defect of a description. Prints as three lines: what, where, what to do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Error {
-    /// What is wrong.
+    /// The fault.
     pub what: String,
     /// File name, or the command line option.
     pub file: String,
@@ -11,7 +11,7 @@ pub struct Error {
     pub line: Option<usize>,
     /// Key with its table, such as `sensors.rate`; empty if none is concerned.
     pub key: String,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: String,
 }
 

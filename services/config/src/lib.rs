@@ -1,5 +1,5 @@
 //! Descriptions of a machine, its sensors and its estimator as TOML files, with units,
-//! ranges and defaults, and errors that name the line and the remedy.
+//! ranges and defaults. Errors name the line and the remedy.
 //!
 //! Every key has one row in a table of `estimation`, beside the algorithm that it sets. The
 //! structures, their defaults, the parser, `--set`, the range checks, the suggestions and the

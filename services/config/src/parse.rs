@@ -55,8 +55,8 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
 /// Ratio of masses above which, or below whose inverse, a machine is another one than the reference machine.
 const ANOTHER: f64 = 1.5;
 
-/// Leaves out printed defaults. A file with all keys of the reference machine's size, and the mass of another machine, was printed for that
-/// machine and edited where values were known: keys still at their default are not stated.
+/// Leaves out printed defaults. A file with all keys of the reference machine's size and another mass was printed by heft, and edited
+/// where values were known. Its keys that are still at their default are not stated.
 fn leave_out_what_was_printed<M: Keyed>(entries: &mut Vec<Entry<'_>>) {
     let (_, reference) = M::REFERENCE;
     let mass = entries.iter().find(|e| e.path == mass_key(M::MACHINE));
@@ -105,8 +105,8 @@ pub(crate) fn set_all<M: Keyed>(
     Ok(())
 }
 
-/// Keys that are not stated, and so have the value of the machine's size `before`, get that of the size `changed`; true if there
-/// are any.
+/// Sets keys that are not stated, and so have the value of the machine's size `before`, to that of the size `changed`. Returns whether
+/// there are any.
 fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
     let plain = M::default();
     let places = stated::places(before).into_iter();
@@ -178,7 +178,7 @@ fn numbers<M: Keyed>(path: &str, text: &str) -> Option<Item> {
     }
 }
 
-/// The machine that the text names, or else the one with more of its keys in the text; `None` if it
+/// The machine that the text names, or else the one with more of its keys in the text. `None` if it
 /// names none and both have the same number.
 pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors> {
     let document = document(text, file)?;

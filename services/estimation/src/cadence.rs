@@ -10,8 +10,8 @@
 //!
 //! A sensor measures at a steady period; bus and logger delay the stamp of a row. An estimator that uses such stamps as times of
 //! measurement finds accelerations that do not exist. Where the jitter exceeds a share of the period, the time is therefore predicted and
-//! corrected by a share of the stamp's innovation (the steady state of a Kalman filter over time and period, known as alpha-beta filter;
-//! Kalata, "The tracking index", 1984):
+//! corrected by a share of the stamp's innovation. This is the steady state of a Kalman filter over time and period, known as
+//! alpha-beta filter (Kalata, "The tracking index", 1984):
 //! ```text
 //! e = t_k - x_(k-1) - T,  x_k = x_(k-1) + T + a e,  T <- T + b e,  b = a^2/(2 - a)
 //! ```

@@ -13,7 +13,7 @@ pub const LOAD: f64 = 0.3;
 pub struct Tally {
     /// True loads.
     pub all: usize,
-    /// Those found by the ledger.
+    /// Number of them that the ledger found.
     pub found: usize,
     /// Further loads that left the bucket by the ledger only.
     invented: usize,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What every key begins with.
+/// Prefix of all keys.
 pub const ROOT: &str = "heft/v1";
 /// All streams of all machines.
 pub const STREAMS: &str = "heft/v1/*/*/*/*";

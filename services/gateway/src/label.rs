@@ -11,7 +11,7 @@ pub struct Label {
     pub run: u64,
     /// Number of the sample in the message. Numbers have gaps, because a stream is a selection.
     pub number: u64,
-    /// Number of the selected message before it, -1 if it is the first of the run; `None` if the sender has not seen all samples
+    /// Number of the selected message before it, -1 if it is the first of the run. `None` if the sender has not seen all samples
     /// in between. A reader that lacks message `after` has a gap.
     pub after: Option<i64>,
     /// Time of measurement [ms since 1970, the machine's clock].

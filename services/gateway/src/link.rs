@@ -21,8 +21,8 @@ pub struct LinkArgs {
 }
 
 /// Opens a session as soon as the router is reachable; afterwards it reconnects by itself. All its publications are below the
-/// keys `publishes`. The router then resolves the subscribers once for each of these keys, not once for each publisher, which
-/// costs time in proportion to the square of their number.
+/// keys `publishes`. The router then resolves the subscribers once for each of these keys, not once for each publisher. The latter
+/// would take time in proportion to the square of their number.
 ///
 /// # Errors
 /// The endpoint or the configuration cannot be understood.

@@ -107,7 +107,7 @@ impl Run {
     }
 }
 
-/// What a command reads a pipeline through.
+/// Access of a command to a running pipeline.
 pub enum Attached<S: Sink> {
     /// Channels.
     Own(Domain, Taps<S>),

@@ -16,9 +16,9 @@ pub type Place = (u32, u64);
 
 /// Operations on a stage for its replay.
 pub trait Replay {
-    /// What it reads.
+    /// Message that it reads.
     type Input;
-    /// What it answers.
+    /// Message that it answers.
     type Answer;
     /// The stage itself.
     type Step;
@@ -39,7 +39,7 @@ pub trait Replay {
     fn difference(&self, a: &Self::Answer, b: &Self::Answer) -> Option<&'static str>;
 }
 
-/// What the comparison found.
+/// Result of the comparison.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Compared {
     /// Recorded answers.

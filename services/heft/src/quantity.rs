@@ -26,7 +26,7 @@ pub fn of_channel(channel: &'static str) -> impl Iterator<Item = Quantity> {
 }
 
 impl Quantity {
-    /// What people call it, within a sentence.
+    /// Its label within a sentence: the first letter is small.
     pub fn label(&self) -> String {
         let mut letters = self.row.label.chars();
         let first = letters.next().map(char::to_lowercase);

@@ -32,7 +32,7 @@ const STOPPED_LIMIT: Duration = Duration::from_millis(350);
 /// Silence after which a process that has reported its health is ended, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
 
-/// What shared memory lacks for a service to start.
+/// The reason why shared memory does not suffice to start a service.
 fn lack_of_shared_memory() -> Option<String> {
     let about = rustix::fs::statvfs("/dev/shm").ok()?;
     if about.f_bavail.saturating_mul(about.f_frsize) < SERVICE_BYTES {

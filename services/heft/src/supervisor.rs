@@ -1,5 +1,5 @@
-//! The supervisor: creates and holds every channel, starts each service as a process of its own (with `--threads` as a thread),
-//! restarts what dies or hangs, and ends the run with everything drained.
+//! The supervisor creates and holds every channel, and starts each service as a process of its own (with `--threads` as a thread).
+//! It restarts services that die or hang, and drains all channels at the end of the run.
 //!
 //! It sleeps until an event: a message of a worker, the end of a process, a signal, a restart
 //! that is due. Only the channels that it shows are polled, five times a second.
@@ -257,7 +257,7 @@ impl Supervisor {
         None
     }
 
-    /// Sleeps until a worker sends a message or ends, a signal comes, a restart is due, or `limit` is over; then
+    /// Sleeps until a worker sends a message or ends, a signal arrives, a restart is due, or `limit` is over. Then
     /// reads all messages of workers and channels.
     fn wait(&mut self, limit: Duration) {
         let due = self.workers.iter().filter_map(Supervised::due).min();

@@ -8,7 +8,7 @@ use crate::quantity::Quantity;
 /// Running scores of one estimated quantity.
 #[derive(Debug, Clone, Copy)]
 pub struct Tally {
-    /// What it is.
+    /// The quantity.
     pub quantity: Quantity,
     /// Time of the latest estimate \[s\].
     pub time: f64,
@@ -26,7 +26,7 @@ pub struct Tally {
     pub trusted_count: u64,
     /// Trusted ones with a known truth.
     pub scored: u64,
-    /// Those whose 95 % interval held the truth.
+    /// Number of those whose 95 % interval held the truth.
     pub covered: u64,
     /// Largest error of a trusted estimate [%].
     pub worst: f64,

@@ -1,5 +1,5 @@
-//! The supervisor's view of a run: compares every estimate with the truth where there is one,
-//! stores the latest messages, shows them on the terminal and hands them to the live page.
+//! The supervisor's view of a run. Compares every estimate with the truth if there is one,
+//! stores the latest messages, shows them on the terminal and passes them to the live page.
 
 mod counts;
 mod faults;
@@ -117,7 +117,7 @@ impl Watch {
         self.memory = memory;
     }
 
-    /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
+    /// Whether it reads a channel. Every reader costs the writer time while the next stage waits. So
     /// channels that are only passed on are not read without a live page or a group.
     pub fn reads(&self, channel: &Channel) -> bool {
         let passed_on = match channel.payload.carries() {

@@ -6,7 +6,7 @@ const LONG: f64 = 10.0;
 const BACK: f64 = 1.0;
 /// Least ratio of a gap to the shortest step.
 const MANY: f64 = 100.0;
-/// Apparent seconds from 59 of a minute to 0 of the next, if times are written as the digits of hours, minutes and seconds; at a new
+/// Apparent seconds from 59 of a minute to 0 of the next, if times are written as the digits of hours, minutes and seconds. At a new
 /// hour there are 4000 more.
 const MINUTE: f64 = 40.0;
 const HOUR: f64 = 4000.0;

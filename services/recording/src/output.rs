@@ -37,7 +37,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Begins the file `path`. `doing` states its purpose, such as "write the page". The path must not be one of `inputs`; an existing file
+    /// Begins the file `path`. `doing` states its purpose, such as "write the page". The path must not be one of `inputs`. An existing file
     /// must be an earlier result of the same kind, which `is_ours` recognizes by its first bytes.
     ///
     /// # Errors

@@ -32,8 +32,8 @@ pub(crate) const WITH_SUM: &str = ", metadata with check sum";
 /// Bytes of a message in a chunk before its content.
 const MESSAGE_HEAD: u64 = 9 + 22;
 
-/// Writes an MCAP recording. Only complete chunks reach the file, so that a process killed at any
-/// moment loses at most the messages after the last [`Writer::flush`] and leaves a file that every
+/// Writes an MCAP recording. Only complete chunks reach the file. A process killed at any
+/// moment loses at most the messages after the last [`Writer::flush`], and leaves a file that every
 /// reader reads. The file is locked as long as it is written.
 pub struct Writer {
     inner: mcap::Writer<BufWriter<File>>,

@@ -33,8 +33,8 @@ pub fn processor_time() -> Duration {
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
 }
 
-/// Processor time of the first thread of another process, also after its end until it is waited for;
-/// zero where the system does not report it.
+/// Processor time of the first thread of another process, also after its end until it is waited for.
+/// Zero if the system does not report it.
 pub fn processor_time_of(pid: u32) -> Duration {
     Duration::from_nanos(thread_ns(&format!("/proc/{pid}")))
 }

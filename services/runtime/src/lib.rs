@@ -2,7 +2,7 @@
 //!
 //! Only this crate uses iceoryx2. A service passes it a [`Step`] (or a [`Source`], a [`Sink`])
 //! and is independent of channels, bells and clocks. The supervisor creates and holds every channel
-//! ([`Ports::create`]) and hands every worker its bells ([`Control`]); a worker opens its ports,
+//! ([`Ports::create`]) and passes every worker its bells ([`Control`]). A worker opens its ports,
 //! reports `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
 //!
 //! | file | what |

@@ -16,7 +16,7 @@ pub enum Polled<S, T> {
     Sample(S, T),
     /// Nothing yet.
     Nothing,
-    /// There will be no more.
+    /// The end: no more samples follow.
     End,
     /// The input is unusable: the run ends with this error.
     Refused(Error),

@@ -44,7 +44,7 @@ pub(crate) struct CanSocket {
 
 impl CanSocket {
     /// Opens `interface`; a read lasts at most `patience`. It also receives the frames of other nodes: they show that the bus
-    /// is alive, so rows without values continue where a sensor falls silent, as they do from a log of the bus.
+    /// is alive. So rows without values continue after a sensor falls silent, as they do from a log of the bus.
     pub(crate) fn open(interface: &str, patience: Duration) -> Result<Self> {
         let socket = CanFdSocket::open(interface)?;
         socket.set_error_filter_drop_all()?;

@@ -75,8 +75,8 @@ impl Scenario {
         }
     }
 
-    /// First and last time at which material leaves or enters the bucket during the swing, or at which the bucket moves as if it
-    /// did \[s\].
+    /// First and last time during the swing at which material leaves or enters the bucket \[s\], or at which the bucket moves as if it
+    /// did.
     pub fn change(self) -> Option<(f64, f64)> {
         match self {
             Drop => Some((7.75, 8.45)),

@@ -79,8 +79,8 @@ impl Simulation {
     /// The simulation of a run.
     ///
     /// # Errors
-    /// The rate is not within 10 Hz and 10 kHz, the duration is negative, the payload or a noise is negative
-    /// or not finite, or a fault names an unknown channel.
+    /// The rate is not within 10 Hz and 10 kHz, or the duration is negative. The payload or a noise is negative
+    /// or not finite. A fault names an unknown channel.
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
         check(run)?;
         Self::of(run.scenario.plant(run.payload), run.scenario.start(), run)

@@ -14,7 +14,7 @@ use crate::fault::{Fault, InvalidFault};
 pub struct Run {
     /// The manoeuvre.
     pub scenario: Scenario,
-    /// Payload that a load cycle picks up and every other scenario carries from the start \[kg\]; `None` is the scenario's own
+    /// Payload that a load cycle picks up and every other scenario carries from the start \[kg\]. `None` is the scenario's own
     /// (1500 kg in a load cycle, otherwise 0).
     pub payload: Option<f64>,
     /// Sampling rate \[Hz\].

@@ -1,5 +1,5 @@
-//! Recordings that are truncated at every border of a record and beside it, and with one bit flipped in every kind of record and
-//! in every length. A reader returns the original, or reports that it returns less.
+//! Damaged recordings: truncated at a border of a record or one byte beside it, or with one flipped bit in any kind
+//! of record or in its length. A reader returns the original, or reports that it returns less.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -88,7 +88,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
     Some(fit(d, &cylinder, &runs, &loads))
 }
 
-/// The moments of a recording, as if the seals retained all of their friction at rest, while the bucket is in the air with its load.
+/// The moments of a recording while the bucket is in the air with its load. The seals are assumed to retain all of their friction at rest.
 fn moments(geometry: &Geometry, cylinder: Cylinder, input: &Input, load: Quantity) -> Vec<Moment> {
     let mut lifts = Lifts::new(*geometry, cylinder);
     let moments = input.samples.iter().filter_map(|sample| lifts.step(sample));

@@ -21,8 +21,8 @@ const SAME: f64 = 0.25;
 /// Share of swings with another load above which the recording has more than one load.
 const MIXED: f64 = 0.3;
 
-/// Finds the swings with an empty bucket in recordings of a load, such as the return from a dump, and
-/// removes those that are neither loaded nor empty. `place` is a first fit of all other parameters. Returns a fault.
+/// Finds the swings with an empty bucket in recordings of a load, such as the return from a dump. Removes
+/// those that are neither loaded nor empty. `place` is a first fit of all other parameters. Returns a fault.
 pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     let values = values(swings, place);
     for recording in 0..swings.series.len() {

@@ -18,8 +18,8 @@ const TORQUE_DELAY_STD: f64 = 0.02;
 const RELAXATION_STD: f64 = 0.05;
 /// Relative standard deviation of the described mass, and of a mass that was measured on board.
 pub const MASS_STD: f64 = 0.02;
-/// Position of a load ahead of the front axle, as a share of the distance to the bucket's tip, and its height, as a share of the height of
-/// the empty machine's centre of gravity: value and tolerance.
+/// Value and tolerance of the position of a load ahead of the front axle, as a share of the distance to the bucket's tip. Value and
+/// tolerance of its height, as a share of the height of the empty machine's centre of gravity.
 const REACH: (f64, f64) = (0.75, 0.2);
 const LIFT: (f64, f64) = (0.8, 0.5);
 /// Standard deviation of the offset at which two drives match best [m].

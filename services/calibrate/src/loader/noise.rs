@@ -109,8 +109,8 @@ fn differences(rows: &[Sample], of: fn(&Sample) -> Option<f64>, stride: usize) -
         .collect()
 }
 
-/// Standard deviation of the noise from the magnitudes of third differences, which contain 1, 9, 9, 1 times its variance. From their
-/// median, which is robust to outliers and determines a normal standard deviation to 1.17 over the root of their number, of
+/// Standard deviation of the noise from the magnitudes of third differences, which contain 1, 9, 9, 1 times its variance. It uses their
+/// median, which is robust to outliers. The median determines a normal standard deviation to 1.17 over the root of their number, of
 /// which a quarter are independent.
 fn noise(sizes: &[f64]) -> Option<Quantity> {
     (sizes.len() >= FEWEST).then(|| {

@@ -138,8 +138,8 @@ impl Core {
             Mode::Velocity(mode) => mode.held(),
             Mode::PostureTorque(_) | Mode::Torque(_) => phase == Phase::Held,
         };
-        // Without torque or without posture, neither a deviation of the machine from its description nor a moving arm can be
-        // distinguished from a change of inertia.
+        // Without torque or without posture, a change of inertia cannot be distinguished from a moving arm, nor from a deviation of
+        // the machine from its description.
         let identified =
             needs_torque && needs_posture || scale || settings.is_partly_identifiable();
         let basis = if identified {

@@ -53,8 +53,8 @@ const OFTEN_BEYOND: f64 = 4.0;
 /// Least number of spans in which the next link moves along, and of motions that contain them: a single motion at equal rates is chance.
 const FOLLOWS: u32 = 15;
 const MOTIONS: u32 = 4;
-/// These spans must be more than `RATHER` times those in which the next link stays, or has a slightly different rate; and at least one
-/// in `OFTEN` of those in which the link before moves.
+/// The number of these spans must exceed `RATHER` times that of the spans in which the next link stays, or has a slightly different
+/// rate. It must also be at least one in `OFTEN` of the spans in which the link before moves.
 const RATHER: u32 = 4;
 const OFTEN: u32 = 4;
 

@@ -1,8 +1,8 @@
 //! Default description of an excavator from its operating mass and a few more stated numbers.
 //!
 //! Excavators have similar proportions: lengths grow with the cube root of the operating mass M, masses with M, inertias with
-//! M^(5/3), the swing torque with M^(4/3). The factors are means over tracked excavators of 8 to 40 t (data sheets and the four
-//! machines of `data/foreign`, whose true values lie within the stated spread). Stated values replace guessed ones, and scale
+//! M^(5/3), the swing torque with M^(4/3). The factors are means over tracked excavators of 8 to 40 t, from data sheets and the four
+//! machines of `data/foreign`. The true values of these lie within the stated spread. Stated values replace guessed ones, and scale
 //! what depends on them: a stated boom length scales its centre of mass, a stated rated payload scales the bucket.
 
 use super::cylinder::Cylinder;
@@ -173,8 +173,8 @@ impl Description {
         d
     }
 
-    /// Relative standard deviation of a load's radius by a guessed distance from the swing axis to the boom pin; 0 where that is stated,
-    /// or no operating mass.
+    /// Relative standard deviation of a load's radius by a guessed distance from the swing axis to the boom pin. 0 if that distance is
+    /// stated, or no operating mass is.
     #[must_use]
     pub fn guessed_radius_std(&self) -> f64 {
         match self.machine.operating_mass {
@@ -354,7 +354,7 @@ fn rated_payload(mass: f64) -> f64 {
     RATED * mass * sqrt(cbrt(mass))
 }
 
-/// Distance from the swing axis to the boom pin and its standard deviation, as shares of the boom's length, of a machine of this
+/// Distance from the swing axis to the boom pin and its standard deviation, as shares of the boom's length, for this
 /// operating mass \[kg\].
 fn boom_pin(mass: f64) -> [f64; 2] {
     if mass < COMPACT {

@@ -36,8 +36,8 @@ const CHANGES: [(f64, f64); 2] = [(5.5, 5.75), (7.5, 7.75)];
 pub struct Knowledge {
     /// The inertia up to the payload is known; otherwise the rate of the walk of ln J [1/sqrt(s)].
     pub posture: Result<(), f64>,
-    /// Prior deviation of the offset of a torque with known noise [N m]; otherwise the rate of the walk of the torque on its
-    /// plateaus [N m/sqrt(s)].
+    /// Prior standard deviation of the offset of a torque with known noise [N m]. Otherwise the rate of the random walk of the torque on
+    /// its plateaus [N m/sqrt(s)].
     pub torque: Result<f64, f64>,
     /// Prior deviation of the damping; 0 if it is known [N m s/rad].
     pub damping_std: f64,

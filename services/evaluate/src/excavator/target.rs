@@ -1,7 +1,7 @@
 //! A target: limits of a number.
 //!
 //! The numbers come from a finite number of seeds. Some hundred targets are judged at once, so a limit counts as missed only if
-//! it is exceeded by more than three standard errors; below that the judgement is "close".
+//! it is exceeded by more than three standard errors. Below that the judgement is "close".
 
 use serde_json::{Value, json};
 

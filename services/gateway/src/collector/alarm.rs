@@ -1,5 +1,5 @@
-//! Alarms: a machine whose run was killed or failed, that is silent, that has not been trusted for long, or whose learnt
-//! parameters have drifted by more than their intervals allow.
+//! Alarms: a run that was killed or failed, a machine that is silent or has not been trusted for a long time, and learnt
+//! parameters that have drifted by more than their intervals allow.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -8,8 +8,8 @@ use super::live::{Fleet, Machine, SILENT};
 use super::shown::{Quantity, quantities};
 use crate::key::MachineId;
 
-/// Drift limit, in standard deviations of the difference of two estimates (a chance of 1 in 16 000 for independent normal errors;
-/// errors of one machine are not independent, so less).
+/// Drift limit, in standard deviations of the difference of two estimates. Independent normal errors exceed it with a probability of
+/// 1 in 16 000. Errors of one machine are not independent, so their probability is less.
 const DRIFT: f64 = 4.0;
 /// Clock error beyond which an alarm is raised [ms].
 const CLOCK_MS: i64 = 10_000;

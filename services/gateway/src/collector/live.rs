@@ -30,10 +30,10 @@ pub struct Fleet {
     pub unkept: Option<(String, Instant)>,
 }
 
-/// What is missing of a machine's history.
+/// Missing messages of a machine's history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Account {
-    /// Messages that are lost for good.
+    /// Number of messages that are lost permanently.
     pub lost: i64,
     /// Streams with a gap that may still close.
     pub gaps: u64,

@@ -1,7 +1,7 @@
 //! The gateway: a process beside a pipeline that reads its channels, as the logger does, and sends a selection.
 //!
-//! Three threads. The first drains the channels on a timer and pushes the selection into a bounded queue; the second hands it to
-//! Zenoh; the third answers requests from the recording. No estimator waits for any of them: what does not fit the queue is
+//! Three threads. The first drains the channels on a timer and pushes the selection into a bounded queue. The second passes it to
+//! Zenoh, and the third answers requests from the recording. No estimator waits for any of them: what does not fit the queue is
 //! counted, and requested later.
 
 mod full;

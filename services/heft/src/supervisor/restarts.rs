@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::Supervisor;
 use crate::fault::Fault;
 
-/// What dead processes held is usually freed within a millisecond.
+/// Longest wait for the resources of dead processes, which are usually freed within a millisecond.
 const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
 
 impl Supervisor {
@@ -54,7 +54,7 @@ impl Supervisor {
 
     pub(super) fn restart(&mut self, i: usize) -> Result<(), String> {
         self.spare.release();
-        // What the dead process held in the channels would otherwise count against their limits.
+        // The ports and samples of the dead process would otherwise count against the limits of the channels.
         if !self.cleaner.clean_up(CLEAN_UP_LIMIT) {
             tracing::warn!(
                 "what the dead held is not free yet; the service is started all the same"

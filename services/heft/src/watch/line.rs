@@ -27,7 +27,7 @@ pub enum Show {
     /// Nowhere.
     #[default]
     Nothing,
-    /// To the terminal, redrawn in place; a plain line now and then where there is none.
+    /// To the terminal, redrawn in place; if there is none, a plain line at intervals.
     Terminal,
     /// To standard output, a line each, for a program that draws them.
     Lines,

@@ -65,7 +65,7 @@ fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
     named.collect()
 }
 
-/// A column that is named as a signal and not in the map is taken in SI: its unit below the header, if any, must be that.
+/// A column with the name of a signal that is not in the map is read in SI units. Its unit below the header, if any, must be the same.
 pub(crate) fn check_units<S: Sensors>(
     header: &[String],
     units: &[String],

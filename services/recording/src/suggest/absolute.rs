@@ -1,6 +1,7 @@
 //! Detects whether a link's sensor measures its angle from the horizontal, as an inclinometer does, or from the link before.
 //!
-//! While a link moves and the next one does not, the joint angle of the next one stays, and its angle from the horizontal changes equally.
+//! While a link moves and the next one does not, the joint angle of the next one is constant. Its angle from the horizontal changes
+//! by the same amount.
 //! Joints that move together have any ratio of rates: if a ratio of 1 is chance, ratios near 1 are as frequent (as in
 //! `estimation`'s `plausible`, which checks the mapped angles).
 //! Names decide if the data do not contradict: all links may move at once.

@@ -26,9 +26,9 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
     names.filter(|name| !name.starts_with("true_")).collect()
 }
 
-/// For each signal, texts in its names, in the order of trust; of `a + b` both. `^word` matches only at the beginning of a word in the
-/// name, `|word` only a whole word, `=word` only the whole name without its unit, `[unit` a unit of this dimension in the
-/// name. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
+/// For each signal, texts in its names, in the order of trust; of `a + b` both must occur. `^word` matches only at the beginning of a
+/// word in the name, `|word` only a whole word. `=word` matches only the whole name without its unit, `[unit` a unit of this dimension in
+/// the name. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
 const WORDS: &str = "
 t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum
 t: =ticks, =x_value, =ms, =msec, =millis, =sec, =seconds, =s

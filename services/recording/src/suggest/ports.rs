@@ -4,7 +4,7 @@ use super::languages::english;
 use super::names::{is_pressure, may_be, wanted};
 use crate::signal::Sensors;
 
-/// A line of a map as a comment, if two free `names` are such pressures and no signal is the torque;
+/// A line of a map as a comment, if two free `names` are such pressures and no signal is the torque.
 /// `term` gives a name's place as a term of a map, with this text in its braces.
 pub(crate) fn ports<S: Sensors>(
     (names, taken, found): (&[&str], &[usize], &[String]),

@@ -125,7 +125,7 @@ impl Node {
         (ns.abs() < 9e18).then(|| ns as i64 + nanoseconds as i64)
     }
 
-    /// Calls `found` with path and value of every number, of a list of numbers only the first; texts beside a list are
+    /// Calls `found` with path and value of every number, and of the first number of a list. Texts beside a list are
     /// the names of its entries.
     pub(crate) fn numbers(&self, before: &str, found: &mut dyn FnMut(&str, f64)) {
         match self {

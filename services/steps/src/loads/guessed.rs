@@ -6,7 +6,7 @@ use estimation::loads::{Load, Witness};
 
 /// Share of a load below which the place of a loader's tilt cylinder does not matter.
 const NO_MATTER: f64 = 0.02;
-/// Mean weight of emptied buckets, as a share of a full load, above which the bucket may be heavier than described; soil that stays is
+/// Mean weight of emptied buckets, as a share of a full load, above which the bucket may be heavier than described. Soil that stays is
 /// half of it. Least number of emptied buckets for this mean: [`EMPTIED`].
 const SHOWN_EMPTY: f64 = 0.03;
 const EMPTIED: usize = 2;

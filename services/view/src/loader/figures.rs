@@ -63,8 +63,8 @@ impl Series<'_> {
     }
 }
 
-/// Figs. 4 and 5: speed, position and height of the centre of gravity on a bumpy road, driving and spading; `number` is the
-/// figure's, `condition` states which.
+/// Figs. 4 and 5: speed, position and height of the centre of gravity on a bumpy road, driving and spading. `number` is the
+/// number of the figure, `condition` the condition.
 pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
     let [distance, height] = series.centre_of_gravity();
     figure(

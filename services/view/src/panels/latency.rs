@@ -22,7 +22,7 @@ impl Hop {
     }
 }
 
-/// The hops of an estimator, from the publish times in its messages, and the whole path; empty if nothing was published (a run on
+/// The hops of an estimator, from the publish times in its messages, and the whole path. Empty if nothing was published (a run on
 /// a file).
 pub fn hops<E: Estimate>(estimator: &Estimator<E>) -> Vec<Hop> {
     type Pick<E> = fn(&E) -> (u64, u64);

@@ -1,8 +1,8 @@
 //! Removes from a joint angle the noise that would appear as motion.
 //!
 //! The swing's equation contains the rate of the inertia, and the rate of the bucket shows its opening. Noise of an angle over the
-//! period of the rows disturbs both. So the angles of a noisy sensor pass an alpha-beta filter (steady state of a Kalman filter
-//! over angle and rate; Kalata, "The tracking index", 1984), which does not lag behind a steady motion:
+//! period of the rows disturbs both. So the angles of a noisy sensor pass an alpha-beta filter: the steady state of a Kalman filter
+//! over angle and rate (Kalata, "The tracking index", 1984). It does not lag behind a steady motion:
 //! ```text
 //! l = s_a T^2/s,  r = (4 + l - sqrt(8 l + l^2))/4,  alpha = 1 - r^2,  beta = 2 (2 - alpha) - 4 sqrt(1 - alpha)
 //! ```

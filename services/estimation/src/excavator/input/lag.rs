@@ -5,7 +5,7 @@
 //! T(t + l) = c1 L'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t) + c6 |L'(t)| sgn w(t),  L = J_e(q) w
 //! ```
 //! leave the smallest residual; the last summand is the loss of the gear. The prior of the lag is the stated value with its standard
-//! deviation, and with a small probability any other; it is part of the odds. The estimators tolerate a few hundredths of a second, and
+//! deviation, and with a small probability any other lag. It is part of the odds. The estimators tolerate a few hundredths of a second, and
 //! estimate them more accurately themselves. This estimates larger lags.
 
 use crate::excavator::grid::{PERIOD, Tick};

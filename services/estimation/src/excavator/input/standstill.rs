@@ -1,7 +1,7 @@
 //! Detects standstill of the upper body.
 //!
 //! At standstill Coulomb friction balances any torque up to its limit, so the equation of motion carries no
-//! information about the inertia; a filter would take noise for information. Standstill ends with a measured
+//! information about the inertia. A filter would take noise for information. Standstill ends with a measured
 //! velocity (whose mean becomes the state) or with a torque above friction.
 
 use crate::excavator::grid::{PERIOD, alike};

@@ -39,8 +39,8 @@ pub(in crate::excavator) struct Drive {
 
 /// Age beyond which a missing torque is unknown, and no longer held [s].
 const TORQUE_HOLD: f64 = 0.10;
-/// Standard deviation, per tick, of an unknown torque [sigma_T]: the torque of a swing changes by
-/// thousands of newton metres in a quarter of a second, and a lasting error has more effect than
+/// Standard deviation, per tick, of an unknown torque [sigma_T]. The torque of a swing changes by
+/// thousands of newton metres in a quarter of a second. A lasting error has more effect than
 /// noise of its size.
 const UNKNOWN_TORQUE: f64 = 300.0;
 

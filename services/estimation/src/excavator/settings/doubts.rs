@@ -5,7 +5,7 @@ use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::Description;
 
 /// Standard deviations of the machine's parameters about their described values. Each enters the default estimator
-/// as a state, so that the interval contains it and the motion can reduce it; 0 stands for an exact value.
+/// as a state, so that the interval contains it and the motion can reduce it. 0 stands for an exact value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubts {

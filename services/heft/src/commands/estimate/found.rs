@@ -117,7 +117,7 @@ impl<E: Estimate> InputSummary<E> {
         words.map(|words| words.trim_end().to_owned()).collect()
     }
 
-    /// Writes the summary. A number that does not exist is null. `made_by` identifies the computation, so that it is not repeated;
+    /// Writes the summary. A number that does not exist is null. `made_by` identifies the computation, so that it is not repeated.
     /// `guessed` is the cause of wide intervals of all loads, `doubt` the reason why the result is doubtful.
     pub fn write(
         &self,

@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::way::{Way, method, way};
 use crate::{page, parts, signals, summary};
 
-/// Passes samples through the stages one by one, so that memory does not grow with the data; `put` may replace a
+/// Passes samples through the stages one by one, so that memory does not grow with the data. `put` may replace a
 /// row's estimate by one that uses later rows.
 pub fn run<S: Message, T: Message, E: Estimate>(
     args: &EstimateArgs,
@@ -135,7 +135,7 @@ fn last_answer<E: Estimate>(
     Ok(message)
 }
 
-/// The last trusted estimate with its age, if it is not the last of all; then the verdicts of the last row, which may differ
+/// The last trusted estimate with its age, if it is not the last of all. The verdicts of the last row follow, which may differ
 /// from it.
 fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
     match trusted.filter(|(_, age)| *age > 0.0) {
