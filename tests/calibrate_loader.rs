@@ -264,7 +264,7 @@ fn an_empty_and_a_loaded_drive_tell_the_tyres_apart_from_the_load_without_axle_s
 }
 
 #[test]
-fn what_cannot_be_believed_is_said_and_not_written() {
+fn what_cannot_be_trusted_is_reported_and_not_written() {
     let recordings = Recordings::new();
     let scales = recordings.path("scales.csv");
     let scales = scales.to_str().expect("a path");

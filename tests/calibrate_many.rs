@@ -68,7 +68,7 @@ impl Site {
 }
 
 #[test]
-fn each_folder_is_a_machine_and_what_is_done_is_kept_until_something_else_is_asked() {
+fn each_folder_is_a_machine_and_results_are_retained_until_other_ones_are_requested() {
     let site = Site::new();
     let summary = site.text("all.csv");
     let run_all = |folders: &[&str], load: &str| {

@@ -132,7 +132,7 @@ fn other_methods_are_right_or_not_trusted() {
 }
 
 #[test]
-fn a_torque_that_was_always_wrong_by_a_quarter_is_hardly_ever_believed() {
+fn a_torque_that_was_always_wrong_by_a_quarter_is_hardly_ever_trusted() {
     for gain in [1.25, 0.8] {
         let mut all = Tally::default();
         for (name, about) in recordings() {

@@ -86,7 +86,7 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
 }
 
 #[test]
-fn a_slope_sensor_that_was_calibrated_is_believed_in_every_moment() {
+fn a_slope_sensor_that_was_calibrated_is_trusted_at_every_moment() {
     let recordings = machines::described("machines/loader.json");
     let name = "loader_6_20t_slope";
     let ratio = |delay: f64, follows: f64| {

@@ -219,7 +219,7 @@ fn a_result_of_another_map_is_not_up_to_date_however_old_the_map_is() {
 }
 
 #[test]
-fn of_one_file_the_share_trusted_in_motion_and_the_main_reason_are_said_and_the_last_row_is_called_so()
+fn of_one_file_the_share_trusted_in_motion_and_the_main_reason_are_stated_and_the_last_row_is_called_so()
  {
     let folder = tempfile::tempdir().expect("a folder");
     let [out, json] = ["e.csv", "e.json"].map(|name| common::path_in(folder.path(), name));

@@ -181,7 +181,7 @@ fn replayed<S: Sensors, E: Estimate<Truth = S::Truth>>(name: &str, all: &mut All
 }
 
 #[test]
-fn an_old_recording_gives_the_numbers_and_the_trust_that_are_kept_or_the_file_says_why_not() {
+fn an_old_recording_gives_the_stored_numbers_and_trust_or_the_file_states_why_not() {
     let mut all = All::new();
     replayed::<ExcavatorSensors, ExcavatorEstimate>(ALL[0], &mut all);
     replayed::<LoaderSensors, LoaderEstimate>(ALL[2], &mut all);

@@ -46,7 +46,7 @@ fn a_simulated_load_cycle_is_not_doubted() {
 }
 
 #[test]
-fn who_describes_another_size_than_is_simulated_is_told_so() {
+fn another_described_size_than_the_simulated_one_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let warned = |more: &[&str]| {
         let run_of = ["run", more[0], "--pace", "max", "--duration", "1"];

@@ -156,7 +156,7 @@ fn a_killed_loader_service_keeps_what_took_it_long_to_learn() {
 }
 
 #[test]
-fn every_step_tells_its_whole_state_at_least_once_a_second() {
+fn every_step_publishes_its_whole_state_at_least_once_a_second() {
     for (machine, steps) in [("excavator", 3), ("loader", 2)] {
         let running = Running::start(&format!("states-{machine}"), &[machine, "--duration", "4"]);
         let (output, folder) = running.wait();

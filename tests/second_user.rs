@@ -227,7 +227,7 @@ fn a_display_believes_no_window_that_is_not_made_for_its_group() {
 
 /// The number of root's processes is not limited.
 #[test]
-fn a_user_with_too_few_processes_is_told_so() {
+fn a_limit_of_too_few_processes_is_reported() {
     passes(
         "printf 't,swing_velocity,swing_torque\\n0,.1,9\\n' > day.csv; chmod a+r day.csv
          for most in 1 2 8 11 14; do

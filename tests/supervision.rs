@@ -141,7 +141,7 @@ fn a_terminal_that_hangs_up_ends_a_run_in_order() {
 }
 
 #[test]
-fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() {
+fn an_answer_that_no_reader_takes_is_reported_on_standard_error_and_sets_the_status() {
     let full = || {
         std::fs::OpenOptions::new()
             .write(true)
@@ -183,7 +183,7 @@ fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() 
 
 /// As with `| head`.
 #[test]
-fn a_reader_who_has_seen_enough_is_told_nothing() {
+fn a_reader_who_leaves_early_gets_no_message() {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
     let output = heft()

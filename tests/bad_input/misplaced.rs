@@ -27,7 +27,7 @@ fn said(line: &[&str], words: &[&str]) {
 }
 
 #[test]
-fn a_file_or_a_machine_at_the_place_of_something_else_is_told_its_own() {
+fn a_file_or_a_machine_at_the_wrong_place_gets_a_message_with_its_own() {
     let named = ["this is a machine, and --machine names it"];
     said(&["estimate", "excavator", "day 1.csv"], &named);
     said(&["loads", "day 1.csv", "loader"], &named);
@@ -45,7 +45,7 @@ fn a_file_or_a_machine_at_the_place_of_something_else_is_told_its_own() {
 }
 
 #[test]
-fn a_machine_by_an_option_that_the_command_lacks_is_told_its_place() {
+fn a_machine_by_an_option_that_the_command_lacks_gets_a_message_with_its_place() {
     let alone = [
         "unexpected argument '--machine'",
         "the machine as a word of its own",
@@ -117,7 +117,7 @@ fn a_command_that_heft_proposes_runs_as_it_stands() {
 
 /// The values that follow from a stated mass; none of them for data that cannot be read.
 #[test]
-fn who_states_the_mass_is_told_what_follows_from_it() {
+fn who_states_the_mass_is_shown_what_follows_from_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = path_in(folder.path(), "out.csv");
     let of = |machine: &str, file: &str, options: &[&str]| {
@@ -225,7 +225,7 @@ fn a_machine_of_another_mass_is_not_called_the_reference_machine() {
 }
 
 #[test]
-fn where_results_go_and_an_interface_that_cannot_be_are_told() {
+fn where_results_go_and_an_interface_that_cannot_be_are_reported() {
     for (command, words) in [
         (
             "run excavator -o FILE",

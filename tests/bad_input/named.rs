@@ -129,7 +129,7 @@ fn a_column_without_a_value_is_named() {
 }
 
 #[test]
-fn who_says_nothing_of_the_size_is_told_which_one_is_taken() {
+fn without_a_stated_size_the_assumed_one_is_reported() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = golden("machines/excavator_1_13t_level.csv");
     let file = file.to_str().expect("a path");
@@ -796,7 +796,7 @@ fn a_map_elsewhere_finds_the_dbc_file() {
 }
 
 #[test]
-fn a_wheelbase_that_nobody_states_is_guessed_from_the_scales_and_said() {
+fn a_wheelbase_that_is_not_stated_is_guessed_from_the_scales_and_reported() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = path_in(dir.path(), "scales.csv");
     let scales = "pitch,front_load,rear_load\n0,58000,64000\n0.15,50000,72000\n";

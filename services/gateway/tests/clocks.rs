@@ -107,7 +107,7 @@ fn by_run(centre: &Collector, machine: &str) -> Vec<(u64, Vec<u64>)> {
 }
 
 #[test]
-fn a_run_is_kept_whatever_its_clock_says() {
+fn a_run_is_stored_with_any_clock() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let db = folder.path().join("fleet.sqlite");
@@ -279,7 +279,7 @@ fn twenty_thousand_made_up_names_do_not_keep_out_an_honest_machine() {
 }
 
 #[test]
-fn a_question_that_is_lost_is_asked_again_before_a_gateway_whose_run_is_over_has_left() {
+fn a_lost_query_is_repeated_before_the_gateway_of_an_ended_run_has_left() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);

@@ -110,7 +110,7 @@ fn a_gateway_that_is_killed_and_started_again_leaves_no_gap() {
 }
 
 #[test]
-fn a_run_that_was_killed_or_gave_up_is_told_and_one_that_ended_in_order_is_not() {
+fn a_run_that_was_killed_or_gave_up_is_reported_and_one_that_ended_in_order_is_not() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);

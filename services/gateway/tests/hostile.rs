@@ -117,7 +117,7 @@ fn what_a_machine_may_not_say_is_refused_and_counted_under_its_own_name() {
 }
 
 #[test]
-fn a_flood_of_one_machine_is_thinned_and_another_is_heard() {
+fn a_flood_of_one_machine_is_thinned_and_another_is_received() {
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);

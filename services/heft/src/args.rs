@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mass_is_written_as_people_write_it_or_told_how() {
+    fn a_mass_is_accepted_in_usual_forms_or_its_form_is_explained() {
         for text in ["300", "300kg", "0.3t", " 0.3 T "] {
             assert_eq!(kilograms(text), Ok(300.0), "{text}");
         }

@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_a_gap_of_the_recording_nothing_is_claimed_until_the_stage_begins_anew() {
+    fn after_a_gap_of_the_recording_nothing_is_claimed_until_the_stage_restarts() {
         let inputs = samples(1000);
         let all = answers(&inputs, |_| true, &[700]);
         // The logger was dead from 300 to 399.

@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_that_ends_within_the_motion_is_told_from_motions_and_from_coarse_signals() {
+    fn a_range_that_ends_within_the_motion_is_distinguished_from_motions_and_from_coarse_signals() {
         let torque =
             |k: i32| 3e4 * (0.013 * f64::from(k)).sin() + 9e3 * (0.31 * f64::from(k)).sin();
         let cut = |change: fn(f64) -> f64| {

@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_that_does_not_fit_is_kept_aside_reported_and_no_reason_not_to_run() {
+    fn a_state_that_does_not_fit_is_set_aside_and_reported_and_the_run_starts() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
         let other = BTreeMap::from([("ukf".to_owned(), "isr-ukf".to_owned())]);

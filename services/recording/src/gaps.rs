@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn times_written_as_hours_minutes_and_seconds_are_told_from_a_logger_that_was_off() {
+    fn times_written_as_hours_minutes_and_seconds_are_distinguished_from_a_logger_that_was_off() {
         let digits = |t: f64| {
             let (hours, minutes) = ((t / 3600.0).floor(), (t / 60.0).floor() % 60.0);
             10_000.0 * hours + 100.0 * minutes + t % 60.0

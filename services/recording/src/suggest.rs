@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_repeat_below_groups_are_told_by_them_in_the_map_and_in_the_rows() {
+    fn names_that_repeat_below_groups_are_distinguished_by_them_in_the_map_and_in_the_rows() {
         let dir = tempfile::tempdir().expect("a folder");
         let file = dir.path().join("x.csv");
         let names = ";Swing;;Front;;;Boom cylinder;;Arm cylinder;\n\
@@ -471,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_that_is_missing_and_a_column_of_another_unit_are_told() {
+    fn a_link_that_is_missing_and_a_column_of_another_unit_are_reported() {
         let dir = tempfile::tempdir().expect("a folder");
         let of = |header: &str| {
             let file = dir.path().join("x.csv");
@@ -526,7 +526,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_unit_is_told_with_its_column_and_a_ton_with_its_size() {
+    fn what_is_no_unit_is_reported_with_its_column_and_a_ton_with_its_size() {
         let dir = tempfile::tempdir().expect("a folder");
         let of = |header: &str| {
             let file = dir.path().join("x.csv");

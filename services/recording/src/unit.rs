@@ -548,7 +548,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_a_name_tells_its_unit() {
+    fn the_end_of_a_name_identifies_its_unit() {
         for (name, si, unit) in [
             ("swing.rate_deg", "rad/s", "deg/s"),
             ("SwingRateDegPerSec", "rad/s", "deg/s"),

@@ -142,7 +142,7 @@ fn every_payload_survives_bit_for_bit_with_extreme_values() {
 }
 
 #[test]
-fn what_bears_the_name_of_a_part_and_is_none_is_left_out_and_told() {
+fn what_bears_the_name_of_a_part_and_is_none_is_left_out_and_reported() {
     let dir = folder();
     let first = dir.path().join("run.mcap");
     let part = |file: &Path, run: &str, number: u32, samples: std::ops::Range<u64>| {

@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restarted_process_begins_to_count_anew() {
+    fn a_restarted_process_counts_from_zero() {
         let start = Instant::now();
         let mut monitor = Monitor::new(vec!["sensor".into()]);
         for (second, steps) in [(0, 0), (1, 1000), (2, 2000), (3, 10), (4, 1010)] {

@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_ends_at_standstill_tells_what_it_knew_before() {
+    fn a_run_that_ends_at_standstill_shows_what_it_estimated_before() {
         let run = [
             inertia(0),
             inertia(ALL | x::TRUSTED),

@@ -57,7 +57,7 @@ fn wait_for(driver: &Driver, wanted: &[&str]) {
 }
 
 #[test]
-fn the_live_page_draws_and_tells_in_chromium() {
+fn the_live_page_has_plots_and_texts_in_chromium() {
     let Some(driver) = Driver::start() else {
         return;
     };

@@ -18,7 +18,7 @@ fn keep(name: &str, html: &str) {
 }
 
 #[test]
-fn the_report_tells_inertia_uncertainty_reasons_and_truth() {
+fn the_report_shows_inertia_uncertainty_reasons_and_truth() {
     let html = report(&common::excavator(20.0, 100.0, true));
     keep("excavator.html", &html);
     for part in [
@@ -44,7 +44,7 @@ fn the_report_tells_inertia_uncertainty_reasons_and_truth() {
 
 /// The end of a swing cannot be determined from a part of the samples.
 #[test]
-fn swings_are_told_apart_only_where_every_sample_is_there() {
+fn swings_are_separated_only_if_all_samples_are_present() {
     let mut run = common::excavator(20.0, 100.0, true);
     assert!(report(&run).contains("<h2>Each swing"));
     run.thinned.push(view::Thinned {
@@ -59,7 +59,7 @@ fn swings_are_told_apart_only_where_every_sample_is_there() {
 }
 
 #[test]
-fn the_report_tells_position_and_height_apart() {
+fn the_report_separates_position_and_height() {
     let html = report(&common::loader(60.0, 100.0, true));
     keep("loader.html", &html);
     for part in [
@@ -178,7 +178,7 @@ fn ten_minutes_at_a_kilohertz_fit_in_three_megabytes() {
 }
 
 #[test]
-fn an_empty_run_makes_a_page_that_says_so() {
+fn the_page_of_an_empty_run_states_that_it_is_empty() {
     assert!(report(&Run::default()).contains("no estimate"));
 }
 

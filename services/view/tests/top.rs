@@ -41,7 +41,7 @@ fn running() -> TopState {
 }
 
 #[test]
-fn the_dashboard_tells_verdicts_processes_rates_ages_and_losses() {
+fn the_dashboard_shows_verdicts_processes_rates_ages_and_losses() {
     let text = screen(&running(), 110, 44);
     println!("{text}");
     for part in [

@@ -297,7 +297,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hinge_in_the_middle_of_a_steady_curve_moves_both_axles_alike() {
+    fn a_hinge_in_the_middle_of_a_steady_curve_moves_both_axles_equally() {
         let bend = Bend {
             angle: 0.3,
             rate: 0.0,

@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_start_nobody_is_silent_before_he_could_be_heard_nor_who_had_ended() {
+    fn after_a_start_no_machine_is_silent_before_it_could_be_received_nor_one_that_had_ended() {
         let mut fleet = Fleet::default();
         for (name, ended) in [("ex-1", false), ("ex-2", true)] {
             let id = MachineId::new("north", name).expect("names");

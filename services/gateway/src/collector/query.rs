@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_history_is_said_and_left_as_it_is() {
+    fn what_is_no_history_is_reported_and_left_unchanged() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
         let words = |name: &str| asked(&path(name)).expect_err(name);
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_message_of_a_history_is_told() {
+    fn a_damaged_message_of_a_history_is_reported() {
         let folder = tempfile::tempdir().expect("a folder");
         let db = folder.path().join("fleet.sqlite");
         drop(store::Store::open(&db).expect("a history"));

@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_long_run_some_ends_are_kept_the_more_the_younger() {
+    fn some_ends_of_a_long_run_are_stored_and_more_of_the_latest() {
         let folder = tempfile::tempdir().expect("a folder");
         let shared = shared(folder.path());
         let mut ends = Ends::default();

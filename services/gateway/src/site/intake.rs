@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_estimate_behind_each_gap_in_the_samples_says_so() {
+    fn the_first_estimate_after_each_gap_in_the_samples_is_marked() {
         let (batches, waiting) = sync_channel(3);
         let intake = Intake::new(&EXCAVATOR_SENSORS, batches);
         let take = |numbers| intake.take(&id(), label("ex-1", 1), Some(&batch(numbers, 0.1)));

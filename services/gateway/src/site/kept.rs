@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_answer_of_a_run_is_said_again_until_it_is_old() {
+    fn the_last_answer_of_a_run_is_repeated_until_it_is_old() {
         let (kept, begun) = (Kept::default(), Instant::now());
         let at = |seconds: f64| begun + Duration::from_secs_f64(seconds);
         kept.keep(answer("ex-1", 7, 0, -1, 9), begun);

@@ -196,7 +196,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_hostile_machine_says_is_missing_overflows_nothing() {
+    fn missing_numbers_of_a_hostile_machine_overflow_nothing() {
         let begun = Instant::now();
         let mut machine = Machine::new(begun);
         for run in 0..3 {

@@ -205,14 +205,14 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_told_what_belongs_in_its_place() {
+    fn a_folder_gets_a_message_on_what_belongs_in_its_place() {
         let folder = tempfile::tempdir().expect("a folder");
         let error = text_of(folder.path()).expect_err("nothing in it");
         assert!(error.to_string().contains("machine file"), "{error}");
     }
 
     #[test]
-    fn a_machine_in_the_place_of_its_file_is_told_the_option() {
+    fn a_machine_in_the_place_of_its_file_gets_a_message_with_the_option() {
         let said = is_no_machine(Path::new("loader"))
             .expect_err("no file")
             .to_string();

@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn every_form_of_a_line_says_the_same() {
+    fn every_form_of_a_line_gives_the_same_frame() {
         let log = frame("(1397165409.500000) can0 18FEF100#01FF");
         assert_eq!(
             (log.id, log.extended, log.data()),

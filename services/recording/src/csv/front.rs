@@ -556,7 +556,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_units_is_told_from_a_row_of_samples() {
+    fn a_row_of_units_is_distinguished_from_a_row_of_samples() {
         let units = |row: &str| of(&format!("t,swing,boom,note\n{row}\n0,1,2,3\n")).2;
         let found = ["s", "rpm", "deg", ""].map(str::to_owned).to_vec();
         assert_eq!(units("s,rpm,deg,"), Some(found.clone()));

@@ -441,7 +441,7 @@ mod tests {
     }
 
     #[test]
-    fn a_side_of_a_cylinder_tells_a_pressure_by_its_unit_or_alone() {
+    fn a_side_of_a_cylinder_identifies_a_pressure_by_its_unit_or_alone() {
         for (signal, name) in [
             ("boom_head_pressure", "boom head"),
             ("boom_rod_pressure", "Boom annulus [bar]"),

@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_largest_pressure_tells_its_unit() {
+    fn the_largest_pressure_identifies_its_unit() {
         let of = |largest: f64| pressure(largest).0.map_or("Pa", |unit| unit.name);
         // 21 MPa in each unit.
         for (factor, unit) in [
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_torque_tells_kilonewton_metres_where_it_can() {
+    fn the_largest_torque_identifies_kilonewton_metres_where_it_can() {
         let of = |largest: f64| torque(largest).0.map_or("N m", |unit| unit.name);
         assert_eq!([9.8, 150.0, 9800.0].map(of), ["kN m", "kN m", "N m"]);
         assert!(torque(400.0).1.contains("N m or kN m"));

@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_aligned_and_lengths_are_not_believed() {
+    fn numbers_are_aligned_and_lengths_are_not_trusted() {
         let types = Definitions::parse("a/B", "string s\nfloat64[] v\nuint8 n").expect("complete");
         let mut bytes = vec![0, 1, 0, 0];
         bytes.extend(3_u32.to_le_bytes());

@@ -159,7 +159,7 @@ mod tests {
     use crate::number::GROUP;
 
     #[test]
-    fn a_sum_tells_independent_and_common_errors_apart() {
+    fn a_sum_distinguishes_independent_and_common_errors() {
         let text = sum("Payload", "kg", "swing", &[(300.0, 10.0), (400.0, 10.0)]);
         let text = text.replace(GROUP, " ");
         // 1.96 sqrt(2) 10 and 1.96 2 10.

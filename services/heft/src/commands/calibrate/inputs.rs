@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn recordings_are_called_as_shortly_as_tells_them_apart() {
+    fn recordings_get_the_shortest_names_that_distinguish_them() {
         let of = |files: &[&str]| names(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
         assert_eq!(of(&["x/a.csv", "y/b.csv"]), ["a.csv", "b.csv"]);
         assert_eq!(

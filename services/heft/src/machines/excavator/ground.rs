@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sign_and_an_exchange_are_told_and_sound_ones_are_not() {
+    fn a_sign_and_an_exchange_are_reported_and_sound_ones_are_not() {
         for slope in [0.0, 0.002, 0.05, -0.05] {
             assert_eq!(said(slope, |it| it), None, "{slope}");
         }

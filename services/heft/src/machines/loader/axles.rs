@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn torques_at_the_motor_are_told_from_those_of_a_machine_of_half_the_size() {
+    fn torques_at_the_motor_are_distinguished_from_those_of_a_machine_of_half_the_size() {
         let ratio = |by: f64| {
             let both = driven(move |s| {
                 times(&mut s.front_torque, by);

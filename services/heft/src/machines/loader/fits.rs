@@ -281,7 +281,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hills_in_degrees_or_percent_are_told_from_hills_in_radians() {
+    fn hills_in_degrees_or_percent_are_distinguished_from_hills_in_radians() {
         let said = |unit: f64| {
             let mut fits = Fits::of(&config::Loader::default());
             for k in 0..1000 {

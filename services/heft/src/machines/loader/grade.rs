@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn sign_and_unit_of_a_slope_are_told_by_accelerometer_and_torques() {
+    fn sign_and_unit_of_a_slope_are_determined_by_accelerometer_and_torques() {
         for has_accelerometer in [true, false] {
             let said = |by| said(by, has_accelerometer, 0.08);
             assert_eq!(said(1.0), "");

@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn signs_and_units_of_turns_are_told() {
+    fn signs_and_units_of_turns_are_reported() {
         let said = |by: [f64; 2]| {
             let mut turning = Turning::default();
             for k in 0..1000 {
