@@ -1,6 +1,6 @@
-/* What an estimator takes beside code: bytes of its memory, and of the stack in init and in a row, as MACHINE METHOD COLUMNS
- * < rows says them. The stack is painted, and looked at afterwards;
- * that of the rows includes fread, some 600 bytes. */
+/* Memory of an estimator beside its code: bytes of its state, and of the stack in init and in a row, for MACHINE METHOD COLUMNS
+* < rows. The stack is painted before and inspected afterwards.
+* That of the rows includes fread, some 600 bytes. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -40,7 +40,7 @@ pub enum Fault {
         /// How many.
         samples: u64,
     },
-    /// Frames of a bus that nobody took in time.
+    /// Frames of a bus that were not read in time.
     Dropped {
         /// How many.
         frames: u64,

@@ -218,7 +218,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (children, told) = (Children::default(), Told::default());
+    let (children, printed) = (Children::default(), Printed::default());
     if let Err(failure) = end_together(&children) {
         tracing::warn!("a signal would end this process alone: {failure}");
     }
@@ -231,7 +231,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
             let end = if job.is_done {
                 Outcome::Kept
             } else {
-                one(job, &children, &told)
+                one(job, &children, &printed)
             };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
@@ -280,12 +280,12 @@ fn output(job: &Job, children: &Children) -> std::io::Result<Output> {
     output
 }
 
-fn one(job: &Job, children: &Children, told: &Told) -> Outcome {
+fn one(job: &Job, children: &Children, printed: &Printed) -> Outcome {
     match output(job, children) {
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
             let (remarks, reason) = last_words(&said);
-            tell(&job.input, remarks, told);
+            tell(&job.input, remarks, printed);
             let reason = reason.map_or_else(|| output.status.to_string(), Into::into);
             if output.status.success() {
                 return Outcome::Made;
@@ -300,15 +300,16 @@ fn one(job: &Job, children: &Children, told: &Told) -> Outcome {
 }
 
 /// Notes that were printed already.
-type Told = Mutex<BTreeSet<String>>;
+type Printed = Mutex<BTreeSet<String>>;
 
 /// Prints the messages of a process on its input; a note that several processes have in common, once.
-fn tell(input: &Path, remarks: &str, told: &Told) {
+fn tell(input: &Path, remarks: &str, printed: &Printed) {
     if !remarks.is_empty() && std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");
     }
-    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut is_new = |line: &&str| !line.starts_with("note: ") || told.insert((*line).to_owned());
+    let mut printed = printed.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut is_new =
+        |line: &&str| !line.starts_with("note: ") || printed.insert((*line).to_owned());
     for remark in remarks.lines().filter(|line| is_new(line)) {
         eprintln!("{}: {remark}", input.display());
     }

@@ -53,7 +53,7 @@ impl std::fmt::Display for Alarm {
 /// Checks every machine; returns the alarms that were raised or ended.
 pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     let limit = Duration::from_secs_f64(args.untrusted_after * 60.0);
-    // After a start of the collector, a present machine needs up to this time to be heard again.
+    // After a start of the collector, contact with a present machine may take up to this time.
     let is_early = fleet.begun.is_some_and(|begun| begun.elapsed() < SILENT);
     let mut changed = Vec::new();
     for (id, machine) in &mut fleet.machines {

@@ -48,7 +48,7 @@ pub struct Machine {
     pub kind: String,
     /// Version of heft on it.
     pub version: String,
-    /// Place of its run among all runs of all machines, in the order in which the collector first heard of them.
+    /// Index of its run among all runs of all machines, in the order of first contact with the collector.
     pub run: i64,
     /// Times of first and last contact; `None` where only the history knows the machine.
     pub times: Option<Contact>,
@@ -77,7 +77,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Whether it has been heard for a moment only.
+    /// Whether contact with it has lasted only a moment.
     pub fn is_stranger(&self) -> bool {
         self.times.is_some_and(|t| t.is_stranger())
     }
@@ -118,7 +118,7 @@ impl Fleet {
         self.machines.entry(id.clone()).or_default()
     }
 
-    /// The entry of a machine that is heard now.
+    /// The entry of a machine, with contact now.
     fn heard(&mut self, id: &MachineId) -> &mut Machine {
         let machine = self.machine(id);
         machine.times.get_or_insert_with(Contact::now).again();
@@ -132,7 +132,7 @@ impl Fleet {
         (machine.kind, machine.version) = (kind.to_owned(), version.to_owned());
     }
 
-    /// Clears the times of contact, after the history is read: no machine has been heard yet.
+    /// Clears the times of contact, after the history is read: there has been no contact with any machine yet.
     pub fn forget_when(&mut self) {
         for machine in self.machines.values_mut() {
             (machine.heard, machine.times) = (None, None);

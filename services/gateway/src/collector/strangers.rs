@@ -1,8 +1,8 @@
-//! Room for honest machines in a flood of invented names: those that were heard for a moment only are removed first.
+//! Room for honest machines in a flood of invented names: machines with contact of only a moment are removed first.
 
 use std::time::{Duration, Instant};
 
-/// Machines heard over less time than this are strangers.
+/// Machines with a shorter contact than this are strangers.
 const MOMENT: Duration = Duration::from_secs(5);
 /// Silence after which any machine may be removed where room is needed; the history retains its messages.
 const LONG: Duration = Duration::from_secs(86_400);

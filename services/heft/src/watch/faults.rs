@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn what_may_lack_in_the_recording_is_reported_unless_the_logger_has_counted_it() {
-        let (dies, comes, is_back, tells) = (1, 2, 3, 4);
+        let (dies, comes, is_back, reports) = (1, 2, 3, 4);
         let lost = |story: &[u32]| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
             for &event in story {
@@ -148,13 +148,13 @@ mod tests {
             let faults = watch.faults();
             faults.iter().any(|f| matches!(f, Fault::Unrecorded { .. }))
         };
-        assert!(lost(&[is_back, comes, tells, dies, comes]));
+        assert!(lost(&[is_back, comes, reports, dies, comes]));
         assert!(!lost(&[is_back, dies]), "nothing came");
-        let whole = [is_back, comes, tells, dies, comes, is_back, comes];
+        let whole = [is_back, comes, reports, dies, comes, is_back, comes];
         assert!(!lost(&whole), "it counts by itself what it lacks");
-        let silent = [&whole[..], &[dies, is_back, tells]].concat();
+        let silent = [&whole[..], &[dies, is_back, reports]].concat();
         assert!(lost(&silent), "what the second one lacked is not known");
-        let reported = [&whole[..], &[tells, dies, is_back, tells]].concat();
+        let reported = [&whole[..], &[reports, dies, is_back, reports]].concat();
         assert!(!lost(&reported));
     }
 

@@ -29,7 +29,7 @@ pub enum Show {
     Nothing,
     /// To the terminal, redrawn in place; if there is none, a plain line at intervals.
     Terminal,
-    /// To standard output, a line each, for a program that draws them.
+    /// To standard output, one line each, for a program that draws them.
     Lines,
 }
 

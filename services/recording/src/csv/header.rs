@@ -18,7 +18,7 @@ pub(crate) fn header(
     file: &str,
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
-    let header = told(record.iter().map(dialect::name).collect(), above);
+    let header = unambiguous(record.iter().map(dialect::name).collect(), above);
     check_names(&header, file)?;
     // Half of a program, or of UTF-16 text, is zeros; a single zero in quotes is an unusual name.
     let zeros = record.iter().flatten().filter(|b| **b == 0).count();
@@ -43,7 +43,7 @@ pub(crate) fn header(
 
 /// Unambiguous names: an empty name is replaced by the one in the row above. A repeated name is prefixed by that of its group, which is
 /// above the first of its columns.
-fn told(names: Vec<String>, above: &[String]) -> Vec<String> {
+fn unambiguous(names: Vec<String>, above: &[String]) -> Vec<String> {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     for name in &names {
         *counts.entry(name).or_default() += 1;

@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn buckets_that_scatter_as_claimed_are_consistent() {
         let sticky = [30.0, -20.0, 40.0, 10.0, -35.0, 25.0, 45.0, 40.0, -10.0];
-        for told in 1..=sticky.len() {
-            assert!(!after(&sticky[..told], true).is_doubted(), "{told}");
+        for count in 1..=sticky.len() {
+            assert!(!after(&sticky[..count], true).is_doubted(), "{count}");
         }
     }
 

@@ -36,7 +36,7 @@ pub struct Measured {
     pub chain: Chain,
     /// The real chain under the conditions.
     pub ours: Passage,
-    /// The real chain woken by bells, if the conditions say that processes spin.
+    /// The real chain woken by bells, if processes spin under these conditions.
     pub by_bell: Passage,
     /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
     pub by_event: Histogram<u64>,

@@ -63,9 +63,9 @@ impl Grade {
             };
             return Some((share, ALIKE, units));
         }
-        let tells = self.torque.rows >= ENOUGH && belongs(&self.torque, SURELY);
+        let is_determined = self.torque.rows >= ENOUGH && belongs(&self.torque, SURELY);
         let [gain, share] = self.torque.coefficients();
-        tells.then_some((share / gain, ABOUT, &UNITS[..FAR]))
+        is_determined.then_some((share / gain, ABOUT, &UNITS[..FAR]))
     }
 
     /// The fault of the slope and its remedy.
