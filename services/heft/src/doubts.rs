@@ -395,8 +395,8 @@ mod tests {
     #[test]
     fn one_value_in_ten_may_be_too_large_and_a_mark_is_none() {
         assert_eq!(too_large_often("speed", 10, 100), None);
-        assert!(too_large_often("speed", 11, 100).is_some_and(|said| said.contains("speed is")));
-        let said = |value: fn(u32) -> f64| {
+        assert!(too_large_often("speed", 11, 100).is_some_and(|text| text.contains("speed is")));
+        let fault = |value: fn(u32) -> f64| {
             let loader = Description::default_of(messages::Machine::Loader);
             let mut doubts = Doubts::<Nothing>::of(&loader);
             for k in 0..1000 {
@@ -409,8 +409,8 @@ mod tests {
             }
             doubts.often_too_large()
         };
-        assert!(said(|k| 1e9 + f64::from(k)).is_some());
-        assert_eq!(said(|k| if k % 2 == 0 { 4e9 } else { 1e7 }), None);
+        assert!(fault(|k| 1e9 + f64::from(k)).is_some());
+        assert_eq!(fault(|k| if k % 2 == 0 { 4e9 } else { 1e7 }), None);
     }
 
     #[test]

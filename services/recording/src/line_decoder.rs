@@ -1,4 +1,4 @@
-//! Decodes lines as they come to samples: candump's, or the rows of a table.
+//! Decodes lines into samples as they arrive: lines of candump, or the rows of a table.
 
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ impl<S: Sensors> LineDecoder<S> {
         self.count = line;
     }
 
-    /// Takes a line that came at `now_ns`. A line without data is left out and reported.
+    /// Takes a line that arrived at `now_ns`. A line without data is left out and reported.
     ///
     /// # Errors
     /// The header of a table lacks a column, and so do the next lines; see [`Self::check_header`].
@@ -177,7 +177,7 @@ impl<S: Sensors> LineDecoder<S> {
         Ok(())
     }
 
-    /// Checks that the header, if one came, has all required columns.
+    /// Checks that the header, if there is one, has all required columns.
     ///
     /// # Errors
     /// It lacks one.
@@ -212,14 +212,14 @@ impl<S: Sensors> LineDecoder<S> {
         }
     }
 
-    /// No line came until `now_ns`: silence makes rows of frames too.
+    /// Completes rows of frames up to `now_ns` without a line: rows continue during silence.
     pub fn pass(&mut self, now_ns: i64) {
         if let (Kind::Frames(decoder), Some((time, came))) = (&mut self.kind, self.last) {
             decoder.pass(time.saturating_add(now_ns.saturating_sub(came)));
         }
     }
 
-    /// No more lines will come.
+    /// Completes the pending rows after the last line.
     pub fn finish(&mut self) {
         if self.refused > MOST_REMARKS {
             let (refused, input) = (self.refused, &self.input);
@@ -253,7 +253,7 @@ impl<S: Sensors> LineDecoder<S> {
         Some((sensors, truth))
     }
 
-    /// The first frame gets the time `seconds` instead of 0; a table has its own times.
+    /// Sets the time of the first frame to `seconds` instead of 0; a table has its own times.
     pub fn begin_at(&mut self, seconds: f64) {
         if let Kind::Frames(decoder) = &mut self.kind {
             decoder.begin_at(seconds);
@@ -265,7 +265,7 @@ impl<S: Sensors> LineDecoder<S> {
         self.refused
     }
 
-    /// Remarks since the last call, a line each.
+    /// Remarks since the last call, one line each.
     pub fn take_remarks(&mut self) -> Vec<String> {
         if let Kind::Frames(decoder) = &mut self.kind {
             self.remarks.extend(decoder.take_remarks());
@@ -273,7 +273,7 @@ impl<S: Sensors> LineDecoder<S> {
         std::mem::take(&mut self.remarks)
     }
 
-    /// Checks that most lines had data, and that frames came at different times.
+    /// Checks that most lines had data, and that frames had different times.
     ///
     /// # Errors
     /// They did not.
@@ -411,7 +411,7 @@ impl NameColumn {
         &self.above
     }
 
-    /// Whether the header has come.
+    /// Whether the header has been found.
     pub fn is_found(&self) -> bool {
         self.found.is_some()
     }

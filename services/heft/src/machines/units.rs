@@ -177,7 +177,7 @@ mod tests {
         assert!(
             angles
                 .fault()
-                .is_some_and(|said| said.starts_with("arm_angle seems"))
+                .is_some_and(|text| text.starts_with("arm_angle seems"))
         );
         let mut angles = Angles::new(["boom_angle", "arm_angle"]);
         (0..200).for_each(|k| angles.see([(k > 100).then_some(0.8), Some(6.0)]));
@@ -185,7 +185,7 @@ mod tests {
     }
 
     /// The fault of a boom cylinder with these units and sides.
-    fn said(unit: f64, sides: [usize; 2]) -> Option<String> {
+    fn boom_fault(unit: f64, sides: [usize; 2]) -> Option<String> {
         let mut cylinder = Cylinder::new("boom");
         for k in 0..1000 {
             let pressures = [12e6 + 1e4 * f64::from(k), 0.7e6].map(|pressure| pressure / unit);
@@ -197,12 +197,12 @@ mod tests {
 
     #[test]
     fn another_unit_of_pressures_and_the_other_side_are_named() {
-        assert_eq!(said(1.0, [0, 1]), None);
+        assert_eq!(boom_fault(1.0, [0, 1]), None);
         for (unit, name) in [(1e5, "bar"), (1e6, "MPa"), (1e3, "kPa"), (6894.76, "psi")] {
-            let said = said(unit, [0, 1]).unwrap_or_default();
-            assert!(said.contains(&format!("unit = \"{name}\"")), "{said}");
+            let text = boom_fault(unit, [0, 1]).unwrap_or_default();
+            assert!(text.contains(&format!("unit = \"{name}\"")), "{text}");
         }
-        assert!(said(1.0, [1, 0]).is_some_and(|said| said.contains("exchanged")));
+        assert!(boom_fault(1.0, [1, 0]).is_some_and(|text| text.contains("exchanged")));
         // One side in another unit than the other.
         let alone = |units: [f64; 2]| {
             let mut cylinder = Cylinder::new("lift");
@@ -214,9 +214,9 @@ mod tests {
         assert!(alone([1.0, 1e5]).starts_with("lift_rod_pressure seems to be in another unit"));
         assert_eq!(alone([1.0, 10.0]), "");
         for unit in [0.1, 1.0 / 14.5] {
-            assert!(said(unit, [0, 1]).is_some_and(|said| said.contains("700 bar")));
+            assert!(boom_fault(unit, [0, 1]).is_some_and(|text| text.contains("700 bar")));
         }
-        assert_eq!(said(1e9, [0, 1]), None);
-        assert_eq!(said(10.0, [1, 0]), None);
+        assert_eq!(boom_fault(1e9, [0, 1]), None);
+        assert_eq!(boom_fault(10.0, [1, 0]), None);
     }
 }

@@ -315,10 +315,10 @@ mod tests {
     #[test]
     fn colours_are_no_part_of_a_frame() {
         let line = b"\x1b[34m (1700000000.000001)  can0  123   [2]  01 FF\x1b[0m\n";
-        let said = text(line);
-        assert_eq!(said, " (1700000000.000001)  can0  123   [2]  01 FF\n");
+        let plain = text(line);
+        assert_eq!(plain, " (1700000000.000001)  can0  123   [2]  01 FF\n");
         assert!(matches!(
-            parse(&said),
+            parse(&plain),
             Some(Line::Frame { timed: true, .. })
         ));
     }

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn the_unit_that_the_torque_explains_is_named_and_else_the_usual_one() {
-        let said = |unit: f64, torque: Option<f64>, fastest: f64| {
+        let named = |unit: f64, torque: Option<f64>, fastest: f64| {
             let geometry = Geometry::default();
             let mut speed = Speed::new(geometry);
             for k in 0..9000 {
@@ -166,8 +166,8 @@ mod tests {
                     ..Sample::default()
                 });
             }
-            let said = speed.fault()?;
-            let unit = said.split("unit = \"").nth(1)?;
+            let text = speed.fault()?;
+            let unit = text.split("unit = \"").nth(1)?;
             Some(unit.split('"').next()?.to_owned())
         };
         let [
@@ -176,20 +176,20 @@ mod tests {
             (thousandths, per_thousandth),
         ] = UNITS;
         for torque in [Some(1.0), Some(1e-3), None] {
-            assert_eq!(said(1.0, torque, 1.2), None);
-            assert_eq!(said(per_rpm, torque, 0.9).as_deref(), Some(rpm));
-            assert_eq!(said(per_degree, torque, 0.9).as_deref(), Some(degrees));
+            assert_eq!(named(1.0, torque, 1.2), None);
+            assert_eq!(named(per_rpm, torque, 0.9).as_deref(), Some(rpm));
+            assert_eq!(named(per_degree, torque, 0.9).as_deref(), Some(degrees));
             assert_eq!(
-                said(per_thousandth, torque, 0.9).as_deref(),
+                named(per_thousandth, torque, 0.9).as_deref(),
                 Some(thousandths)
             );
         }
         // Slow swings: below the largest value in deg/s, the torque identifies the unit.
         assert_eq!(
-            said(per_thousandth, Some(1.0), 0.1).as_deref(),
+            named(per_thousandth, Some(1.0), 0.1).as_deref(),
             Some(thousandths)
         );
         // Slow swings: at most 15 deg/s.
-        assert_eq!(said(per_degree, Some(1.0), 0.26).as_deref(), Some(degrees));
+        assert_eq!(named(per_degree, Some(1.0), 0.26).as_deref(), Some(degrees));
     }
 }
