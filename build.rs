@@ -33,7 +33,7 @@ fn main() {
         let changed = git(&paths).is_some_and(|text| !text.is_empty());
         commit + if changed { "-changed" } else { "" }
     });
-    // Where an image is built there is no git, but who builds it knows.
+    // An image is built without git: its build sets HEFT_COMMIT.
     let given = std::env::var("HEFT_COMMIT").ok();
     let commit = commit.or(given.filter(|commit| !commit.is_empty()));
     let variable = |name: &str| std::env::var(name).unwrap_or_else(|_| "unknown".into());
