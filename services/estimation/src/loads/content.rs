@@ -1,10 +1,10 @@
 //! Content of the bucket from row to row: the known level, whether it may have changed, and the empty bucket.
 
-use super::level::Level;
+use super::level::{Level, log_likelihood};
 use super::open::{CHANGING, Open};
 use super::row::Row;
 use crate::Quantity;
-use crate::math::{ln, norm, sqrt};
+use crate::math::{norm, sqrt};
 
 /// Contents differ if they are further apart than this, in standard deviations of their difference,
 const CLEAR: f64 = 2.5;
@@ -54,6 +54,8 @@ pub(super) struct Content {
     changes: bool,
     /// Duration of the detected change, while the machine stands [s].
     opening: f64,
+    /// Path of the machine since the level was first seen [rad or m].
+    path: f64,
 }
 
 /// Result of a row for the content.
@@ -93,6 +95,7 @@ impl Content {
             begins_to_change: false,
             changes: false,
             opening: 0.0,
+            path: 0.0,
         }
     }
 
@@ -111,6 +114,8 @@ impl Content {
         } else {
             0.0
         };
+        let path = row.speed.abs() * dt;
+        self.path += if path.is_finite() { path } else { 0.0 };
         let moved = self.moving(row.time);
         if !row.moves() && moved > 0.0 && moved < SETTLED {
             // Digging shakes the machine: a short motion carries no load.
@@ -139,6 +144,7 @@ impl Content {
             let mut first = Level::new(row, value, common, row.time);
             first.left = self.filled(&first);
             (self.level, self.open, self.may_be_empty) = (Some(first), None, true);
+            self.path = 0.0;
             return Shown::Nothing;
         };
         let left = carries.leaving && self.may_have_returned(row);
@@ -152,7 +158,9 @@ impl Content {
             if self.open.is_some() && !is_decisive {
                 return Shown::Nothing;
             }
+            let is_at_a_truck = self.path >= row.witness.trip();
             if let Some(level) = &mut self.level {
+                level.may_lack_a_part |= carries.leaving && is_at_a_truck;
                 level.join(row, value, common);
             }
             (self.next, self.open) = (None, None);
@@ -232,7 +240,7 @@ impl Content {
             left: self.filled(&next),
             ..next
         });
-        (self.next, self.open) = (None, None);
+        (self.next, self.open, self.path) = (None, None, 0.0);
         (self.rough, self.unchanged) = (None, None);
     }
 
@@ -333,13 +341,6 @@ impl Content {
             _ => next.from,
         }
     }
-}
-
-/// Logarithm of the likelihood of a value under a normal distribution `truth`, without the constant.
-fn log_likelihood(value: Quantity, truth: Quantity) -> f64 {
-    let std = norm(&[value.std, truth.std]);
-    let off = (value.value - truth.value) / std;
-    -0.5 * off * off - ln(std)
 }
 
 /// Standard deviation of the error of a payload that is common to all loads \[kg\].

@@ -3,6 +3,7 @@
 use super::load::Weight;
 use super::row::{Row, Witness};
 use crate::Quantity;
+use crate::math::{ln, norm, sqrt};
 
 /// Distance of two values above which they are two contents, in standard deviations of the less certain one. Rows of one
 /// filter share their errors, so the larger standard deviation bounds their difference.
@@ -10,6 +11,11 @@ const APART: f64 = 3.0;
 
 /// Ratio of standard deviations below which a row replaces the estimate.
 const MORE_CERTAIN: f64 = 0.99;
+/// Standard deviation of two weighings of one content by one filter beside that of its estimates, as a share of the content: the angles
+/// of arm and bucket differ.
+const REPEATS: f64 = 0.04;
+/// Constant of the normal density that [`log_likelihood`] omits.
+const SQRT_2PI: f64 = 2.506_628_274_631_000_5;
 /// Averaging time of equally certain rows [s]: the first rows of a dump change the mean little.
 const MEAN: f64 = 1.0;
 
@@ -33,6 +39,8 @@ pub(super) struct Level {
     pub(super) left: f64,
     /// Whether another content has come.
     pub(super) is_over: bool,
+    /// Whether it has been carried to where it may be dumped, and a change was detected there.
+    pub(super) may_lack_a_part: bool,
 }
 
 impl Level {
@@ -49,14 +57,17 @@ impl Level {
             to: row.time,
             left,
             is_over: false,
+            may_lack_a_part: false,
         }
     }
 
-    /// Takes one more row: a more certain one replaces the estimate, an equally certain one joins the mean.
+    /// Takes one more row: a more certain one replaces the estimate, an equally certain one joins the mean. The weight of a rest replaces
+    /// none that is as trusted.
     pub(super) fn join(&mut self, row: &Row, value: Quantity, common: f64) {
         let dt = row.time - self.to;
         self.to = row.time;
-        if self.trusted && !row.trusted {
+        let replaces = row.trusted && !self.trusted;
+        if self.trusted && !row.trusted || !replaces && self.lacks_a_part(value) {
             return;
         }
         if (row.trusted && !self.trusted) || value.std < MORE_CERTAIN * self.weight.std {
@@ -68,6 +79,26 @@ impl Level {
             let share = dt / self.mean_of.min(MEAN).max(2.0 * dt);
             self.weight.kg += share * (value.value - self.weight.kg);
         }
+    }
+
+    /// Whether this value is rather that of a rest than of the whole. Both hypotheses are equally likely before:
+    /// ```text
+    /// whole   N(value; kg, b^2 - a^2 + (REPEATS kg)^2)      rest   uniform from 0 to kg
+    /// ```
+    /// b, a: standard deviations of the estimate and of the value. Of two estimates of one content by one filter, the later contains the
+    /// information of the former. So the variance of their difference is the difference of their variances (Hausman 1978, theorem 2.1).
+    fn lacks_a_part(&self, value: Quantity) -> bool {
+        let Weight { kg, std, .. } = self.weight;
+        if !self.may_lack_a_part || value.value >= kg {
+            return false;
+        }
+        let gained = (std * std - value.std * value.std).max(0.0);
+        let whole = Quantity {
+            value: kg,
+            std: norm(&[sqrt(gained), REPEATS * kg]),
+        };
+        let exact = Quantity { std: 0.0, ..value };
+        log_likelihood(exact, whole) < ln(SQRT_2PI / kg)
     }
 
     /// Marks it as not weighed: without a better estimate it is an average load. The whole error is common to all loads.
@@ -93,4 +124,11 @@ impl Level {
     pub(super) fn age(&self) -> f64 {
         self.to - self.from
     }
+}
+
+/// Logarithm of the likelihood of a value under a normal distribution `truth`, without the constant.
+pub(super) fn log_likelihood(value: Quantity, truth: Quantity) -> f64 {
+    let std = norm(&[value.std, truth.std]);
+    let off = (value.value - truth.value) / std;
+    -0.5 * off * off - ln(std)
 }

@@ -48,7 +48,12 @@ impl Open {
         }
         let travel = row.speed * dt;
         self.at += if travel.is_finite() { travel } else { 0.0 };
-        self.ends = [self.ends[0].min(self.at), self.ends[1].max(self.at)];
+        self.ends = if dt > GAP {
+            // In a gap the machine may have gone anywhere.
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            [self.ends[0].min(self.at), self.ends[1].max(self.at)]
+        };
         let back = [self.at - self.ends[0], self.ends[1] - self.at];
         self.back = [self.back[0].max(back[0]), self.back[1].max(back[1])];
     }
