@@ -400,7 +400,7 @@ impl Working {
         let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
         self.parallel.weigh([innovation, other], gate, usual);
         weigh.watch(&moment, innovation, load, stands);
-        let renews = weigh.renews(innovation, (drive.posture[2], stands && !moment.moves));
+        let renews = weigh.renews(innovation, drive.posture[2]);
         let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {
             // Nothing has been filled into an emptied bucket.

@@ -72,8 +72,10 @@ pub(super) struct Weigh {
     wavering: f64,
     /// Number of consecutive innovations beyond the gate.
     strange: u32,
-    /// The last innovation was beyond it, in the air, though nothing moved.
+    /// The last measurement was beyond the gate, or the first one of another load: that one fits any load.
     misfits: bool,
+    /// The load is another one, and no measurement has confirmed it.
+    unconfirmed: bool,
     /// The bucket has opened before.
     opened: bool,
     /// Angle of the bucket at the last measurement within the gate \[rad\].
@@ -95,6 +97,7 @@ impl Weigh {
             wavering: 0.0,
             strange: 0,
             misfits: false,
+            unconfirmed: false,
             opened: false,
             angle: f64::NAN,
             frozen: false,
@@ -119,7 +122,7 @@ impl Weigh {
 
     /// Returns whether the last measurement does not fit: the load may be another one.
     pub(super) fn misfits(&self) -> bool {
-        self.misfits
+        self.misfits && self.moments.unread() < HOLDS
     }
 
     /// Returns whether the bucket's angle repeats one value while the content changes.
@@ -387,19 +390,20 @@ impl Weigh {
         self.strange == 0
     }
 
-    /// Returns whether the load must be another one. `angle`: of the bucket \[rad\]; `still`: nothing moves. Where the load is lighter,
-    /// the ground may carry the rest. A bucket that has opened before, and whose angle repeats one value while its load leaves, has a
-    /// frozen angle.
-    pub(super) fn renews(&mut self, innovation: Innovation, (angle, still): (f64, bool)) -> bool {
+    /// Returns whether the load must be another one. `angle`: of the bucket \[rad\]. Where the load is lighter, the ground may carry the
+    /// rest. A bucket that has opened before, and whose angle repeats one value while its load leaves, has a frozen angle.
+    pub(super) fn renews(&mut self, innovation: Innovation, angle: f64) -> bool {
         if fits(innovation) {
             self.age = 0.0;
             self.strange = 0;
             self.angle = angle;
+            self.misfits = core::mem::take(&mut self.unconfirmed);
             return false;
         }
+        self.misfits = true;
         self.strange = (self.strange + 1) % LASTS;
         let another = self.strange == 0;
-        self.misfits = still && !another;
+        self.unconfirmed |= another;
         if another && innovation.value < 0.0 {
             self.ground.rests();
             self.frozen = self.opened && angle == self.angle;
@@ -477,20 +481,22 @@ mod tests {
     }
 
     #[test]
-    fn another_weight_of_a_still_boom_is_seen_at_once_and_another_load_when_it_lasts() {
+    fn another_weight_is_doubted_at_once_and_another_load_until_a_second_measurement_confirms_it() {
         let mut weigh = described();
-        let (still, moves) = ((0.0, true), (0.0, false));
-        assert!(!weigh.renews(innovation(1.0), still) && !weigh.misfits());
-        assert!(!weigh.renews(innovation(-9.0), moves) && !weigh.misfits());
-        for _ in 2..LASTS {
-            assert!(!weigh.renews(innovation(-9.0), still) && weigh.misfits());
+        assert!(!weigh.renews(innovation(1.0), 0.0) && !weigh.misfits());
+        for _ in 1..LASTS {
+            assert!(!weigh.renews(innovation(-9.0), 0.0) && weigh.misfits());
         }
-        assert!(weigh.renews(innovation(-9.0), still) && !weigh.misfits());
+        assert!(weigh.renews(innovation(-9.0), 0.0) && weigh.misfits());
+        weigh.holds_another();
+        // The first measurement fits any load.
+        assert!(!weigh.renews(innovation(1.0), 0.0) && weigh.misfits());
+        assert!(!weigh.renews(innovation(1.0), 0.0) && !weigh.misfits());
         // Measurements beyond the gate count within one content.
-        weigh.renews(innovation(-9.0), still);
+        weigh.renews(innovation(-9.0), 0.0);
         weigh.holds_another();
         assert!(!weigh.misfits());
-        assert!((1..LASTS).all(|_| !weigh.renews(innovation(-9.0), still)));
+        assert!((1..LASTS).all(|_| !weigh.renews(innovation(-9.0), 0.0)));
     }
 
     #[test]
@@ -498,9 +504,9 @@ mod tests {
         let freezes = |opened: bool, turns: f64| {
             let mut weigh = described();
             weigh.opened = opened;
-            weigh.renews(innovation(0.0), (-1.5, true));
+            weigh.renews(innovation(0.0), -1.5);
             (0..LASTS).for_each(|_| {
-                weigh.renews(innovation(-9.0), (-1.5 + turns, true));
+                weigh.renews(innovation(-9.0), -1.5 + turns);
             });
             let freezes = weigh.is_frozen();
             // It turns again, without pressures.
