@@ -36,6 +36,14 @@ impl Failure {
         Self { message, status: 2 }
     }
 
+    /// The reader of standard output has left: no message.
+    pub fn reader_left() -> Self {
+        Self {
+            message: String::new(),
+            status: READER_LEFT,
+        }
+    }
+
     /// The command ran, but the answer is no.
     pub fn answer_is_no(message: impl Into<String>) -> Self {
         Self {

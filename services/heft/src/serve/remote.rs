@@ -10,7 +10,7 @@ use std::thread::{Builder, Scope};
 use std::time::Duration;
 
 use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
-use super::rows::{Rows, lock};
+use super::rows::{self, Rows, lock};
 use super::shard;
 use crate::failure::Failure;
 use crate::image;
@@ -170,7 +170,7 @@ impl<'a> RemoteShard<'a> {
 
     /// Why it cannot go on.
     pub fn failure(&self) -> Option<Failure> {
-        lock(&self.output).failure.clone().map(Failure::reported)
+        lock(&self.output).failure.clone().map(rows::failed)
     }
 
     /// Takes its answers in a thread of their own, and replaces it when it dies.
