@@ -16,6 +16,12 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// What is wrong, without place and remedy.
+    pub fn what(&self) -> String {
+        let line = self.message.lines().next().unwrap_or_default();
+        Plain(line).to_string()
+    }
+
     /// Wrong use or bad input: what, where, what to do.
     pub fn input(
         what: impl fmt::Display,
