@@ -360,7 +360,7 @@ mod tests {
         assert_eq!(kept.count(), 4);
         std::os::unix::fs::symlink("elsewhere.json", folder.path().join("link")).unwrap();
         let link = Memory::open(&folder.path().join("link"), &mut loader(), &other);
-        let said = link.err().expect("refused").to_string();
+        let said = link.expect_err("refused").to_string();
         let itself = folder.path().join("elsewhere.json");
         let remedy = format!("name the file itself: {}", itself.display());
         assert!(said.contains(&remedy), "{said}");
