@@ -446,3 +446,78 @@ fn what_cannot_be_served_is_said() {
     assert_eq!(full.status.code(), Some(2));
     says(&full, "No space left");
 }
+
+/// `heft serve` on a pipe, one shard: its rows, of which as many as `wanted` have come when this returns.
+fn serve_pipe(input: &str, wanted: usize) -> (Child, std::thread::JoinHandle<String>) {
+    let mut command = heft();
+    command.args(["serve", "excavator", "--set", "prior.inertia=6000"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut router = command.stderr(Stdio::piped()).spawn().expect("heft starts");
+    let out = router.stdout.take().expect("a pipe");
+    let (say, came) = std::sync::mpsc::channel();
+    let reader = std::thread::spawn(move || {
+        let mut text = String::new();
+        let mut lines = BufReader::new(out);
+        while lines.read_line(&mut text).expect("text") > 0 {
+            let _ = say.send(());
+        }
+        text
+    });
+    let pipe = router.stdin.as_mut().expect("a pipe");
+    pipe.write_all(input.as_bytes()).expect("a router");
+    for _ in 0..wanted {
+        came.recv_timeout(Duration::from_secs(20)).expect("a row");
+    }
+    (router, reader)
+}
+
+#[test]
+fn a_signal_ends_serve_in_order_without_the_line_of_which_a_part_had_come() {
+    let lines = table();
+    for signal in [Signal::INT, Signal::TERM, Signal::HUP] {
+        // A hundred rows of each: the first ones wait until their times are known.
+        // The number in the last cell of a part would be another one.
+        let count = 101 * MACHINES;
+        let (rows, part) = (&lines[..=count], &lines[count + 1]);
+        let input = format!("{}\n{}", rows.join("\n"), &part[..part.len() - 2]);
+        let (mut router, reader) = serve_pipe(&input, rows.len());
+        kill(router.id(), signal);
+        let input = router.stdin.take();
+        let output = router.wait_with_output().expect("the end");
+        drop(input);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{signal:?}: {said}");
+        let samples = format!("{MACHINES} machines, {count} samples");
+        assert!(said.contains(&samples), "{samples}: {said}");
+        assert!(said.contains("0 lines left out"), "{said}");
+        let text = reader.join().expect("rows");
+        assert_eq!(text.lines().count(), rows.len());
+    }
+}
+
+#[test]
+fn a_last_line_without_an_end_counts() {
+    let lines = table();
+    let (mut router, reader) = serve_pipe(&lines[..2].join("\n"), 1);
+    drop(router.stdin.take());
+    let output = router.wait_with_output().expect("the end");
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(reader.join().expect("rows").lines().count(), 2);
+}
+
+#[test]
+fn serve_is_silent_where_its_reader_has_left() {
+    let mut command = heft();
+    command.args(["serve", "excavator", "--set", "prior.inertia=6000"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut router = command.stderr(Stdio::piped()).spawn().expect("heft starts");
+    drop(router.stdout.take());
+    let mut pipe = router.stdin.take().expect("a pipe");
+    // Its end is the end of the pipe.
+    let _ = pipe.write_all(table().join("\n").as_bytes());
+    drop(pipe);
+    let output = router.wait_with_output().expect("the end");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(141), "{said}");
+    assert!(!said.contains("heft:"), "{said}");
+}

@@ -2,6 +2,8 @@
 
 mod journal;
 
+use std::io::IsTerminal as _;
+
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::SubscriberExt as _;
@@ -21,6 +23,11 @@ where
     let lines = tracing_subscriber::fmt()
         .with_max_level(LevelFilter::TRACE)
         .with_writer(writer);
+    // A file or a pipe takes no colours: Zenoh's crates enable them.
+    let lines = match std::io::stderr().is_terminal() {
+        true => lines,
+        false => lines.with_ansi(false),
+    };
     if std::env::var_os("HEFT_LOG_FORMAT").is_some_and(|format| format == "json") {
         let lines = lines.json().flatten_event(true).with_span_list(false);
         lines.finish().with(filter).init();

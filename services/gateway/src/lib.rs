@@ -124,14 +124,33 @@ impl Failure {
     pub fn passing(error: String) -> Self {
         Self { error, status: 1 }
     }
+
+    /// Standard output takes no more.
+    pub fn not_written(cause: &std::io::Error) -> Self {
+        let status = match cause.kind() {
+            std::io::ErrorKind::BrokenPipe => READER_LEFT,
+            _ => 2,
+        };
+        let error = error(
+            format!("cannot write: {cause}"),
+            "standard output",
+            "check where it goes",
+        );
+        Self { error, status }
+    }
 }
+
+/// Exit status of a program whose reader left (`| head`), as of `heft`; nothing is said then.
+const READER_LEFT: u8 = 141;
 
 /// Prints the error of a program, if any; returns its exit code.
 pub fn exit(program: &str, result: Result<(), impl Into<Failure>>) -> std::process::ExitCode {
     match result.map_err(Into::into) {
         Ok(()) => std::process::ExitCode::SUCCESS,
         Err(Failure { error, status }) => {
-            eprintln!("{program}: {error}");
+            if status != READER_LEFT {
+                eprintln!("{program}: {error}");
+            }
             std::process::ExitCode::from(status)
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use zenoh::{Config, Session, Wait};
 
@@ -37,7 +37,11 @@ pub fn client(link: &LinkArgs, publishes: &[&str]) -> Result<Session, String> {
     open(config, &link.connect)
 }
 
-/// [`client`], cancelled when `stops` returns true: opening a session waits for the router.
+/// Time without an answer after which the router is reported as absent. Attempts go on.
+const ABSENT: Duration = Duration::from_secs(10);
+
+/// [`client`], cancelled when `stops` returns true: opening a session waits for the router. A router that does not answer is
+/// reported once.
 ///
 /// # Errors
 /// As [`client`]; `None` if cancelled.
@@ -54,11 +58,25 @@ pub fn client_unless(
         // After a cancellation nobody receives it, and the process ends.
         let _ = say.send(client(&its, &publishes));
     });
+    let begun = Instant::now();
+    let mut is_told = false;
     loop {
         match opened.recv_timeout(Duration::from_millis(50)) {
-            Ok(session) => return session.map(Some),
+            Ok(session) => {
+                if is_told && session.is_ok() {
+                    tracing::info!("the router {} answers", link.connect);
+                }
+                return session.map(Some);
+            }
             Err(RecvTimeoutError::Timeout) if !stops() => {}
             Err(_) => return Ok(None),
+        }
+        if !is_told && begun.elapsed() > ABSENT {
+            is_told = true;
+            tracing::warn!(
+                "the router {} does not answer, or refuses this certificate; it is asked again until it does",
+                link.connect
+            );
         }
     }
 }
@@ -108,16 +126,48 @@ pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, Stri
     open(config, listen.unwrap_or("its configuration"))
 }
 
+/// Files that a configuration may name. A session whose file is absent would wait for its router forever, without a word.
+const FILES: [&str; 5] = [
+    "root_ca_certificate",
+    "connect_private_key",
+    "connect_certificate",
+    "listen_private_key",
+    "listen_certificate",
+];
+
+/// Whether the files that a configuration names can be read.
+fn has_its_files(config: &Config, place: &Path) -> Result<(), String> {
+    for key in FILES {
+        let named = config.get_json(&format!("transport/link/tls/{key}"));
+        let named = named.map(|json| serde_json::from_str::<Option<String>>(&json));
+        let Ok(Ok(Some(named))) = named else {
+            continue;
+        };
+        if let Err(e) = std::fs::File::open(&named) {
+            return Err(crate::error(
+                format!("cannot read the {key} {named}: {e}"),
+                place.display(),
+                "put the files where the configuration names them, readable by this user; `keys.sh` names those of AT=FOLDER",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// A configuration that connects to the stated endpoints only: no multicast, no gossip.
 fn base(file: Option<&Path>) -> Result<Config, String> {
     let mut config = match file {
-        Some(file) => Config::from_file(file).map_err(|e| {
-            crate::error(
-                format!("this is no configuration of Zenoh: {e}"),
-                file.display(),
-                "see `examples/fleet`, which has one that works",
-            )
-        })?,
+        Some(file) => {
+            let config = Config::from_file(file).map_err(|e| {
+                crate::error(
+                    format!("this is no configuration of Zenoh: {e}"),
+                    file.display(),
+                    "see `examples/fleet`, which has one that works",
+                )
+            })?;
+            has_its_files(&config, file)?;
+            config
+        }
         None => Config::default(),
     };
     set(&mut config, "scouting/multicast/enabled", "false")?;
@@ -147,6 +197,27 @@ fn list(all: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_configuration_without_its_files_is_refused_at_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, key) = (
+            folder.path().join("ex-1.json5"),
+            folder.path().join("ca.pem"),
+        );
+        let text = format!(
+            "{{ transport: {{ link: {{ tls: {{ root_ca_certificate: {:?} }} }} }} }}",
+            key.display().to_string()
+        );
+        std::fs::write(&file, text).expect("written");
+        let said = base(Some(&file)).expect_err("there is no such file");
+        assert!(
+            said.contains("root_ca_certificate") && said.contains("ex-1.json5"),
+            "{said}"
+        );
+        std::fs::write(&key, "").expect("written");
+        assert!(base(Some(&file)).is_ok(), "what is in it, Zenoh says");
+    }
 
     #[test]
     fn a_router_for_others_needs_keys_or_the_word() {

@@ -1,5 +1,5 @@
 //! Checks of all samples of an input: gaps, refused and repeated rows, units, ranges, marks of missing samples, another machine.
-//! The findings are reported at the end of every command that estimates from the input.
+//! Every command that estimates from the input reports the findings: at the end, or meanwhile where the input has no end.
 
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
@@ -52,9 +52,14 @@ pub trait AnyDoubts {
     fn judge(&self) -> Result<(), Failure>;
 }
 
+/// Rows of a machine at its first judgement before the end, a minute of 100 Hz. Each further judgement is at twice as many.
+pub const FIRST_JUDGED: usize = 6000;
+
 /// Checks of the messages of a run.
 pub struct Seen<L: Look, E> {
     doubts: Doubts<L>,
+    /// Number of rows at the next judgement.
+    judge_at: usize,
     estimates: PhantomData<E>,
 }
 
@@ -63,8 +68,18 @@ impl<L: Look, E> Seen<L, E> {
     pub fn of(description: &Description) -> Self {
         Self {
             doubts: Doubts::of(description),
+            judge_at: FIRST_JUDGED,
             estimates: PhantomData,
         }
+    }
+
+    /// What is surely wrong, if a judgement is due: a run on a bus may never end.
+    fn found(&mut self) -> Option<Failure> {
+        if self.doubts.rows() < self.judge_at {
+            return None;
+        }
+        self.judge_at *= 2;
+        self.doubts.judge(&Lacks::default()).err()
     }
 }
 
@@ -75,6 +90,9 @@ impl<L: Look, E: recording::csv::Estimate> AnyDoubts for Seen<L, E> {
         }
         let is_refused = E::inside(message).is_some_and(E::is_refused);
         self.doubts.refused += usize::from(is_refused);
+        if let Some(fault) = self.found() {
+            tracing::warn!("{fault}");
+        }
     }
 
     fn tell(&self) {
@@ -411,6 +429,25 @@ mod tests {
         };
         assert!(fault(|k| 1e9 + f64::from(k)).is_some());
         assert_eq!(fault(|k| if k % 2 == 0 { 4e9 } else { 1e7 }), None);
+    }
+
+    #[test]
+    fn a_run_without_an_end_is_judged_after_a_minute_and_at_twice_as_many_rows_again() {
+        let loader = Description::default_of(messages::Machine::Loader);
+        let mut seen = Seen::<Nothing, ()>::of(&loader);
+        let mut judged = Vec::new();
+        for k in 1..=12_000 {
+            let sample = messages::LoaderSensors {
+                lift_head_pressure: 1e9 + f64::from(k),
+                valid: u32::MAX,
+                ..Default::default()
+            };
+            seen.doubts.add(&sample, false);
+            judged.extend(seen.found().map(|fault| (k, fault.to_string())));
+        }
+        let at: Vec<i32> = judged.iter().map(|(k, _)| *k).collect();
+        assert_eq!(at, [6000, 12_000]);
+        assert!(judged[0].1.contains("larger than any measurement"));
     }
 
     #[test]

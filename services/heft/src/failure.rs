@@ -16,6 +16,12 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// What is wrong, without place and remedy.
+    pub fn what(&self) -> String {
+        let line = self.message.lines().next().unwrap_or_default();
+        Plain(line).to_string()
+    }
+
     /// Wrong use or bad input: what, where, what to do.
     pub fn input(
         what: impl fmt::Display,
@@ -34,6 +40,14 @@ impl Failure {
     /// Bad input, reported in its three lines by another process.
     pub fn reported(message: String) -> Self {
         Self { message, status: 2 }
+    }
+
+    /// The reader of standard output has left: no message.
+    pub fn reader_left() -> Self {
+        Self {
+            message: String::new(),
+            status: READER_LEFT,
+        }
     }
 
     /// The command ran, but the answer is no.

@@ -66,6 +66,11 @@ pub enum Fault {
         /// Why.
         why: String,
     },
+    /// What was learnt is not in the file of `--state`.
+    NotStored {
+        /// Why.
+        why: String,
+    },
     /// Samples came to a service later than a period.
     Late {
         /// To which.
@@ -94,10 +99,12 @@ impl Fault {
             ),
             Self::DidNotEnd { service } => format!("{service} did not end and was killed"),
             Self::Unmeasured { samples } => {
-                format!("{samples} samples were not measured: the source was away")
+                let were = counted(*samples, "sample was", "samples were");
+                format!("{were} not measured: the source was away")
             }
             Self::Dropped { frames } => {
-                format!("{frames} frames were dropped by the kernel: the source came too late")
+                let were = counted(*frames, "frame was", "frames were");
+                format!("{were} dropped by the kernel: the source came too late")
             }
             Self::Unanswered {
                 service,
@@ -108,28 +115,42 @@ impl Fault {
                 "the recording may have a gap: the logger was away".into()
             }
             Self::Unrecorded { samples } => {
-                format!("the recording has gaps of {samples} messages")
+                let messages = counted(*samples, "message", "messages");
+                format!("the recording has gaps of {messages}")
             }
             Self::Disk => {
                 "the recording is incomplete: the disk took no more, or a file of it was deleted"
                     .into()
             }
             Self::NotJoined { why } => format!("the recording stays in parts: {why}"),
+            Self::NotStored { why } => format!("the learnt state was not stored: {why}"),
             Self::Late { service, samples } => {
-                format!("{samples} samples came to {service} later than a period")
+                let came = counted(*samples, "sample", "samples");
+                format!("{came} came to {service} later than a period")
             }
         }
     }
 
-    /// Whether the run ends with status 1: samples or the recording were lost, or may be.
+    /// Whether the run ends with status 1: samples, the recording or the state were lost, or may be.
     pub fn costs_the_status(&self) -> bool {
         !matches!(self, Self::Died { .. } | Self::Late { .. })
     }
 }
 
+/// A number with its noun.
+fn counted(number: u64, one: &str, more: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { more })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_sample_is_no_samples() {
+        let said = Fault::Unmeasured { samples: 1 }.words();
+        assert!(said.starts_with("1 sample was not measured"), "{said}");
+    }
 
     #[test]
     fn the_table_of_the_documentation_says_the_same_words_and_status() {
@@ -161,6 +182,9 @@ mod tests {
             Fault::Disk,
             Fault::NotJoined {
                 why: "no room".into(),
+            },
+            Fault::NotStored {
+                why: "cannot write the file: No space left on device (os error 28)".into(),
             },
             Fault::Late {
                 service: "ukf",

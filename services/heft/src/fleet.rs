@@ -31,7 +31,7 @@ const END_LOOK: Duration = Duration::from_millis(50);
 #[derive(Debug, Clone, Default, Args)]
 pub struct FleetArgs {
     /// Send what is found to a fleet, by this router of Zenoh (needs heft-gateway)
-    #[arg(long, value_name = "tcp/HOST:PORT", requires_all = ["site", "machine_id"])]
+    #[arg(long, value_name = "tcp/HOST:PORT", requires_all = ["site", "machine_id"], value_parser = endpoint)]
     pub fleet: Option<String>,
     /// The site, for --fleet
     #[arg(long, requires = "fleet")]
@@ -45,6 +45,18 @@ pub struct FleetArgs {
     /// Keys and certificates, for --fleet: a configuration file of Zenoh
     #[arg(long, requires = "fleet", value_name = "FILE")]
     pub zenoh_config: Option<PathBuf>,
+}
+
+/// An address as Zenoh writes it: another one would end every gateway of the run at its start.
+fn endpoint(text: &str) -> Result<String, String> {
+    let is_word = |word: &str| {
+        let mut letters = word.chars();
+        !word.is_empty() && letters.all(|c| c.is_ascii_alphanumeric() || c == '-')
+    };
+    match text.split_once('/') {
+        Some((protocol, address)) if is_word(protocol) && !address.is_empty() => Ok(text.into()),
+        _ => Err("write it like tcp/192.168.0.10:7447 or tls/site.example:7447".into()),
+    }
 }
 
 /// How a machine belongs to a fleet.
@@ -72,6 +84,10 @@ impl Fleet {
         ];
         let file = args.zenoh_config.as_deref().map(std::path::absolute);
         let file = file.transpose().map_err(Failure::internal)?;
+        if let Some(file) = &file {
+            // A run does not end because of its gateway, which would fail again and again.
+            std::fs::File::open(file).map_err(|e| Failure::file("read", file, &e))?;
+        }
         let file = file.map(|f| f.display().to_string());
         if let Some(file) = &file {
             arguments.extend(["--zenoh-config", file]);
@@ -195,6 +211,35 @@ impl Gateway {
         {
             notify.awake();
             std::thread::sleep(END_LOOK);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_names_its_protocol() {
+        for good in [
+            "tcp/127.0.0.1:7447",
+            "tls/site.example:7447",
+            "udp/[::1]:1",
+            "unixsock-stream//tmp/router",
+        ] {
+            assert_eq!(endpoint(good).as_deref(), Ok(good));
+        }
+        for bad in [
+            "127.0.0.1:7447",
+            "http://site:7447",
+            "tcp:7447",
+            "/x",
+            "tcp/",
+        ] {
+            assert!(
+                endpoint(bad).is_err_and(|said| said.contains("tcp/")),
+                "{bad}"
+            );
         }
     }
 }

@@ -9,6 +9,7 @@ mod remote;
 mod rows;
 mod shard;
 mod suspects;
+mod until_signal;
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
@@ -27,6 +28,7 @@ use self::remote::RemoteShard;
 pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
 pub use self::suspects::{Findings, Suspects};
+pub use self::until_signal::UntilSignal;
 use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;

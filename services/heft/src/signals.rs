@@ -65,11 +65,28 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Installs the handlers.
+    /// Installs the handlers. A hang-up that is ignored stays ignored: `nohup heft run` outlives its terminal. An ignored SIGINT is
+    /// caught all the same, since scripts start a run by `&`, which ignores it, and end it so.
     pub fn catch() -> Result<Self, Failure> {
+        Self::take(false)
+    }
+
+    /// As [`Signals::catch`]; the second signal ends the process, as if nobody caught it.
+    pub fn catch_first() -> Result<Self, Failure> {
+        Self::take(true)
+    }
+
+    fn take(only_first: bool) -> Result<Self, Failure> {
         let came = Arc::new(AtomicBool::new(false));
         let (wakes, rings) = UnixStream::pair().map_err(Failure::signals)?;
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
+        let stays_ignored = |signal: &i32| *signal == SIGHUP && is_ignored(SIGHUP);
+        let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter();
+        for signal in wanted.filter(|signal| !stays_ignored(signal)) {
+            if only_first {
+                // Before the flag is registered: the first signal does not see it set by itself.
+                signal_hook::flag::register_conditional_default(signal, Arc::clone(&came))
+                    .map_err(Failure::signals)?;
+            }
             signal_hook::flag::register(signal, Arc::clone(&came)).map_err(Failure::signals)?;
             let ring = rings.try_clone().map_err(Failure::signals)?;
             signal_hook::low_level::pipe::register(signal, ring).map_err(Failure::signals)?;

@@ -48,6 +48,20 @@ pub fn tell_other_size(plan: &Plan, description: &Description) {
     }
 }
 
+/// What to know of a machine file that has the size of the reference machine: `heft check --print` writes all of its values, and so
+/// does the example of the package.
+pub fn of_reference(description: &Description) -> Option<String> {
+    let machine = description.machine();
+    let (key, kg) = machines::entry(machine).simulated_mass;
+    let is_reference = description.number(key).is_none_or(|stated| stated == kg);
+    is_reference.then(|| {
+        format!(
+            "this is the size of the reference {machine}, {} t; if yours is another, state {key}: what is as printed follows it",
+            kg / 1000.0
+        )
+    })
+}
+
 /// The size assumed for an input's machine, and what follows from it. A recording of heft brings its machine file.
 ///
 /// # Errors

@@ -47,8 +47,8 @@ pub struct Memory {
     file: PathBuf,
     state: State,
     written: Instant,
-    /// The last write failed: reported once.
-    failed: bool,
+    /// Why the last write failed. Reported once until a write succeeds again.
+    failed: Option<String>,
 }
 
 impl Memory {
@@ -69,6 +69,7 @@ impl Memory {
             parameters: BTreeMap::new(),
         };
         let place = file.display();
+        is_no_link(file)?;
         let (state, line) = match read(file, description, methods) {
             Ok(Some(parameters)) => {
                 let said = restore(&parameters, since_1970().as_secs(), description);
@@ -105,7 +106,7 @@ impl Memory {
             file: file.to_owned(),
             state,
             written: Instant::now(),
-            failed: false,
+            failed: None,
         };
         // A file that cannot be written is reported before the run, not after it.
         memory.write()?;
@@ -140,12 +141,16 @@ impl Memory {
     /// Writes the file now. A failure is reported once; the run goes on.
     pub fn save(&mut self) {
         self.written = Instant::now();
-        if let Err(failure) = self.write() {
-            if !self.failed {
-                tracing::warn!("{failure}");
-            }
-            self.failed = true;
+        let failure = self.write().err();
+        if let Some(failure) = failure.as_ref().filter(|_| self.failed.is_none()) {
+            tracing::warn!("the learnt state is not stored: {failure}");
         }
+        self.failed = failure.map(|failure| failure.what());
+    }
+
+    /// Why the last write failed, if it did.
+    pub fn failed(&self) -> Option<&str> {
+        self.failed.as_deref()
     }
 
     /// Writes atomically: at every moment the file holds the old state or the new one.
@@ -174,6 +179,21 @@ impl Memory {
             let _ = fs::remove_file(&new); // the error that is returned matters more
             Failure::file("write", &self.file, &e)
         })
+    }
+}
+
+/// Refuses a link: the first write would replace it by a file, and what it leads to would never change.
+fn is_no_link(file: &Path) -> Result<(), Failure> {
+    match fs::read_link(file) {
+        Err(_) => Ok(()),
+        Ok(target) => Err(Failure::input(
+            "the state is a link, which a write would replace by a file",
+            format!("--state {}", file.display()),
+            format!(
+                "name the file itself: {}",
+                file.with_file_name(target).display()
+            ),
+        )),
     }
 }
 
@@ -289,6 +309,23 @@ mod tests {
     }
 
     #[test]
+    fn a_write_that_fails_is_known_until_one_succeeds() {
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("inside");
+        fs::create_dir(&inside).unwrap();
+        let file = inside.join("state.json");
+        let (mut memory, _) = Memory::open(&file, &mut loader(), &BTreeMap::new()).unwrap();
+        assert_eq!(memory.failed(), None);
+        fs::remove_dir_all(&inside).unwrap();
+        memory.save();
+        let why = memory.failed().expect("no folder");
+        assert_eq!(why, "cannot write the file: no such file or folder");
+        fs::create_dir(&inside).unwrap();
+        memory.save();
+        assert_eq!(memory.failed(), None);
+    }
+
+    #[test]
     fn a_state_that_does_not_fit_is_set_aside_and_reported_and_the_run_starts() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
@@ -321,6 +358,12 @@ mod tests {
         let kept = fs::read_dir(folder.path()).unwrap().flatten();
         let kept = kept.filter(|f| f.file_name().to_string_lossy().contains(".refused"));
         assert_eq!(kept.count(), 4);
+        std::os::unix::fs::symlink("elsewhere.json", folder.path().join("link")).unwrap();
+        let link = Memory::open(&folder.path().join("link"), &mut loader(), &other);
+        let said = link.expect_err("refused").to_string();
+        let itself = folder.path().join("elsewhere.json");
+        let remedy = format!("name the file itself: {}", itself.display());
+        assert!(said.contains(&remedy), "{said}");
         let refused = folder.path().join("nowhere/state.json");
         assert!(
             Memory::open(&refused, &mut loader(), &other).is_err(),

@@ -96,7 +96,7 @@ pub fn text(
         if is_statistics && detail.is_story && !detail.is_verbose {
             continue;
         }
-        line(fault.words());
+        line(watch.fault_words(&fault));
     }
     // Paths are not wrapped: users copy them.
     let _ = writeln!(out, "  recording  {}", shown(recording));

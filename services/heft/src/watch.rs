@@ -55,7 +55,8 @@ pub struct Watch {
     doubts: Option<Box<dyn AnyDoubts>>,
     /// Reason of the latest headline estimate.
     reason: Option<Value>,
-    faults: Vec<Fault>,
+    /// Each with its count: a service may die again and again.
+    faults: Vec<(Fault, u32)>,
     loggers: Loggers,
     /// The samples are the simulator's.
     is_simulated: bool,

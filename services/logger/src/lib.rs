@@ -16,6 +16,7 @@ use recording::{Error, Metadata};
 use rtrb::{Consumer, Producer, RingBuffer};
 use runtime::Sink;
 
+mod ages;
 mod bus;
 mod mark;
 mod recorder;

@@ -1,12 +1,14 @@
 //! Parts of a recording: splitting, removal of old ones, and free space on the disk.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
 use recording::{Error, Metadata, Writer};
+use rustix::time::ClockId;
 
+use crate::ages::{Ages, nanoseconds};
 use crate::mark::Mark;
 
 /// Limits of an endless recording; none by default.
@@ -45,6 +47,7 @@ pub struct Recorder {
     mark: Mark,
     begun: Instant,
     wall_offset_ns: i64,
+    ages: Ages,
     stopped: Instant,
 }
 
@@ -68,6 +71,7 @@ impl Recorder {
             mark,
             begun: Instant::now(),
             wall_offset_ns: 0,
+            ages: Ages::begin(),
             stopped: Instant::now(),
         };
         recorder.begin()?;
@@ -231,6 +235,7 @@ impl Recorder {
     }
 
     fn look_at_the_clock(&mut self) -> Result<(), Error> {
+        self.ages.look();
         let offset = wall_offset_ns();
         let jump = offset.saturating_sub(self.wall_offset_ns);
         if jump.abs() < JUMP_NS {
@@ -251,6 +256,7 @@ impl Recorder {
 
     /// Removes the oldest recordings of the folder until the rest is within its limits. The part that
     /// is being written stays, and so do those that another run is writing, and every file with another name.
+    /// The parts of this recording are the newest, in their order, whatever the clock says of them.
     fn remove_old(&self) {
         let (
             Some(folder),
@@ -268,11 +274,15 @@ impl Recorder {
         }
         let mut files = recording::files_by_age(folder);
         files.retain(|(file, _, _)| *file != self.part);
+        files.sort_by_key(|(file, ..)| {
+            let is_own = recording::is_part_of(&self.first, file);
+            is_own.then(|| recording::part_number(file))
+        });
+        let now = SystemTime::now();
         let own = self.writer.as_ref().map_or(0, Writer::size);
         let mut total: u64 = own + files.iter().map(|f| f.2).sum::<u64>();
         for (file, changed, size) in files {
-            let too_old =
-                keep_for.is_some_and(|most| changed.elapsed().is_ok_and(|age| age > most));
+            let too_old = keep_for.is_some_and(|most| self.ages.age(changed, now) > most);
             let too_much = keep_bytes.is_some_and(|most| total > most);
             // A user who may read a part may lock it, so the lock of this recorder's finished parts is ignored.
             let is_finished = recording::is_part_of(&self.first, &file);
@@ -296,17 +306,12 @@ impl Receiver for WriteTo<'_> {
 }
 
 fn monotonic_ns() -> i64 {
-    nanoseconds(rustix::time::ClockId::Monotonic)
+    nanoseconds(ClockId::Monotonic)
 }
 
 /// Wall time minus the monotonic clock [ns].
 fn wall_offset_ns() -> i64 {
-    nanoseconds(rustix::time::ClockId::Realtime) - monotonic_ns()
-}
-
-fn nanoseconds(clock: rustix::time::ClockId) -> i64 {
-    let now = rustix::time::clock_gettime(clock);
-    now.tv_sec * 1_000_000_000 + now.tv_nsec
+    nanoseconds(ClockId::Realtime) - monotonic_ns()
 }
 
 #[cfg(test)]

@@ -59,8 +59,8 @@ fn collect(cli: &Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     gateway::on_signal(stop)?;
     match &cli.command {
         None => run(&cli.collector, stop),
-        Some(Command::Query(args)) => Ok(query::query(args, &mut std::io::stdout().lock())?),
-        Some(Command::Full(args)) => Ok(full::full(args, &mut std::io::stdout().lock(), stop)?),
+        Some(Command::Query(args)) => query::query(args, &mut std::io::stdout().lock()),
+        Some(Command::Full(args)) => full::full(args, &mut std::io::stdout().lock(), stop),
         Some(Command::Serve(args)) => site::serve(args, stop),
         Some(Command::Router {
             listen,

@@ -12,10 +12,10 @@ use zenoh::Wait;
 
 use super::intake::decode;
 use super::table::{Format, Table};
-use crate::error;
 use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::machine::LONGEST;
+use crate::{Failure, error};
 
 /// Timeout of the request to the machine.
 const LIMIT: Duration = Duration::from_secs(10);
@@ -46,7 +46,7 @@ pub struct FullArgs {
 ///
 /// # Errors
 /// The machine does not answer, or nothing can be written.
-pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<(), String> {
+pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<(), Failure> {
     let id = MachineId::new(&args.site, &args.machine);
     let id = id.ok_or_else(|| {
         error(
@@ -106,13 +106,7 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
             }
             rows += 1;
             let written = table.row(out, &[("stream", json!(stream))], &message);
-            written.map_err(|e| {
-                error(
-                    format!("cannot write: {e}"),
-                    "standard output",
-                    "check where it goes",
-                )
-            })?;
+            written.map_err(|e| Failure::not_written(&e))?;
         }
     }
     eprintln!("{rows} estimates, {missing} missing between them");

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::intake::decode;
 use super::store;
 use super::table::{Format, Table};
-use crate::{error, wall_ms};
+use crate::{Failure, error, wall_ms};
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -81,7 +81,7 @@ pub fn open(db: &Path) -> Result<Connection, String> {
 ///
 /// # Errors
 /// There is no history.
-pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
+pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), Failure> {
     let sql = open(&args.db)?;
     let done = match args.what {
         What::Alarms => alarms(&sql, args, out),
@@ -94,17 +94,37 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
         What::Events => messages(&sql, args, "events/", out),
     };
     done.map_err(|e| match e {
-        QueryError::Sql(e) => store::failed(&e, &args.db),
+        QueryError::Sql(e) => store::failed(&e, &args.db).into(),
         QueryError::Damaged { bad, all } => error(
             format!("{bad} of {all} messages are damaged; they are left out"),
             args.db.display(),
             "`sqlite3 FILE 'PRAGMA integrity_check'` says more",
-        ),
-        QueryError::Io(e) => error(
-            format!("cannot write: {e}"),
-            "standard output",
-            "check where it goes",
-        ),
+        )
+        .into(),
+        QueryError::Io(e) => Failure::not_written(&e),
+    })
+}
+
+/// Machines of a history that are named where nothing fits.
+const MOST_NAMED: usize = 10;
+
+/// Which machines a history has, for whoever asks for another one.
+fn known(sql: &Connection) -> rusqlite::Result<String> {
+    let mut query = sql.prepare("SELECT site, name FROM machine ORDER BY site, name")?;
+    let names = query.query_map([], |row| {
+        Ok(format!(
+            "{}/{}",
+            row.get::<_, String>(0)?,
+            row.get::<_, String>(1)?
+        ))
+    })?;
+    let names: Vec<String> = names.collect::<Result<_, _>>()?;
+    let more = names.len().saturating_sub(MOST_NAMED);
+    let first = names[..names.len() - more].join(", ");
+    Ok(match (names.len(), more) {
+        (0, _) => "there is no machine in it yet".into(),
+        (_, 0) => format!("it has {first}"),
+        _ => format!("it has {first} and {more} more"),
     })
 }
 
@@ -183,6 +203,10 @@ fn messages(
         ];
         table.row(out, &said, &message)?;
     }
+    if all == 0 {
+        let known = known(sql)?;
+        eprintln!("nothing in the history fits --what, --site, --machine and --since; {known}");
+    }
     match bad {
         0 => Ok(()),
         bad => Err(QueryError::Damaged { bad, all }),
@@ -231,7 +255,23 @@ mod tests {
         }
         let db = db.to_str().expect("UTF-8");
         let cli = Cli::parse_from(["query", "--db", db, "--what", "estimates"]);
-        query(&cli.args, &mut Vec::new())
+        query(&cli.args, &mut Vec::new()).map_err(|failure| failure.error)
+    }
+
+    #[test]
+    fn whoever_asks_for_another_machine_is_told_which_there_are() {
+        let sql = Connection::open_in_memory().expect("a database");
+        let made = sql.execute_batch("CREATE TABLE machine (site TEXT, name TEXT)");
+        made.expect("a table");
+        assert_eq!(known(&sql).expect("read"), "there is no machine in it yet");
+        for k in 10..22 {
+            let name = format!("ex-{k}");
+            let added = sql.execute("INSERT INTO machine VALUES ('north', ?1)", params![name]);
+            added.expect("a row");
+        }
+        let said = known(&sql).expect("read");
+        assert!(said.starts_with("it has north/ex-10, "), "{said}");
+        assert!(said.ends_with("north/ex-19 and 2 more"), "{said}");
     }
 
     #[test]

@@ -58,7 +58,8 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
             "{name}: a valid machine file of the {}",
             description.machine()
         );
-        for words in remarks(&description)? {
+        let size = size::of_reference(&description);
+        for words in size.into_iter().chain(remarks(&description)?) {
             eprintln!("note: {words}");
         }
     }

@@ -18,7 +18,6 @@ pub use self::plan::folder;
 use self::plan::{absolute, pipeline_plan, tell_size};
 use crate::doubts::AnyDoubts;
 use crate::failure::Failure;
-use crate::fault::Fault;
 use crate::group;
 use crate::machines;
 use crate::parts::Reserved;
@@ -220,7 +219,7 @@ fn verdict(end: &End, watch: &Watch, args: &RunArgs) -> Result<(), Failure> {
     let lost: Vec<String> = faults
         .iter()
         .filter(|fault| fault.costs_the_status())
-        .map(Fault::words)
+        .map(|fault| watch.fault_words(fault))
         .collect();
     if !lost.is_empty() {
         let is_hurried =

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::stdin;
 use std::num::NonZeroUsize;
+use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,7 +12,7 @@ use messages::Machine;
 
 use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_odd_keys};
 use crate::failure::Failure;
-use crate::serve::{Common, Form, Input};
+use crate::serve::{Common, Form, Input, UntilSignal};
 use crate::way::{method, way};
 use crate::{machines, size, sources};
 
@@ -66,20 +67,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     {
         eprintln!("{note}");
     }
-    let input = match &args.file {
-        Some(folder) if folder.is_dir() => {
-            let error = std::io::ErrorKind::IsADirectory.into();
-            return Err(Failure::file("read", folder, &error));
-        }
-        Some(file) => Input {
-            name: file.display().to_string().into(),
-            content: Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
-        },
-        None => Input {
-            name: "standard input".into(),
-            content: Box::new(stdin().lock()),
-        },
-    };
+    let input = opened(args.file.as_deref(), form)?;
     let shards = args.shards.map_or_else(usual_shards, usize::from);
     let mut arguments = shard_arguments(args.machine, method, &args.with.description, args.every);
     if args.messages {
@@ -92,6 +80,32 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         arguments: &arguments,
     };
     (entry.route)(input, form, common)
+}
+
+/// The file, or standard input. A signal ends a table in order; messages come from a program, which ends them itself.
+fn opened(file: Option<&Path>, form: Form) -> Result<Input, Failure> {
+    let (name, content) = match file {
+        Some(folder) if folder.is_dir() => {
+            let error = std::io::ErrorKind::IsADirectory.into();
+            return Err(Failure::file("read", folder, &error));
+        }
+        Some(file) => (
+            file.display().to_string(),
+            File::open(file).map_err(|e| Failure::file("read", file, &e))?,
+        ),
+        None => {
+            let own = stdin().as_fd().try_clone_to_owned();
+            let own = own.map_err(|e| Failure::file("read", Path::new("standard input"), &e))?;
+            ("standard input".to_owned(), File::from(own))
+        }
+    };
+    Ok(Input {
+        name: name.into(),
+        content: match form {
+            Form::Table => Box::new(UntilSignal::of(content)?),
+            Form::Messages => Box::new(content),
+        },
+    })
 }
 
 /// The arguments of a shard.

@@ -10,7 +10,7 @@ use std::thread::{Builder, Scope};
 use std::time::Duration;
 
 use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
-use super::rows::{Rows, lock};
+use super::rows::{self, Rows, lock};
 use super::shard;
 use crate::failure::Failure;
 use crate::image;
@@ -170,7 +170,7 @@ impl<'a> RemoteShard<'a> {
 
     /// The failure that ended the shard.
     pub fn failure(&self) -> Option<Failure> {
-        lock(&self.output).failure.clone().map(Failure::reported)
+        lock(&self.output).failure.clone().map(rows::failed)
     }
 
     /// Reads the answers in a thread of its own, and replaces the process when it dies.

@@ -46,9 +46,20 @@ pub enum Form {
     Messages,
 }
 
+/// What is noted where the reader of the estimates has left.
+const NOBODY_READS: &str = "nobody reads the estimates";
+
+/// The failure that was noted in these words: without a message where the reader has left, as of every command.
+pub(super) fn failed(words: String) -> Failure {
+    match words.as_str() {
+        NOBODY_READS => Failure::reader_left(),
+        _ => Failure::reported(words),
+    }
+}
+
 fn not_written(error: std::io::Error) -> String {
     match error.kind() {
-        std::io::ErrorKind::BrokenPipe => "nobody reads the estimates".into(),
+        std::io::ErrorKind::BrokenPipe => NOBODY_READS.into(),
         _ => format!(
             "cannot write the estimates: {error}\n  where: standard output\n  what to do: make room, or write them elsewhere"
         ),
@@ -94,7 +105,7 @@ impl Rows {
     ) -> Result<Self, Failure> {
         if form == Form::Table {
             let header = format!("{NAME},{columns}\n");
-            out.put(header.as_bytes()).map_err(Failure::reported)?;
+            out.put(header.as_bytes()).map_err(failed)?;
         }
         Ok(Self {
             out: Mutex::new(out),
@@ -175,9 +186,7 @@ impl Rows {
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner)
         {
-            Out::Standard(mut out) => out
-                .flush()
-                .map_err(|error| Failure::reported(not_written(error)))?,
+            Out::Standard(mut out) => out.flush().map_err(|error| failed(not_written(error)))?,
             Out::File(out) => out.finish()?,
         }
         Ok(self

@@ -7,11 +7,9 @@ use recording::Map;
 
 use super::rows::Member;
 use crate::commands::estimate::look::Look;
-use crate::doubts::Doubts;
+use crate::doubts::{Doubts, FIRST_JUDGED};
 use crate::failure::Failure;
 
-/// Rows of a machine at its first judgement, a minute of 100 Hz. Each further judgement is at twice as many.
-const FIRST: usize = 6000;
 /// Largest number of texts reported, and of machines named in one. Further ones are counted.
 const MOST_REPORTED: usize = 20;
 const MOST_NAMED: usize = 10;
@@ -72,7 +70,7 @@ impl<'a, L: Look> Suspects<'a, L> {
         let suspect = self.machines.entry(number).or_insert_with(|| Suspect {
             name: name.to_owned(),
             doubts: Doubts::of(self.description).mapped(self.map.cloned()),
-            judge_at: FIRST,
+            judge_at: FIRST_JUDGED,
         });
         suspect.doubts.see(sample);
         if suspect.doubts.rows() < suspect.judge_at {

@@ -48,7 +48,10 @@ impl Watch {
         if dead == "logger" {
             self.loggers.died(self.next_sequence() > 0);
         }
-        self.faults.push(fault);
+        match self.faults.iter_mut().find(|(known, _)| *known == fault) {
+            Some((_, times)) => *times += 1,
+            None => self.faults.push((fault, 1)),
+        }
     }
 
     /// Notes that a service has started, perhaps again.
@@ -58,9 +61,18 @@ impl Watch {
         }
     }
 
-    /// All faults.
+    /// The words of a fault, with its count if it came several times.
+    pub fn fault_words(&self, fault: &Fault) -> String {
+        let times = self.faults.iter().find(|(known, _)| known == fault);
+        match times {
+            Some((_, times @ 2..)) => format!("{} ({times} times)", fault.words()),
+            _ => fault.words(),
+        }
+    }
+
+    /// All faults, each once.
     pub fn faults(&self) -> Vec<Fault> {
-        let mut faults = self.faults.clone();
+        let mut faults: Vec<Fault> = self.faults.iter().map(|(fault, _)| fault.clone()).collect();
         let sent = self.sent();
         let samples = sent.next.saturating_sub(sent.samples + sent.unseen);
         if samples > 0 {
@@ -79,6 +91,8 @@ impl Watch {
         if logger.is_some_and(|health| health.fault == fault::DISK) {
             faults.push(Fault::Disk);
         }
+        let failed = self.memory.as_ref().and_then(|memory| memory.failed());
+        faults.extend(failed.map(|why| Fault::NotStored { why: why.into() }));
         let late = self.processes.counts();
         let late = late.filter(|(_, counts)| counts.late > 0);
         faults.extend(late.map(|(service, counts)| Fault::Late {
@@ -199,6 +213,33 @@ mod tests {
                 samples,
                 of
             }]
+        );
+    }
+
+    #[test]
+    fn a_service_that_dies_again_and_again_is_one_fault_with_its_count() {
+        let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+        let died = |service| Fault::Died {
+            service,
+            how: "exit status: 2".into(),
+        };
+        for _ in 0..45 {
+            watch.note(died("ukf"));
+            watch.note(died("kalman"));
+        }
+        watch.note(died("rls"));
+        let said = watch
+            .faults()
+            .iter()
+            .map(|f| watch.fault_words(f))
+            .collect::<Vec<_>>();
+        assert_eq!(
+            said,
+            [
+                "ukf died (exit status: 2); it was started again (45 times)",
+                "kalman died (exit status: 2); it was started again (45 times)",
+                "rls died (exit status: 2); it was started again",
+            ]
         );
     }
 

@@ -40,6 +40,14 @@ fn numbers(path: &Path) -> Vec<u64> {
         .collect()
 }
 
+/// Numbers of the messages that a recorder has kept, without a gap.
+fn numbers_of(mut recorder: Recorder) -> std::ops::Range<u64> {
+    recorder.finish().expect("room");
+    let numbers = numbers(&recorder.first);
+    assert!(numbers.windows(2).all(|w| w[0] + 1 == w[1]));
+    numbers[0]..numbers[numbers.len() - 1] + 1
+}
+
 #[test]
 fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -76,6 +84,80 @@ fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
     assert_eq!(kept.last(), Some(&9999));
     assert!(kept.windows(2).all(|w| w[0] + 1 == w[1]), "without a gap");
     assert!(dir.path().join("notes.mcap.txt").exists());
+}
+
+/// Gives each file of a recording in `folder` another time of its last write.
+fn written_at(folder: &Path, time: SystemTime, which: impl Fn(&Path) -> bool) {
+    let files = recording::files_by_age(folder).into_iter();
+    for (file, ..) in files.filter(|(file, ..)| which(file)) {
+        let file = std::fs::File::options().append(true).open(file);
+        file.and_then(|f| f.set_modified(time)).expect("set");
+    }
+}
+
+#[test]
+fn a_clock_that_is_set_during_a_run_makes_no_part_too_old_to_keep() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let day = Duration::from_secs(86_400);
+    let limits = Limits {
+        split_bytes: Some(20_000),
+        keep_for: Some(7 * day),
+        ..Limits::default()
+    };
+    let mut recorder = begin(&first, limits);
+    for i in 0..10 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    // What is there was written in the last hour, by a clock that was 30 days behind.
+    let now = SystemTime::now();
+    written_at(dir.path(), now - 30 * day - day / 24, |_| true);
+    recorder.ages.set_forward(30 * day, now);
+    for i in 10..20 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    assert_eq!(numbers_of(recorder), 0..10_000);
+
+    // A run that begins after that cannot know: by its clock they are 30 days old.
+    written_at(dir.path(), now - 30 * day, |_| true);
+    let mut recorder = begin(&dir.path().join("run-2.mcap"), limits);
+    for i in 0..10 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    recorder.finish().expect("room");
+    assert!(!first.exists());
+}
+
+#[test]
+fn the_parts_of_a_run_go_last_and_in_their_order_whatever_the_clock_says() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (older, first) = (dir.path().join("run.mcap"), dir.path().join("run-2.mcap"));
+    let mut limits = Limits::default();
+    let mut recorder = begin(&older, limits);
+    record(&mut recorder, 0..1000);
+    recorder.finish().expect("room");
+    limits.split_bytes = Some(20_000);
+    let mut recorder = begin(&first, limits);
+    for i in 0..4 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    // The clock was set back by a day before this run, and again after its first part.
+    let day = Duration::from_secs(86_400);
+    let now = SystemTime::now();
+    written_at(dir.path(), now + 2 * day, |file| file == older);
+    written_at(dir.path(), now + day, |file| file == first);
+    let sizes = recording::files_by_age(dir.path());
+    let of_older = sizes.iter().find(|f| f.0 == older).expect("there").2;
+    let all: u64 = sizes.iter().map(|f| f.2).sum();
+    recorder.limits.keep_bytes = Some(all - of_older / 2);
+    recorder.remove_old();
+    assert!(!older.exists(), "the other run's");
+    assert!(first.exists(), "its own");
+    recorder.limits.keep_bytes = Some(all - of_older - 1000);
+    recorder.remove_old();
+    assert!(!first.exists(), "the first part of its own");
+    let kept = numbers_of(recorder);
+    assert!(kept.start > 0 && kept.end == 2000, "{kept:?}");
 }
 
 #[test]
