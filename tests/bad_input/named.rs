@@ -102,6 +102,15 @@ fn rows_that_are_too_far_apart_are_named() {
 }
 
 #[test]
+fn rows_that_are_too_close_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = treated(folder.path(), "t", |_, t| (t / 1000.0).to_string());
+    let words = "the rows are 0.00001 s apart: no sensor of a machine measures so often";
+    says(&estimate(&file, folder.path()), words);
+    says(&run(&["loads", &file, "--machine", "excavator"]), words);
+}
+
+#[test]
 fn times_that_run_backwards_are_refused_as_they_come() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "t", |_, t| (100.0 - t).to_string());

@@ -201,7 +201,8 @@ impl<L: Look> Doubts<L> {
             format!("{rows} rows repeat the row before them; they are left out")
         });
         let slow = recording::too_slow(&self.times, self.rate);
-        let mut all: Vec<_> = [repeated, self.gaps.words(), slow]
+        let fast = recording::too_fast(&self.times, self.rate);
+        let mut all: Vec<_> = [repeated, self.gaps.words(), slow, fast]
             .into_iter()
             .flatten()
             .collect();
