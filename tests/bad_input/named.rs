@@ -102,6 +102,47 @@ fn rows_that_are_too_far_apart_are_named() {
 }
 
 #[test]
+fn rows_that_are_too_close_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = treated(folder.path(), "t", |_, t| (t / 1000.0).to_string());
+    let words = "the rows are 0.00001 s apart: no sensor of a machine measures so often";
+    says(&estimate(&file, folder.path()), words);
+    says(&run(&["loads", &file, "--machine", "excavator"]), words);
+}
+
+#[test]
+fn of_a_table_that_was_cut_off_the_whole_rows_count_and_the_cut_row_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let (file, rows) = (path_in(folder.path(), "day.csv"), text.lines().count() - 1);
+    let words = "the last row was cut off (2 of ";
+    for cut in ["999,0", "999,0\n", "999,\"0"] {
+        fs::write(&file, format!("{text}{cut}")).expect("writable");
+        let output = estimate(&file, folder.path());
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        says(&output, &format!("day.csv:{}: {words}", rows + 2));
+        says(&output, &format!("{rows} estimates in"));
+        let output = run(&["loads", &file, "--machine", "excavator", "--class", "13t"]);
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        says(&output, words);
+        run_ok(&["map", &file]);
+        // Lines as they come: what is no row is left out and named.
+        let output = piped(&file, folder.path());
+        assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+        says(&output, "the row has 2 cells");
+    }
+    // Without a line end a whole row is whole.
+    fs::write(&file, text.trim_end()).expect("writable");
+    let output = estimate(&file, folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    // A short row before others is no cut.
+    let line = text.find('\n').expect("rows") + 1;
+    fs::write(&file, format!("{}0,0\n{}", &text[..line], &text[line..])).expect("writable");
+    let output = estimate(&file, folder.path());
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+}
+
+#[test]
 fn times_that_run_backwards_are_refused_as_they_come() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = treated(dir.path(), "t", |_, t| (100.0 - t).to_string());

@@ -123,11 +123,12 @@ impl Hints {
             )
         });
         let slow = recording::too_slow(&self.times, rate);
+        let fast = recording::too_fast(&self.times, rate);
         let gaps = self.gaps.fault().or_else(|| self.gaps.words());
         let nothing = (!self.is_measured).then(|| {
             "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
         });
-        let hints = unit.into_iter().chain(slow).chain(gaps).chain(mismatch);
+        let hints = unit.into_iter().chain(slow).chain(fast).chain(gaps).chain(mismatch);
         hints.chain(nothing).chain(self.large.words()).collect()
     }
 }

@@ -219,7 +219,8 @@ impl<L: Look> Doubts<L> {
             format!("{rows} rows repeat the row before them; they are left out")
         });
         let slow = recording::too_slow(&self.times, self.rate);
-        let mut all: Vec<_> = [repeated, self.gaps.words(), slow]
+        let fast = recording::too_fast(&self.times, self.rate);
+        let mut all: Vec<_> = [repeated, self.gaps.words(), slow, fast]
             .into_iter()
             .flatten()
             .collect();
@@ -305,17 +306,20 @@ impl<L: Look> Doubts<L> {
         Ok(())
     }
 
-    /// Fails on a certain error: damaged data, times in another unit, gaps, many refused rows, too large values, another machine.
+    /// Fails on a certain error: damaged data, times in another unit, gaps, many refused rows, too large values, another machine;
+    /// without any, on a table whose end is missing.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
-        time_fault(&self.times, self.rate)
+        let fault = time_fault(&self.times, self.rate)
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
-            .or_else(|| self.often_too_large())
-            .map_or(Ok(()), |fault| {
-                Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
-            })
+            .or_else(|| self.often_too_large());
+        let Some(fault) = fault else {
+            return parts::is_torn(lacks);
+        };
+        lacks.torn.iter().for_each(|torn| eprintln!("{torn}"));
+        Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
     }
 }
 

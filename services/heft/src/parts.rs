@@ -111,6 +111,16 @@ pub fn tell_lacks(lacks: &Lacks) -> Result<(), Failure> {
     damaged(&lacks.damage)
 }
 
+/// An error that says where a table ends too early.
+pub fn is_torn(lacks: &Lacks) -> Result<(), Failure> {
+    lacks.torn.as_ref().map_or(Ok(()), |torn| {
+        Err(Failure::answer_is_no(format!(
+            "the end of the table is missing; what is before it was read\n  where: {torn}\n  \
+             what to do: copy the file from the logger again; if it ends there too, the logger wrote no more"
+        )))
+    })
+}
+
 fn damaged(damage: &[String]) -> Result<(), Failure> {
     if damage.is_empty() {
         return Ok(());

@@ -70,7 +70,7 @@ pub use schema::RecordedField;
 pub use signal::{Row, Sensors, measured};
 pub use suggest::{LARGEST_PRESSURES, STEEPEST, Suggestion, suggest};
 pub use time::date_and_time;
-pub use time_unit::{time_unit, too_slow, usual_step};
+pub use time_unit::{time_unit, too_fast, too_slow, usual_step};
 pub use together::Together;
 pub use whole::open_file;
 pub use writer::{Metadata, Writer, sha256};

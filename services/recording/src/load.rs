@@ -19,7 +19,8 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     samples.check()?;
     let lacks = samples.lacks();
     if samples.recording().is_none() {
-        lacks.remarks().for_each(|lack| tracing::warn!("{lack}"));
+        let remarks = lacks.remarks().chain(lacks.torn.as_deref());
+        remarks.for_each(|lack| tracing::warn!("{lack}"));
     }
     let damage = lacks.damage;
     if !damage.is_empty() {
@@ -182,7 +183,7 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
             let row = rows.row()?;
             if row.is_none() {
                 let mut found = found.borrow_mut();
-                found.cut_off = rows.cut_off().map(str::to_owned);
+                found.torn = rows.cut_off().map(str::to_owned);
                 found.empty = rows.empty();
             }
             Ok(row.map(|row| (row, rows.read())))

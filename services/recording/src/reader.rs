@@ -42,6 +42,8 @@ pub struct Lacks {
     pub damage: Vec<String>,
     /// The end is missing: the writer was stopped before it closed the file.
     pub cut_off: Option<String>,
+    /// A table ends within a row, or within its packed bytes; nobody knows how much is missing.
+    pub torn: Option<String>,
     /// Lines of a log that are no frames, and frames that were lost during recording.
     pub left_out: Option<String>,
     /// Columns of a table without a value in any row.
@@ -55,10 +57,11 @@ impl Lacks {
         damage
             .chain(self.left_out.as_deref())
             .chain(self.cut_off.as_deref())
+            .chain(self.torn.as_deref())
             .collect()
     }
 
-    /// The entries that are no damage.
+    /// The entries that leave no doubt about the rest.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         let empty = self.empty.iter().map(String::as_str);
         let others = [&self.left_out, &self.cut_off];

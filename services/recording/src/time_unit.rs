@@ -1,20 +1,24 @@
 //! Detects times in another unit than seconds.
 
+use std::ops::RangeInclusive;
+
 use crate::unit;
 
 /// Units in which foreign files give times.
 const UNITS: [&str; 7] = ["ms", "us", "100ns", "ns", "min", "h", "day"];
+
+/// Rates that fit the described one, as its multiple: a third to three times.
+const AS_STATED: RangeInclusive<f64> = 0.3..=3.0;
 
 /// The usual step of these times \[s\] and the unit that they seem to have: the step differs from the sensors' period (`rate` \[Hz\])
 /// by the ratio of this unit to a second.
 pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let step = middle(times)?;
     let apart = step * rate;
-    // The sensors have a third to three times the described rate.
     let unit = UNITS
         .into_iter()
         .filter_map(unit::find)
-        .find(|unit| (0.3..=3.0).contains(&(apart * unit.factor)))?;
+        .find(|unit| AS_STATED.contains(&(apart * unit.factor)))?;
     Some((rounded(step), unit.name))
 }
 
@@ -27,6 +31,20 @@ pub fn too_slow(times: &[f64], rate: f64) -> Option<String> {
     let step = usual_step(times).filter(|step| *step > FARTHEST && !is_other)?;
     Some(format!(
         "the rows are {step} s apart: of so few nothing is trusted, and loads are missed; record 10 or more a second, or check the unit of the time"
+    ))
+}
+
+/// Step of the rows below which no sensor of a machine measures \[s\].
+const NEAREST: f64 = 5e-4;
+
+/// Message on rows so close that their times are hardly in seconds, for times without a likely unit.
+pub fn too_fast(times: &[f64], rate: f64) -> Option<String> {
+    let is_other = time_unit(times, rate).is_some();
+    let is_stated = |step: f64| AS_STATED.contains(&(step * rate));
+    let step =
+        usual_step(times).filter(|step| *step < NEAREST && !is_other && !is_stated(*step))?;
+    Some(format!(
+        "the rows are {step} s apart: no sensor of a machine measures so often; check the unit of the time, or state sensors.rate"
     ))
 }
 
@@ -58,6 +76,16 @@ mod tests {
         let words = too_slow(&times(1.0), 100.0).unwrap_or_default();
         assert!(words.contains("are 1 s apart"), "{words}");
         assert_eq!(too_slow(&times(10.0), 100.0), None);
+    }
+
+    #[test]
+    fn rows_that_are_too_close_are_named_unless_the_stated_rate_is_theirs() {
+        let times = |step: f64| (0..9).map(|i| step * f64::from(i)).collect::<Vec<_>>();
+        assert_eq!(too_fast(&times(1e-3), 100.0), None);
+        let words = too_fast(&times(1e-5), 100.0).unwrap_or_default();
+        assert!(words.contains("are 0.00001 s apart"), "{words}");
+        assert_eq!(too_fast(&times(1e-4), 1e4), None, "a stated rate");
+        assert_eq!(too_fast(&times(0.01 / 3600.0), 100.0), None, "hours");
     }
 
     #[test]

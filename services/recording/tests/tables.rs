@@ -181,7 +181,7 @@ fn files_without_samples_are_refused() {
         ("t,swing_velocity\n", "the file has a header but no rows"),
         ("t,t,swing_velocity\n0,0,1\n", "two columns are called t"),
         (
-            "t,swing_velocity\n0,1\n1\n",
+            "t,swing_velocity\n0,1\n1\n2,3\n",
             "the row has 1 cells, the header 2, separated by ','",
         ),
         (
@@ -207,7 +207,7 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
         let samples = open::<ExcavatorSensors>(&path, None)?;
         let rows = samples.rows()?.count();
         samples.check()?;
-        Ok::<_, Error>((rows, samples.lacks().cut_off))
+        Ok::<_, Error>((rows, samples.lacks().torn))
     };
     let whole = "t,swing_velocity\n0,1\n1,2\n";
     assert_eq!(read(whole.as_bytes()).expect("rows"), (2, None));
@@ -222,8 +222,35 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
         assert_eq!(rows, 2);
         assert!(said.is_some_and(|s| s.contains("data.csv:4: the last row was cut off")));
     }
-    // A short row in the middle, or with its line end, is an error of the table.
-    for text in ["t,swing_velocity\n0,1\n1\n2,3", "t,swing_velocity\n0"] {
+    // An editor, or the next start of the logger, may have written a line end behind it; empty lines and a comment are no rows.
+    for (table, cut) in [
+        ("t,swing_velocity,x\n0,1,2\n1,2,3\n", "2,"),
+        ("t;swing_velocity;x\r\n0;1;2\r\n1;2;3\r\n", "2;\"1\r\n"),
+        ("t\tswing_velocity\tx\n0\t1\t2\n1\t2\t3\n", "2\n\n# end\n"),
+        ("t swing_velocity x\n0 1 2\n1 2 3\n", "2 1\n"),
+        ("t,swing_velocity,x\n0,1,2\n1,2,3\n", "2,\"1"),
+        ("t,swing_velocity,x\n0,1,2\n1,2,3\n", "2,\0\0\0"),
+    ] {
+        let (rows, said) = read(format!("{table}{cut}").as_bytes()).expect(cut);
+        assert_eq!(rows, 2, "{cut}");
+        let said = said.unwrap_or_default();
+        let words = ["data.csv:4: the last row was cut off (", " of 3 cells)"];
+        assert!(words.iter().all(|w| said.contains(w)), "{cut}: {said}");
+    }
+    // The last number of a whole row is cut off: an exponent, half of a minus sign.
+    for cut in [&b"2,6.1e"[..], b"2,6.1e+", b"2,\xe2\x88"] {
+        let (rows, said) = read(&[whole.as_bytes(), cut].concat()).expect("rows");
+        assert_eq!(rows, 2);
+        assert!(said.is_some_and(|s| s.contains("cut off (\"")), "{cut:?}");
+    }
+    for text in [
+        "t,swing_velocity\n0,1\n1\n2,3",
+        "t,swing_velocity\n0",
+        "t,swing_velocity\n0,1\n1,6.1e\n",
+        "t,swing_velocity\n0,1\nx,1",
+        // The quote takes the rest of the table.
+        "t,swing_velocity\n0,1\n\"1,1\n2,1\n3,1\n",
+    ] {
         assert!(read(text.as_bytes()).is_err(), "{text}");
     }
 }

@@ -84,6 +84,8 @@ pub(crate) struct NoNumber {
     pub is_header: bool,
     /// Whether its line consists of words, other than those of the header.
     pub is_of_words: bool,
+    /// Whether it is the last one of its line.
+    pub is_last: bool,
 }
 
 impl NoNumber {
@@ -94,14 +96,16 @@ impl NoNumber {
         Self {
             is_header: header.iter().any(|column| column == name),
             is_of_words: false,
+            is_last: false,
             text: text.chars().take(SHOWN).collect(),
             column: column.to_owned(),
             is_time,
         }
     }
 
-    /// The same in a line: its other cells show whether another table begins there.
-    fn within(mut self, record: &Record, header: &[String], dialect: Dialect) -> Self {
+    /// The same at this place of a line: its other cells show whether another table begins there.
+    fn within(mut self, record: &Record, at: usize, header: &[String], dialect: Dialect) -> Self {
+        self.is_last = at + 1 == record.len();
         let written = || record.iter().filter(|cell| !cell.is_empty());
         let are_words = written().all(|cell| dialect.number(cell).is_none());
         let are_same = record.iter().map(dialect::name).eq(header.iter().cloned());
@@ -315,6 +319,13 @@ impl<S: Sensors> Columns<S> {
         record.len() < self.header.len() - unnamed.count()
     }
 
+    /// How much there is of a row that was cut off; none if it was not, or if a quote that is never closed took the lines below it.
+    pub(crate) fn cut(&self, record: &Record) -> Option<String> {
+        let is_one_line = !record.iter().any(|cell| cell.contains(&b'\n'));
+        let (cells, width) = (record.len(), self.header.len());
+        (self.is_short(record) && is_one_line).then(|| format!("{cells} of {width} cells"))
+    }
+
     /// Why a row does not fit the table, and the remedy. A row that was cut off must not be taken for one with missing samples.
     pub(crate) fn misfit(&mut self, record: &Record) -> Option<(String, &'static str)> {
         let (cells, width) = (record.len(), self.header.len());
@@ -393,7 +404,7 @@ impl<S: Sensors> Columns<S> {
                                     date.ok_or_else(|| {
                                         let header = &self.header;
                                         NoNumber::of(cell, &header[*at], header, line.is_time)
-                                            .within(record, header, self.dialect)
+                                            .within(record, *at, header, self.dialect)
                                     })?
                                 }
                             }

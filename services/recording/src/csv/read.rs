@@ -307,17 +307,21 @@ impl<S: Sensors> TableRows<S> {
             if let Some((what, remedy)) = self.columns.misfit(record) {
                 let place = format!("{}:{}", table.file, table.line(start));
                 let error = Error::new(what, place, remedy);
-                return if self.columns.is_short(record) {
-                    self.end_early(error)
-                } else {
-                    Err(error)
+                return match self.columns.cut(record) {
+                    Some(cut) => self.end_early(&cut, error),
+                    None => Err(error),
                 };
             }
-            self.count += 1;
-            return self
-                .columns
-                .take(record)
-                .map_err(|cell| cell.at(table.line(start), &table.file));
+            let Err(cell) = self.columns.take(record) else {
+                self.count += 1;
+                return Ok(());
+            };
+            let cut = format!("\"{}\" in column {}", cell.text, cell.column);
+            let (is_last, error) = (cell.is_last, cell.at(table.line(start), &table.file));
+            return match is_last && !table.is_closed()? {
+                true => self.end_early(&cut, error),
+                false => Err(error),
+            };
         }
         if self.count == 0 {
             let remedy = "give a file with a row per sample below the header";
@@ -337,15 +341,21 @@ impl<S: Sensors> TableRows<S> {
         self.columns.check_values(&self.table.file)
     }
 
-    /// A last row without a line end was cut off while it was written: it is left out.
-    fn end_early(&mut self, too_short: Error) -> Result<(), Error> {
+    /// A last row was cut off while it was written, as the words `cut` say: it is left out. If it is not the last one, or the only
+    /// one, it is an error.
+    fn end_early(&mut self, cut: &str, error: Error) -> Result<(), Error> {
         let (table, start) = (&self.table, self.records.start());
-        if self.count == 0 || table.is_closed()? || table.advance(&mut self.records)? {
-            return Err(too_short);
+        if self.count == 0 {
+            return Err(error);
+        }
+        while table.advance(&mut self.records)? {
+            if !self.columns.is_no_row(self.records.record()) {
+                return Err(error);
+            }
         }
         let line = table.line(start);
         self.cut_off = Some(format!(
-            "{}:{line}: the last row was cut off; it is left out",
+            "{}:{line}: the last row was cut off ({cut}); it is left out",
             table.file
         ));
         self.end()
