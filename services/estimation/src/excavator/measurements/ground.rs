@@ -1,8 +1,8 @@
 //! Detects whether the ground may carry part of the bucket.
 //!
 //! The contact is not measured. A bucket reaches the ground only by lowering, by the arm that pulls it in, or by closing, while the
-//! upper body stands. Or the cylinders carry less although no joint moves. It is free again when it has risen from its lowest place, or
-//! when the machine swings.
+//! upper body stands or sweeps slowly. Or the cylinders carry less although no joint moves. It is free again when it has risen from its
+//! lowest place, or when the machine swings.
 
 use crate::math::sin_cos;
 
@@ -19,6 +19,8 @@ const RAISED: f64 = 0.035;
 /// Swing velocity, and its duration, that show a free bucket [rad/s, s].
 const SWINGING: f64 = 0.08;
 const SWUNG: f64 = 0.15;
+/// The same velocity of a bucket that digs: an operator who wiggles or sweeps it in the ground reaches .2 rad/s.
+const SWEEPING: f64 = 0.25;
 
 /// Tracks whether the bucket may touch the ground.
 #[derive(Debug, Clone)]
@@ -63,7 +65,8 @@ impl Ground {
         let share = period / (SMOOTHING + period);
         let now: [f64; 3] = core::array::from_fn(|i| before[i] + share * (posture[i] - before[i]));
         self.smoothed = Some(now);
-        self.swung = if velocity.abs() > SWINGING {
+        let free_from = if self.digs { SWEEPING } else { SWINGING };
+        self.swung = if velocity.abs() > free_from {
             self.swung + period
         } else {
             0.0
@@ -145,12 +148,29 @@ mod tests {
 
     /// Moves from one posture to another at constant rates, within a time \[s\].
     fn move_to(ground: &mut Ground, from: [f64; 3], to: [f64; 3], time: f64) {
+        sweep(ground, 0.0, (from, to), time);
+    }
+
+    /// The same while the machine swings at `velocity` [rad/s].
+    fn sweep(ground: &mut Ground, velocity: f64, (from, to): ([f64; 3], [f64; 3]), time: f64) {
         let ticks = (time / PERIOD) as usize;
         for i in 0..=ticks {
             let share = i as f64 / ticks as f64;
             let posture = core::array::from_fn(|j| from[j] + share * (to[j] - from[j]));
-            ground.step(posture, LENGTHS, 0.0, PERIOD);
+            ground.step(posture, LENGTHS, velocity, PERIOD);
         }
+    }
+
+    #[test]
+    fn a_bucket_that_sweeps_slowly_in_the_ground_still_digs() {
+        let pulls = ([0.7, -1.7, -0.5], [0.7, -2.0, -0.5]);
+        let digs = |velocity: f64| {
+            let mut ground = in_the_air();
+            move_to(&mut ground, pulls.0, pulls.1, 1.0);
+            sweep(&mut ground, velocity, (pulls.1, pulls.1), 1.0);
+            ground.digs()
+        };
+        assert!(digs(0.2) && !digs(0.3));
     }
 
     #[test]

@@ -135,6 +135,11 @@ impl Weigh {
         self.ground.digs()
     }
 
+    /// The same while pressures are there: what the bucket holds is unknown if the upper body sweeps.
+    pub(super) fn sweeps(&self) -> bool {
+        self.begun && self.digs()
+    }
+
     /// Initialises the pressure states of the filters as described, at the first pressures. Then returns the standard deviations of span
     /// and zero.
     pub(super) fn begin(
