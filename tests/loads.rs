@@ -435,6 +435,63 @@ fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_
     }
 }
 
+/// A table with a number added to a column from a time on.
+fn shifted(text: &str, column: &str, by: f64, from: f64) -> String {
+    let header = text.lines().next().expect("a header");
+    let at = |name: &str| header.split(',').position(|n| n == name);
+    let (t, at) = (at("t").expect("a time"), at(column).expect("the column"));
+    let row = |row: &str| {
+        let mut cells: Vec<_> = row.split(',').map(str::to_owned).collect();
+        if cells[t].parse().is_ok_and(|time: f64| time >= from) {
+            let value: f64 = cells[at].parse().expect("a number");
+            cells[at] = (value + by).to_string();
+        }
+        cells.join(",") + "\n"
+    };
+    let rows: String = text.lines().skip(1).map(row).collect();
+    format!("{header}\n{rows}")
+}
+
+#[test]
+fn where_a_jump_ends_the_weighing_the_sum_says_from_when_on_and_why() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = common::path_in(folder.path(), "run");
+    let run_it =
+        words("run excavator --scenario cycle --duration 150 --pace max --no-report --quiet");
+    run_ok(&[&run_it[..], &["--out", &out]].concat());
+    run_ok(&["export", &out, "-o", &out]);
+    let text = std::fs::read_to_string(format!("{out}/excavator_sensors.csv")).expect("a table");
+    let [table, json, page] =
+        ["t.csv", "l.json", "l.html"].map(|n| common::path_in(folder.path(), n));
+    let loads = ["loads", &table, "--machine", "excavator", "--json", &json];
+    let count = |text: &str| {
+        std::fs::write(&table, text).expect("a table");
+        let output = run(&[&loads[..], &["--report", &page]].concat());
+        let value = std::fs::read_to_string(&json).expect("a summary");
+        let value: Value = serde_json::from_str(&value).expect("JSON");
+        (output.status.code(), both(&output), value)
+    };
+    let (status, said, value) = count(&text);
+    assert_eq!(status, Some(0), "{said}");
+    assert_eq!(value["recordings"][0]["outages"], serde_json::json!([]));
+    let (status, said, value) = count(&shifted(&text, "arm_angle", 0.6, 60.0));
+    assert_eq!(status, Some(1), "{said}");
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in [
+        "to the end",
+        "no load was weighed, because a joint angle has jumped",
+        "loads may be missing in the sum. What to do: check the angle sensor",
+        "heft: the sum may lack loads",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let outage = &value["recordings"][0]["outages"][0];
+    assert!((60.0..62.0).contains(&number(outage, "from")), "{outage}");
+    assert_eq!(outage["to_the_end"], true, "{outage}");
+    let page = std::fs::read_to_string(&page).expect("a page");
+    assert!(page.contains("loads may be missing in the sum"), "{page}");
+}
+
 #[test]
 fn where_lengths_are_guessed_the_loads_say_what_to_measure_and_where_they_are_stated_nothing() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -13,16 +13,19 @@ use messages::{
 };
 
 mod guessed;
+mod outage;
 mod report;
 mod scale;
 mod why;
 
 pub use guessed::guessed;
 use guessed::shown_empty;
+pub use outage::{MISSING, Outage};
+use outage::{Outages, Watched, fault};
 pub use report::{channel, message};
 use scale::Scale;
 use why::why;
-pub use why::{reason_and_flags, why_words};
+pub use why::{outage_words, reason_and_flags, why_words};
 
 /// Number of loads stored while the machine works; the sums include all.
 const REMEMBERED: usize = 1000;
@@ -68,6 +71,7 @@ pub struct LoadCounter {
     /// Whether samples have had pressures, and a mass.
     measured: [bool; 2],
     loads: VecDeque<Load>,
+    outages: Outages,
     /// Largest number of stored loads.
     remembered: usize,
 }
@@ -100,6 +104,7 @@ impl LoadCounter {
             pressed: f64::NEG_INFINITY,
             measured: [false; 2],
             loads: VecDeque::new(),
+            outages: Outages::default(),
             remembered: REMEMBERED,
         }
     }
@@ -187,6 +192,16 @@ impl LoadCounter {
         self.guessed.as_deref()
     }
 
+    /// The times in which a fault of a sensor left no load weighed, one for each reason.
+    pub fn outages(&self) -> Vec<Outage> {
+        self.outages.all()
+    }
+
+    /// Time of all rows \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.outages.seconds()
+    }
+
     /// Starts another truck.
     pub fn next_truck(&mut self) -> Events {
         let events = self.ledger.next_truck();
@@ -252,7 +267,7 @@ impl LoadCounter {
             std: m.payload_std,
         };
         let trusted = flag(excavator_bits::TRUSTED);
-        self.row(&Row {
+        let row = Row {
             time: m.stamp.time,
             payload: (m.estimated & excavator_bits::PAYLOAD != 0).then_some(payload),
             common_std: None,
@@ -267,7 +282,8 @@ impl LoadCounter {
                 Witness::Motion
             },
             truck: self.truck,
-        })
+        };
+        self.row(&row, fault(self.machine, m.reason, m.flags))
     }
 
     fn loader(&mut self, m: &LoaderEstimate) -> Events {
@@ -286,7 +302,7 @@ impl LoadCounter {
             Some(_) => m.flags & loader_bits::TRUSTED_PAYLOAD != 0,
             None => scale.is_some(),
         };
-        self.row(&Row {
+        let row = Row {
             time: m.stamp.time,
             payload: weighed.or(scale.map(|shown| shown.payload)),
             common_std: scale
@@ -307,11 +323,20 @@ impl LoadCounter {
                 Witness::Scale
             },
             truck: self.truck,
-        })
+        };
+        self.row(&row, fault(self.machine, m.reason, m.flags))
     }
 
-    fn row(&mut self, row: &Row) -> Events {
+    fn row(&mut self, row: &Row, fault: Option<u32>) -> Events {
         let events = self.ledger.step(row);
+        let dumped = events.load.filter(|load| load.dumped.is_some());
+        self.outages.see(&Watched {
+            time: row.time,
+            speed: row.speed,
+            trusted: row.trusted,
+            dumped: dumped.map(|load| load.number),
+            fault,
+        });
         self.note(events)
     }
 

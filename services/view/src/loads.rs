@@ -7,9 +7,9 @@ use estimation::HALF_WIDTH_95;
 use estimation::loads::{Load, Now, Stage, Total, Truck, Weight, Witness};
 use messages::Machine;
 use serde_json::{Value, json};
-use steps::loads::{LoadCounter, reason_and_flags, why_words};
+use steps::loads::{LoadCounter, Outage, outage_words, reason_and_flags, why_words};
 
-use crate::number::{interval_95, value_and_std};
+use crate::number::{interval_95, significant, value_and_std};
 use crate::{excavator, loader};
 
 /// The loads of one recording, or of a run so far.
@@ -27,6 +27,10 @@ pub struct Account {
     pub trucks: Vec<Truck>,
     /// Sum of all loads.
     pub all: Total,
+    /// Times in which a fault of a sensor left no load weighed, one for each reason.
+    pub outages: Vec<Outage>,
+    /// Time of all rows \[s\].
+    pub seconds: f64,
     /// Missing signal that would weigh a load, and the remedy.
     pub lacks: Option<&'static str>,
     /// Pressures that were measured and weigh nothing, and the remedy.
@@ -99,6 +103,8 @@ impl Account {
             carried,
             trucks,
             all: counter.ledger().all(),
+            outages: counter.outages(),
+            seconds: counter.seconds(),
             lacks: counter.lacks(),
             unused: counter.unused(),
             guessed: counter.guessed().map(str::to_owned),
@@ -106,9 +112,43 @@ impl Account {
         }
     }
 
-    /// Each reason why loads are not trusted with its remedy, once.
+    /// The times without a weighed load, and the remedies.
+    pub fn outages(&self) -> impl Iterator<Item = String> {
+        self.outages.iter().map(|outage| self.outage(outage))
+    }
+
+    fn outage(&self, outage: &Outage) -> String {
+        let [from, to] = outage.longest.map(clock);
+        let until = if outage.lasts { "the end" } else { &to };
+        let time = format!(
+            "{:.0} s, {} % of the recording",
+            outage.seconds,
+            significant(100.0 * outage.seconds / self.seconds.max(outage.seconds), 2)
+        );
+        let when = match outage.stretches {
+            1 => format!("From {from} to {until} ({time}) no load was weighed"),
+            n => format!(
+                "In {n} stretches, the longest from {from} to {until} ({time} in all), no load was weighed"
+            ),
+        };
+        format!(
+            "{when}, because {}: loads may be missing in the sum. What to do: {}.",
+            outage_words(self.machine, outage),
+            outage_advice(self.machine, outage),
+        )
+    }
+
+    /// The longest outage, if all of them are more than a tenth of the recording: the sum is in doubt.
+    pub fn in_doubt(&self) -> Option<&Outage> {
+        let all: f64 = self.outages.iter().map(|outage| outage.seconds).sum();
+        let longest = self.outages.iter();
+        let longest = longest.max_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        longest.filter(|_| OUTAGE_ONE_IN * all > self.seconds)
+    }
+
+    /// The outages, and each reason why loads are not trusted with its remedy, once.
     pub fn doubts(&self) -> Vec<String> {
-        let mut doubts = Vec::new();
+        let mut doubts: Vec<String> = self.outages().collect();
         for load in self
             .loads
             .iter()
@@ -160,6 +200,18 @@ impl Account {
         held.fold((0, 0), |(held, all), holds| {
             (held + usize::from(holds), all + 1)
         })
+    }
+}
+
+/// The recording's time per time without a weighed load, below which the sum is in doubt.
+const OUTAGE_ONE_IN: f64 = 10.0;
+
+/// Remedy for an outage.
+pub fn outage_advice(machine: Machine, outage: &Outage) -> &'static str {
+    // No flag is set: without a reason an input is missing.
+    match machine {
+        Machine::Excavator => excavator::load_advice(outage.reason, 0),
+        Machine::Loader => loader::load_advice(outage.reason, 0),
     }
 }
 
@@ -272,6 +324,15 @@ pub fn now_json(now: &Now) -> Value {
     json!({"kg": now.kg, "std": now.std, "low": now.kg - half, "high": now.kg + half, "age": now.age})
 }
 
+fn outage_json(account: &Account, outage: &Outage) -> Value {
+    let [from, to] = outage.longest;
+    json!({
+        "reason": outage_words(account.machine, outage), "what_to_do": outage_advice(account.machine, outage),
+        "seconds": outage.seconds, "share": outage.seconds / account.seconds.max(outage.seconds),
+        "stretches": outage.stretches, "from": from, "to": to, "to_the_end": outage.lasts,
+    })
+}
+
 /// An account as JSON.
 pub fn json(account: &Account) -> Value {
     let load = |load: &Load| load_json(account.machine, load);
@@ -281,6 +342,7 @@ pub fn json(account: &Account) -> Value {
         "in_the_bucket_at_the_end": account.carried.as_ref().map(load),
         "trucks": account.trucks.iter().map(truck_json).collect::<Vec<_>>(),
         "total": total_json(&account.all), "guessed": account.guessed,
+        "outages": account.outages.iter().map(|o| outage_json(account, o)).collect::<Vec<_>>(),
     })
 }
 
@@ -428,6 +490,8 @@ pub(crate) fn account() -> Account {
         carried: None,
         trucks: vec![truck],
         all: total,
+        outages: Vec::new(),
+        seconds: 0.0,
         lacks: None,
         unused: None,
         guessed: None,
@@ -496,6 +560,45 @@ mod tests {
             "Not trusted, because the bucket's content may have changed. What to do: {remedy}."
         );
         assert_eq!(account.doubts(), [doubt]);
+    }
+
+    #[test]
+    fn an_outage_says_when_why_and_what_to_do_and_a_long_one_leaves_the_sum_in_doubt() {
+        let mut account = account();
+        let outage = Outage {
+            reason: 16,
+            stretches: 1,
+            seconds: 150.0,
+            longest: [90.2, 240.0],
+            lasts: true,
+        };
+        (account.outages, account.seconds) = (vec![outage], 240.0);
+        let said = account.doubts().swap_remove(0);
+        assert_eq!(
+            said,
+            "From 1:30.2 to the end (150 s, 63 % of the recording) no load was weighed, because a joint angle has jumped further than \
+             a joint moves: loads may be missing in the sum. What to do: check the angle sensor; restart heft after a repair."
+        );
+        assert_eq!(account.in_doubt(), Some(&outage));
+        let value = json(&account);
+        assert_eq!(value["outages"][0]["to_the_end"], true);
+        assert_eq!(value["outages"][0]["share"], 0.625);
+        let some = Outage {
+            stretches: 2,
+            lasts: false,
+            reason: steps::loads::MISSING,
+            ..outage
+        };
+        (account.outages, account.seconds) = (vec![some], 3600.0);
+        let said = account.doubts().swap_remove(0);
+        for words in [
+            "In 2 stretches, the longest from 1:30.2 to 4:00.0 (150 s, 4.2 % of the recording in all)",
+            "an input is missing or too old",
+            "check the sensors and the map",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+        assert_eq!(account.in_doubt(), None);
     }
 
     #[test]

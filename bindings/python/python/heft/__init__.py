@@ -233,7 +233,8 @@ def loads(
 
     ``account["loads"]`` has a dictionary a load: ``filled`` and ``dumped`` [s], ``in_bucket`` and ``delivered`` with ``kg``,
     ``std``, ``low`` and ``high`` of the 95 % interval, ``witness``, ``trusted``, ``reason``. ``account["trucks"]`` and
-    ``account["total"]`` are sums; with ``target`` [kg] a truck has what remains. ``pause`` [s] between loads begins a truck.
+    ``account["total"]`` are sums; with ``target`` [kg] a truck has what remains. ``pause`` [s] between
+    loads begins a truck. ``account["outages"]`` are the times in which a fault of a sensor left no load weighed.
     A recording of heft brings its machine and description; ``config`` takes the place of the latter.
     """
     arguments = ["loads", *_files(recordings, "loads are counted in files")]

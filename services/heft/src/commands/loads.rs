@@ -7,7 +7,7 @@ use clap::Args;
 use evaluate::text::Table;
 use messages::Machine;
 use serde_json::json;
-use steps::loads::{LoadCounter, Options, why_words};
+use steps::loads::{LoadCounter, Options, outage_words, why_words};
 use view::loads::{self, Account, Truths};
 use view::number::{grouped, interval_95, value_and_std};
 use view::words::wrapped;
@@ -155,7 +155,23 @@ fn count(
     if account.is_empty() {
         tell_why_none(&account);
     }
+    let read = read.and_then(|()| is_complete(&account));
     Ok((account, read))
+}
+
+/// An error if a fault of a sensor left no load weighed for more than a tenth of the time.
+fn is_complete(account: &Account) -> Result<(), Failure> {
+    let Some(outage) = account.in_doubt() else {
+        return Ok(());
+    };
+    Err(Failure::answer_is_no(format!(
+        "the sum may lack loads: no load was weighed for {:.0} s of {:.0} s, because {}\n  where: {}\n  what to do: {}",
+        outage.seconds,
+        account.seconds,
+        outage_words(account.machine, outage),
+        account.name,
+        loads::outage_advice(account.machine, outage)
+    )))
 }
 
 fn tell_why_none(account: &Account) {

@@ -1,5 +1,6 @@
 //! Why a load is not trusted: reason and flags of its estimate as one number, and as text.
 
+use super::outage::Outage;
 use estimation::loads::{Load, Witness};
 use messages::{EXCAVATOR_REASONS, LOADER_REASONS, Machine, excavator_bits, loader_bits};
 
@@ -35,16 +36,12 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
         return "it was seen to leave and not weighed before";
     }
     let (reason, flags) = reason_and_flags(load);
-    let reasons = match machine {
-        Machine::Excavator => EXCAVATOR_REASONS,
-        Machine::Loader => LOADER_REASONS,
-    };
-    if let Some((_, words)) = reasons.get(reason as usize).filter(|_| reason != 0) {
+    if let Some(words) = reason_words(machine, reason) {
         return words;
     }
     let missing: &[(u32, &str)] = match machine {
         Machine::Excavator => &[
-            (excavator_bits::FRESH, "an input is missing or too old"),
+            (excavator_bits::FRESH, TOO_OLD),
             (
                 excavator_bits::IDENTIFIABLE,
                 "the motion does not determine it yet",
@@ -57,7 +54,7 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
             (excavator_bits::CONVERGED, "the interval is still wide"),
         ],
         Machine::Loader => &[
-            (loader_bits::FRESH, "an input is missing or too old"),
+            (loader_bits::FRESH, TOO_OLD),
             (
                 loader_bits::TRUSTED_PAYLOAD,
                 "the load is not weighed closely yet",
@@ -66,4 +63,21 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     };
     let found = missing.iter().find(|(bit, _)| flags & bit == 0);
     found.map_or("nothing confirms it", |(_, words)| words)
+}
+
+const TOO_OLD: &str = "an input is missing or too old";
+
+/// The cause of a reason; `None` without a reason.
+fn reason_words(machine: Machine, reason: u32) -> Option<&'static str> {
+    let reasons = match machine {
+        Machine::Excavator => EXCAVATOR_REASONS,
+        Machine::Loader => LOADER_REASONS,
+    };
+    let found = reasons.get(reason as usize).filter(|_| reason != 0);
+    found.map(|(_, words)| *words)
+}
+
+/// Text of why no load was weighed.
+pub fn outage_words(machine: Machine, outage: &Outage) -> &'static str {
+    reason_words(machine, outage.reason).unwrap_or(TOO_OLD)
 }

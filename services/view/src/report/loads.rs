@@ -45,9 +45,13 @@ pub(super) fn section(body: &mut String, account: &Account) {
         let lacks = account.lacks.map(|l| format!(" ({})", text(l)));
         let _ = write!(
             body,
-            "<p>No load was clear of the empty bucket, carried and dumped{}.</p></section>",
+            "<p>No load was clear of the empty bucket, carried and dumped{}.</p>",
             lacks.unwrap_or_default()
         );
+        for outage in account.outages() {
+            let _ = write!(body, "<p>{}</p>", text(&outage));
+        }
+        body.push_str("</section>");
         return;
     }
     if account.all.loads > 1 {
@@ -65,7 +69,7 @@ pub(super) fn section(body: &mut String, account: &Account) {
     );
 }
 
-/// Remarks on all loads: intervals that hold the truth, reasons against trust, values that the machine file does not state.
+/// Remarks on all loads: intervals that hold the truth, times without a weighed load, reasons against trust, values that the machine file does not state.
 fn facts(body: &mut String, account: &Account) {
     let words = account.doubts().into_iter().chain(account.remarks());
     let words = words.map(|words| text(&words));
@@ -175,6 +179,10 @@ mod tests {
             !body.contains("<table") && body.contains("(map the pressures)"),
             "{body}"
         );
+        account.outages = vec![steps::loads::Outage::default()];
+        body.clear();
+        section(&mut body, &account);
+        assert!(body.contains("no load was weighed"), "{body}");
     }
 
     #[test]
