@@ -1,14 +1,17 @@
 //! Stretches of work in which a fault of a sensor left no load weighed: loads may be missing in the sum.
 //!
-//! A stretch has neither a trusted row nor a dumped load. It counts if the machine moved, if one fault was the reason for half of it or
-//! more, and if it is longer than the usual time between two loads.
+//! A stretch has neither a trusted row nor a dumped load, and a trusted row or the recording ends it: where a load ends it, loads are
+//! still found. It counts if the machine moved, if one fault was the reason for half of it or more, and if it is longer than loads take
+//! to come.
 
 use estimation::{excavator, loader};
 use messages::{Machine, excavator_bits};
 
-/// Longest time between two loads that is awaited, and the shortest \[s\].
-const LONGEST: f64 = 60.0;
+/// Time in which a load is awaited before two are known, and the shortest one later \[s\].
+const UNKNOWN: f64 = 60.0;
 const SHORTEST: f64 = 30.0;
+/// The same as a multiple of the mean time between two loads.
+const MEAN_TIMES: f64 = 1.5;
 /// Least time of motion in a stretch: a swing there and back \[s\].
 const MOVED: f64 = 5.0;
 /// Speed from which the machine moves \[rad/s\] or \[m/s\].
@@ -129,9 +132,11 @@ pub(super) struct Outages {
     /// Time of all rows \[s\].
     seconds: f64,
     stretch: Stretch,
-    /// Number and time of the last dumped load, and the longest time between two \[s\].
-    dumped: Option<(u32, f64)>,
-    between: Option<f64>,
+    /// Number of the last dumped load, and its time if there was no outage since \[s\].
+    dumped: Option<u32>,
+    since: Option<f64>,
+    /// Sum of the times between two loads \[s\], and their number.
+    between: (f64, u32),
     /// One for each reason.
     found: Vec<Outage>,
 }
@@ -145,18 +150,12 @@ impl Outages {
         let before = self.last.replace(row.time).unwrap_or(row.time);
         let passed = (row.time - before).clamp(0.0, ROW);
         self.seconds += passed;
-        let new = row.dumped.filter(|number| {
-            let known = self.dumped.map(|(known, _)| known);
-            known.is_none_or(|known| *number > known)
-        });
-        if let Some(number) = new {
-            if let Some((_, at)) = self.dumped {
-                let since = self.seconds - at;
-                self.between = Some(self.between.map_or(since, |longest| longest.max(since)));
-            }
-            self.dumped = Some((number, self.seconds));
+        let is_new = |number: &u32| self.dumped.is_none_or(|known| *number > known);
+        if let Some(number) = row.dumped.filter(is_new) {
+            self.note_load(number);
+            return;
         }
-        if row.trusted || new.is_some() {
+        if row.trusted {
             self.end_stretch();
             return;
         }
@@ -173,17 +172,29 @@ impl Outages {
         stretch.end = row.time;
     }
 
+    fn note_load(&mut self, number: u32) {
+        if let Some(since) = self.since.replace(self.seconds) {
+            self.between.0 += self.seconds - since;
+            self.between.1 += 1;
+        }
+        self.dumped = Some(number);
+        self.stretch = Stretch::default();
+    }
+
     fn end_stretch(&mut self) {
         if self.stretch.seconds > 0.0 {
             let ended = std::mem::take(&mut self.stretch).outage(self.period());
+            self.since = self.since.filter(|_| ended.is_none());
             add(&mut self.found, ended);
         }
     }
 
-    /// Time between two loads above which one may be missing \[s\].
+    /// Time without a load above which one may be missing \[s\].
     fn period(&self) -> f64 {
-        self.between
-            .map_or(LONGEST, |longest| longest.clamp(SHORTEST, LONGEST))
+        match self.between {
+            (_, 0) => UNKNOWN,
+            (sum, count) => (MEAN_TIMES * sum / f64::from(count)).max(SHORTEST),
+        }
     }
 
     /// The outages up to now.
@@ -281,6 +292,22 @@ mod tests {
         assert_eq!((outage.stretches, outage.lasts), (2, false));
         assert!((outage.seconds - 90.0).abs() < 0.5, "{outage:?}");
         assert!((outage.longest[0] - 60.0).abs() < 0.2, "{outage:?}");
+    }
+
+    #[test]
+    fn where_a_load_ends_the_stretch_loads_are_still_found() {
+        let mut work = Work(Outages::default());
+        work.go([0, 60], 0.5, None);
+        work.go([60, 130], 0.5, Some(excavator::Reason::Jump));
+        work.0.see(&Watched {
+            time: 130.0,
+            speed: 0.5,
+            trusted: false,
+            dumped: Some(100),
+            fault: None,
+        });
+        work.go([131, 150], 0.5, None);
+        assert_eq!(work.0.all(), []);
     }
 
     #[test]

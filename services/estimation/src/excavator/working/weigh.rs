@@ -135,7 +135,7 @@ impl Weigh {
         self.ground.digs()
     }
 
-    /// The same while pressures are there: what the bucket holds is unknown if the upper body sweeps.
+    /// Returns whether the bucket may be filling, by a machine with pressures: where it moves, its content is unknown.
     pub(super) fn sweeps(&self) -> bool {
         self.begun && self.digs()
     }
