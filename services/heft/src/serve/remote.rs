@@ -284,7 +284,8 @@ impl<'a> RemoteShard<'a> {
         output.deaths += 1;
         if output.deaths > MOST_DEATHS {
             return Err(Failure::internal(format!(
-                "a shard died {MOST_DEATHS} times in a row ({ended})"
+                "a shard died {} times in a row ({ended})",
+                output.deaths
             )));
         }
         tracing::warn!("a shard ended ({ended}); another goes on with its machines");
