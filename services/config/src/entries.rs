@@ -2,7 +2,7 @@
 
 use toml_edit::{Document, Item, TableLike};
 
-use crate::renamed::today;
+use crate::renamed::{is_retired, today};
 use crate::toml_error::{line_of, toml_error, toml_remedy};
 use crate::{Error, Errors, Key, Keyed, nearest};
 
@@ -66,6 +66,7 @@ impl<'a> Walk<'a, '_> {
             match item.as_table_like() {
                 Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
                 Some(inner) => self.foreign(path, inner, line),
+                None if is_retired(&path) => {}
                 None => self.key(today(&path), item, line),
             }
         }

@@ -1,4 +1,4 @@
-//! Renamed keys: files, recordings and options with the old name are still read.
+//! Keys of earlier versions: files and recordings with them are still read.
 
 use toml_edit::{Document, Item};
 
@@ -14,6 +14,14 @@ const RENAMED: [(&str, &str); 2] = [
     ),
 ];
 
+/// Keys without a successor, left out where a file has them. `drop_q_m` belonged to a variant of `posture-torque` that the default replaced.
+const RETIRED: [&str; 1] = ["estimator.drop_q_m"];
+
+/// Whether a key had an effect in earlier versions only.
+pub(crate) fn is_retired(key: &str) -> bool {
+    RETIRED.contains(&key)
+}
+
 /// The present name of a renamed key; `None` for every other.
 pub fn renamed(key: &str) -> Option<&'static str> {
     let found = RENAMED.iter().find(|(old, _)| *old == key);
@@ -25,7 +33,7 @@ pub(crate) fn today(key: &str) -> &str {
     renamed(key).unwrap_or(key)
 }
 
-/// The old names that a description uses; none for a text that is not TOML.
+/// The renamed and the retired keys that a description uses; none for a text that is not TOML.
 pub fn old_names(text: &str) -> Vec<&'static str> {
     let Ok(document) = Document::parse(text) else {
         return Vec::new();
@@ -36,9 +44,6 @@ pub fn old_names(text: &str) -> Vec<&'static str> {
         let found: Option<&Item> = path.fold(first, |item, name| item?.get(name));
         found.is_some()
     };
-    RENAMED
-        .map(|(old, _)| old)
-        .into_iter()
-        .filter(is_used)
-        .collect()
+    let old = RENAMED.iter().map(|(old, _)| *old).chain(RETIRED);
+    old.filter(is_used).collect()
 }

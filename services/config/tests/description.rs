@@ -184,9 +184,9 @@ fn set_overrides_one_key_and_refuses_without_a_change() {
         .expect("a known key");
     assert_eq!(excavator.sensors.swing_velocity_std, 0.008);
     excavator
-        .set("estimator.variant=drop")
+        .set("estimator.variant=known")
         .expect("a word needs no quotes");
-    assert_eq!(excavator.estimator.variant, Variant::Drop);
+    assert_eq!(excavator.estimator.variant, Variant::Known);
     excavator
         .set("estimator.forgetting=0.97")
         .expect("one factor is a list of one");
@@ -358,6 +358,14 @@ fn a_class_is_a_valid_machine_of_any_size() {
             description.set(&format!("{key}={mass}")).expect("valid");
         }
     }
+}
+
+#[test]
+fn a_key_without_a_successor_is_left_out() {
+    let old = "[estimator]\ndrop_q_m = 62500.0\n";
+    let read = Excavator::parse(old, "old.toml");
+    assert_eq!(read, Ok(Excavator::default()));
+    assert_eq!(config::old_names(old), ["estimator.drop_q_m"]);
 }
 
 #[test]

@@ -39,6 +39,11 @@ impl Repeats {
         (PRIOR + self.sum) / (PRIOR + self.count)
     }
 
+    /// Degrees of freedom of that ratio (Student's distribution).
+    pub fn degrees(&self) -> f64 {
+        PRIOR + self.count
+    }
+
     /// Takes the deviation of an emptied bucket, in standard deviations of its rows, and whether it agrees with the others.
     pub fn see(&mut self, away: f64, agrees: bool) {
         let [sum, count] = &mut self.unlike;

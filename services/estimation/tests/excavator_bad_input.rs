@@ -89,12 +89,7 @@ fn check(e: &Estimate, s: &Settings, method: Method, context: &str) {
 fn variants() -> Vec<(Method, Settings)> {
     let mut all = Vec::new();
     for method in STATE_SPACE {
-        for variant in [
-            Variant::Auto,
-            Variant::Known,
-            Variant::Tolerant,
-            Variant::Drop,
-        ] {
+        for variant in [Variant::Auto, Variant::Known, Variant::Tolerant] {
             for constant_inertia in [false, true] {
                 let mut settings = Settings::calibrated();
                 settings.estimator.variant = variant;
@@ -183,7 +178,7 @@ fn a_refused_row_leaves_the_state_untouched() {
 fn nothing_becomes_surer_without_an_accepted_velocity() {
     // The velocity is lost permanently in the middle of the swing.
     for (method, settings) in variants() {
-        if method == Method::Velocity || settings.estimator.variant == Variant::Drop {
+        if method == Method::Velocity {
             continue;
         }
         let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).unwrap();

@@ -381,7 +381,6 @@ fn compare_aux(
     let (ours, tolerance) = match mode {
         "D_auto" => (flag(d.change_mode) + 2.0 * flag(d.opening), 0.0),
         "C" | "C_weak" | "A" | "A_const" => (flag(d.flagged), 0.0),
-        "D_drop" => (d.drop_probability, 1e-6),
         _ => (estimate.nis, 1e-6),
     };
     assert!(
@@ -411,13 +410,6 @@ fn mode_d_tolerant_gives_the_reference_trajectories() {
             s.estimator.variant = Variant::Tolerant
         });
     }
-}
-
-#[test]
-fn mode_d_with_drop_mixture_gives_the_reference_trajectory() {
-    compare("D_drop", "base_case2", Method::PostureTorque, |s| {
-        s.estimator.variant = Variant::Drop
-    });
 }
 
 #[test]

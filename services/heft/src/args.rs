@@ -180,7 +180,9 @@ pub fn description(
     let class = of_class(description.machine(), args.class, is_stated);
     let sets: Vec<&String> = class.iter().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
-    let keys = keys.map(|(key, _)| key.trim());
+    let keys = keys
+        .map(|(key, _)| key.trim())
+        .filter(|key| config::renamed(key).is_some());
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
@@ -270,13 +272,17 @@ pub fn is_of_heft(input: &Path) -> bool {
     is_recording && Reader::open(input).is_ok_and(|reader| reader.machine().is_some())
 }
 
-/// Notes keys that have been renamed.
+/// Notes keys of earlier versions.
 pub fn tell_old_names(keys: &[&str]) {
-    for (key, today) in keys
-        .iter()
-        .filter_map(|key| Some((key, config::renamed(key)?)))
-    {
-        eprintln!("note: the key {key} is called {today} today; the old name is still read");
+    for key in keys {
+        match config::renamed(key) {
+            Some(today) => {
+                eprintln!(
+                    "note: the key {key} is called {today} today; the old name is still read"
+                );
+            }
+            None => eprintln!("note: the key {key} has no effect any more"),
+        }
     }
 }
 

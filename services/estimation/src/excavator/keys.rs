@@ -13,8 +13,6 @@ choice! {
         Known = "known",
         /// Damping within damping_std, torque with an offset, both estimated; payload constant while moving.
         Tolerant = "tolerant",
-        /// As tolerant, with the older drop model; for comparison.
-        Drop = "drop",
     }
 }
 
@@ -337,8 +335,6 @@ table! {
         change_rate_std: f64 = 600.0, "kg/s", 0.0 to 1e5;
         /// Sum of normalised innovations at which a changed payload is declared.
         change_threshold: f64 = 10.0, "", 0.1 to 1e6;
-        /// Random walk of the payload in the drop model of the variant "drop", variance per second.
-        drop_q_m: f64 = 62500.0, "kg^2/s", 0.0 to 1e9;
         /// Random walk of the inertia in mode A, relative.
         velocity_drift: f64 = 0.2, "1/sqrt(s)", 0.0 to 10.0;
         /// The same with constant_inertia.

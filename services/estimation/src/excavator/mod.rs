@@ -48,7 +48,7 @@ use input::{
     screen, standstill, steady, swing_angle,
 };
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
-use payload::{change, changing_payload, drop_mixture, opening};
+use payload::{change, changing_payload, opening};
 use regression::{joint, single, svf};
 use settings::{cylinder, doubts, geometry, settings_error};
 

@@ -18,7 +18,6 @@
 
 pub(in crate::excavator) mod change;
 pub(in crate::excavator) mod changing_payload;
-pub(in crate::excavator) mod drop_mixture;
 pub(in crate::excavator) mod opening;
 
 use super::consider::Consider;
@@ -85,14 +84,6 @@ impl Model {
             gain_std: settings.sensors.swing_torque_gain_std,
             start: State::new(0.0, p.payload, 0.0, settings.nominal_damping, 0.0),
             start_variance: stds.component_mul(&stds),
-        }
-    }
-
-    /// The same with another random walk of the payload; `rate`: variance per second [kg^2/s].
-    pub(super) fn with_payload_variance_rate(self, rate: f64) -> Self {
-        Self {
-            payload_variance_rate: rate,
-            ..self
         }
     }
 }

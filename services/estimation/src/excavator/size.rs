@@ -298,7 +298,6 @@ impl Description {
         e.payload_max = MOST_PAYLOAD * rated;
         e.opening_change_max = scale * reference.estimator.opening_change_max;
         e.change_rate_std = scale * reference.estimator.change_rate_std;
-        e.drop_q_m = scale * scale * reference.estimator.drop_q_m;
     }
 }
 

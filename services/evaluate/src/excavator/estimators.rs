@@ -95,11 +95,6 @@ impl Setup {
         Self::new("D_tol", Method::PostureTorque, true, true).variant(Variant::Tolerant)
     }
 
-    /// Torque and posture, the older drop model.
-    pub fn drop() -> Self {
-        Self::new("D_drop", Method::PostureTorque, true, true).variant(Variant::Drop)
-    }
-
     /// Torque, damping calibrated.
     pub fn torque() -> Self {
         Self::new("BM_known", Method::Torque, true, false).variant(Variant::Known)

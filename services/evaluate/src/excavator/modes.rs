@@ -131,7 +131,6 @@ fn lines() -> Vec<Line> {
     three(Setup::torque(), Scenario::Base, swing, torque);
     three(Setup::posture(), Scenario::Base, braking, posture);
     three(Setup::velocity(), Scenario::Base, swing, velocity);
-    three(Setup::drop(), Scenario::Base, swing, none);
     three(Setup::torque_auto(), Scenario::Base, swing, honest);
     three(Setup::torque_tolerant(), Scenario::Base, swing, none);
     three(Setup::posture_auto(), Scenario::Base, braking, honest);

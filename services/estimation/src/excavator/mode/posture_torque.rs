@@ -1,9 +1,8 @@
-//! Mode D: torque and posture. One filter, a mixture with a drop model, two filters side by side on a calibrated
-//! machine, or the default for an uncalibrated one ([`Working`]).
+//! Mode D: torque and posture. One filter, two filters side by side on a calibrated machine,
+//! or the default for an uncalibrated one ([`Working`]).
 
 use crate::excavator::changing_payload::ChangingPayload;
 use crate::excavator::drive::Drive;
-use crate::excavator::drop_mixture::DropMixture;
 use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter, reading};
 use crate::excavator::settings::{Settings, Variant};
 use crate::excavator::standstill::Phase;
@@ -18,8 +17,6 @@ use crate::excavator::working::{Trail, Working};
 pub(in crate::excavator) enum PostureTorque {
     /// One filter.
     Plain(Model, PayloadFilter),
-    /// Mixture with a drop model.
-    Drop(DropMixture),
     /// Two filters side by side, on a calibrated machine.
     Auto(ChangingPayload),
     /// The default, on an uncalibrated machine.
@@ -31,7 +28,6 @@ impl PostureTorque {
         match (settings.estimator.variant, &settings.doubts) {
             (Variant::Auto, Some(doubts)) => Self::Working(Working::new(settings, doubts)),
             (Variant::Auto, None) => Self::Auto(ChangingPayload::new(settings)),
-            (Variant::Drop, _) => Self::Drop(DropMixture::new(settings)),
             (variant, _) => {
                 let model = Model::new(settings, variant == Variant::Known);
                 Self::Plain(model, PayloadFilter::new(&model))
@@ -60,7 +56,6 @@ impl PostureTorque {
                 };
                 reading(model, filter, drive, &outcome, filter.payload().1, false)
             }
-            Self::Drop(mixture) => mixture.step(drive, phase, reopen),
             Self::Auto(auto) => auto.step(drive, phase, reopen),
             Self::Working(working) => working.step(settings, drive, phase, trail),
         }
@@ -78,7 +73,6 @@ impl PostureTorque {
     pub(in crate::excavator) fn is_sound(&self) -> bool {
         match self {
             Self::Plain(_, filter) => filter.is_sound(),
-            Self::Drop(mixture) => mixture.filters.iter().all(PayloadFilter::is_sound),
             Self::Auto(auto) => auto.is_sound(),
             Self::Working(working) => working.is_sound(),
         }

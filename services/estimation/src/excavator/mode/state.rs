@@ -27,7 +27,6 @@ pub(in crate::excavator) struct State {
     pub(in crate::excavator) reason: Reason,
     pub(in crate::excavator) change_mode: bool,
     pub(in crate::excavator) opening: bool,
-    pub(in crate::excavator) drop_probability: f64,
     /// Change flag of the tick of this reading.
     pub(in crate::excavator) flagged: bool,
 }

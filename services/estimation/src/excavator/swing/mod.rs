@@ -127,7 +127,7 @@ impl SwingEstimator {
     }
 
     /// Details of the last tick for comparison with a reference: opening of the bucket, change mode, change flag of
-    /// the delayed tick, probability of the drop model, velocity of the mode.
+    /// the delayed tick, velocity of the mode.
     #[doc(hidden)]
     pub fn details(&self) -> Details {
         let state = self
@@ -138,7 +138,6 @@ impl SwingEstimator {
             opening: state.opening,
             change_mode: state.change_mode,
             flagged: state.flagged,
-            drop_probability: state.drop_probability,
             velocity: state.velocity,
         }
     }
@@ -411,8 +410,6 @@ pub struct Details {
     pub change_mode: bool,
     /// The tick of the estimate is flagged as a change of torque.
     pub flagged: bool,
-    /// Probability of the drop model (variant `Drop`).
-    pub drop_probability: f64,
     /// Velocity at the tick of the estimate [rad/s].
     pub velocity: f64,
 }

@@ -36,8 +36,9 @@ use crate::repeats::{BETWEEN_CHANGES, Repeats};
 
 /// Odds that a step which stays is a change of a sensor: blows that look like one are as frequent.
 const CHANGES_OVER_BLOWS: f64 = 1.0;
-/// The same where a low bucket of a standing machine shows less than 0 afterwards: it has probably been put down at once.
-const CHANGES_OVER_LANDINGS: f64 = 0.04;
+/// The same of steps that work makes too: a low bucket of a standing machine that shows less than 0 afterwards has probably been put down
+/// at once, and a jolt turns the friction of the seals.
+const CHANGES_OVER_WORK: f64 = 0.04;
 /// Random walk of an emptied bucket's weight as zeros warm up, as a share of the capacity [1/s^.5]: a bar of each pressure, .0125, in a
 /// quarter of an hour.
 const WARMS: f64 = 4.2e-4;
@@ -105,13 +106,14 @@ pub(super) struct Bucket<'a> {
 }
 
 impl Changed {
-    /// Updates with a step that stays. `empty`: weight of arm and bucket alone at the cylinders [kg]; `rests`: the ground may carry a part.
-    pub fn step(&mut self, step: Stepped, empty: f64, rests: bool) {
+    /// Updates with a step that stays. `empty`: weight of arm and bucket alone at the cylinders [kg]; `works`: work makes such steps
+    /// too.
+    pub fn step(&mut self, step: Stepped, empty: f64, works: bool) {
         if self.odds == 0.0 {
             self.others = [self.tare.map_or(0.0, |tare| tare.value); 2];
         }
-        self.odds = if rests && step.level < 0.0 {
-            self.odds.max(CHANGES_OVER_LANDINGS)
+        self.odds = if works {
+            self.odds.max(CHANGES_OVER_WORK)
         } else {
             (self.odds + CHANGES_OVER_BLOWS).min(MOST)
         };
@@ -281,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bucket_that_is_let_down_at_once_is_no_sensors() {
+    fn a_step_that_work_makes_too_needs_an_emptied_bucket() {
         let mut landed = sound();
         (0..5).for_each(|_| landed.step(stepped(-500.0, -0.8), EMPTY, true));
         assert!(landed.probability() < DOUBTED);

@@ -47,6 +47,8 @@ pub(super) struct Doubts {
     round: Sums,
     /// The next number to move.
     next: usize,
+    /// Each number has been moved once: the sums are those of all.
+    whole: bool,
     /// Measurement by the bucket while it is empty.
     now: Option<Tare>,
     /// The last emptied bucket that is a measurement for later loads.
@@ -165,11 +167,16 @@ impl Doubts {
         let effects = [shift, there.ratio - here.ratio, there.height - here.height];
         self.put(number, effects);
         self.next += 1;
-        if self.next == drawing.doubted {
-            self.next = 0;
+        if self.next >= drawing.doubted {
+            (self.next, self.whole) = (0, true);
             // Fresh sums, free of the rounding of subtracted effects.
             self.sums = core::mem::take(&mut self.round);
         }
+    }
+
+    /// Returns whether the sums are those of all numbers.
+    pub fn are_whole(&self) -> bool {
+        self.whole
     }
 
     /// Sets the effects of a number, moved by its standard deviation, on payload, ratio and height [kg, -, m].

@@ -98,6 +98,8 @@ const GAP: f64 = 0.5;
 const STUCK: f64 = 3.0;
 /// Gap after which the bucket may have been exchanged [s].
 const CHANGED: f64 = 60.0;
+/// Travel of the arm after which a pressure that does not change counts as stuck [rad].
+const LIFTED: f64 = 0.1;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
 /// Standard deviations below zero beyond which a bucket at the lower end of the arm's travel rests on a stop or the ground.
@@ -116,7 +118,7 @@ pub(super) struct LiftWitness {
     last_time: f64,
     /// Time of the last row that held the arm's signals, used or not [s].
     seen: f64,
-    /// Last head pressure [Pa] and lift angle [rad], and how long each has been unchanged while the machine moved [s].
+    /// Last head pressure [Pa] and lift angle [rad], and how long each has been unchanged while machine or arm moved [s].
     held: [f64; 2],
     still: [f64; 2],
     saturation: Saturation,
@@ -268,9 +270,14 @@ impl LiftWitness {
         if let (Some(speed), Some(tilt)) = (sample.speed, tilt) {
             self.carriage.see(speed, [lift, tilt], since);
         }
-        if self.carriage.is_odd() || self.still.iter().any(|time| *time > STUCK) {
+        if self.carriage.is_odd() {
             self.answer = None;
             return None;
+        }
+        if self.still.iter().any(|time| *time > STUCK) {
+            // The payload has followed the stuck signal.
+            self.scale.forget(&self.drawing);
+            return self.silent(&now, sample).map(Said::Silent);
         }
         if rod.is_some() != self.measures_rod {
             self.measures_rod = rod.is_some();
@@ -322,17 +329,19 @@ impl LiftWitness {
         self.answer.is_some() && (0.0..=fresh).contains(&(time - self.last_time))
     }
 
-    /// Counts the time in which a signal is unchanged while the machine moves.
+    /// Counts the time in which a signal is unchanged while machine or arm move.
     fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
-        let driving = drives(sample);
-        for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
+        let driving = if drives(sample) { 1.0 } else { 0.0 };
+        // The lever of an arm that moves changes the pressure.
+        let lifting = STUCK / LIFTED * self.rates[0].abs();
+        for (i, counts) in [lifting.max(driving), driving].into_iter().enumerate() {
             // Compared to the bit: a working sensor has noise, or a machine that shakes it.
-            if *held != new {
-                *still = 0.0;
-            } else if driving && dt > 0.0 {
-                *still += dt;
-            }
-            *held = new;
+            self.still[i] = if self.held[i] == now[i] {
+                self.still[i] + counts * dt.max(0.0)
+            } else {
+                0.0
+            };
+            self.held[i] = now[i];
         }
     }
 
@@ -397,12 +406,15 @@ impl LiftWitness {
         if !self.drive.tells_torque() && self.grading.see(known, low.then_some(bucket), moment) {
             motion = self.content.put_down(&motion);
         }
-        self.doubts.see(
-            &mut self.drawing,
-            (&stance, &posture),
-            [shown.payload(), payload.value],
-            &empty,
-        );
+        // One number a row, but all in the first.
+        loop {
+            let payloads = [shown.payload(), payload.value];
+            let doubts = &mut self.doubts;
+            doubts.see(&mut self.drawing, (&stance, &posture), payloads, &empty);
+            if doubts.are_whole() {
+                break;
+            }
+        }
         let drawn = self.doubts.shown();
         let std = norm(&[payload.std, drawn]);
         let shown = Quantity { std, ..payload };
@@ -444,7 +456,10 @@ impl LiftWitness {
         let is_known = !(motion.open || rests && value < -std);
         let known = is_known.then_some(value);
         if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
-            self.changed.step(step, shown.empty / shown.per_load, rests);
+            let landed = rests && step.level < 0.0;
+            let turned = step.by.abs() < 2.0 * self.friction(shown);
+            let empty = shown.empty / shown.per_load;
+            self.changed.step(step, empty, landed || turned);
         }
     }
 
@@ -496,11 +511,15 @@ impl LiftWitness {
 
     /// The cylinders carry significantly less than the empty arm and bucket, given the deviations of drawing and seals.
     fn is_less_than_nothing(&self, payload: f64, shown: &Shown) -> bool {
-        let (drawing, v) = (&self.drawing, &self.drawing.values);
-        let friction = self.seals.unknown() * v[FRICTION] * drawing.full_force(v);
-        let seals = friction * shown.lever / shown.per_load;
+        let seals = self.seals.unknown() * self.friction(shown);
         let off = self.doubts.off();
         payload - off.value < -CARRIED * norm(&[seals, off.std])
+    }
+
+    /// Friction of the seals, as a payload [kg].
+    fn friction(&self, shown: &Shown) -> f64 {
+        let (drawing, v) = (&self.drawing, &self.drawing.values);
+        v[FRICTION] * drawing.full_force(v) * shown.lever / shown.per_load
     }
 
     /// Probability that a sensor of the arm has changed.

@@ -3,10 +3,13 @@
 //! An angle is limited by the rate of the joint. Content comes and goes in tenths of a second, and the oil under the piston takes a tenth to
 //! be compressed. So a moment that steps within a row and stays at the new level has another scale or another zero:
 //! ```text
-//! |d| > max(STEPS rms(d/M), LEAST) M,   mean after - known before = d (1 +- ALIKE)       d: change from row to row,   M: moment
+//! |d| > max(STEPS rms(d/M), LEAST) M,   mean after - known before = d (1 +- ALIKE),   scatter after < ALIKE |d|
+//! d: change from row to row,   M: moment
 //! ```
 //! M and d are those of the pressures alone, and the payload must step with them. A friction or an acceleration that is not as modelled
 //! moves the payload within a row and no pressure; one that is as modelled, the reverse. A blow steps too, but swings back. Moments in slow rows are not tested. For a slow angle the time counts from the last change of value.
+
+use crate::math::sqrt;
 
 /// Longest time between rows in which a step is detected [s]: in a longer one a bucket can be put down.
 const SHARP: f64 = 0.03;
@@ -19,7 +22,7 @@ const MEMORY: f64 = 3.0;
 const FIRST: f64 = 0.05;
 /// Interval after a step over which its level is averaged [s]: one period of rocking, and too short to fill a bucket.
 const AFTER: [f64; 2] = [0.2, 0.8];
-/// Tolerance of the change of level against the step, as a share of it.
+/// Tolerance of the change of level against the step, and limit of the scatter about that level, as shares of the step.
 const ALIKE: f64 = 0.4;
 /// Threshold of an angle's step [rad], and rate that a joint may add [rad/s]: a tilt cylinder dumps in half a second.
 const ANGLE: f64 = 0.05;
@@ -166,8 +169,9 @@ struct Step {
     carried: f64,
     /// Age [s].
     age: f64,
-    /// Sum and number of the rows averaged.
+    /// Sum of the rows averaged, of their squares, and their number.
     sum: f64,
+    squares: f64,
     rows: f64,
 }
 
@@ -220,6 +224,7 @@ impl MomentSteps {
                 carried: last / per_load,
                 age: 0.0,
                 sum: 0.0,
+                squares: 0.0,
                 rows: 0.0,
             });
         }
@@ -231,6 +236,7 @@ impl MomentSteps {
         }
         if step.age > AFTER[0] {
             step.sum += shown;
+            step.squares += shown * shown;
             step.rows += 1.0;
         }
         if step.age > AFTER[1] {
@@ -251,10 +257,13 @@ impl MomentSteps {
 }
 
 impl Step {
-    /// Returns the step where its level agrees with it.
+    /// Returns the step where its level agrees with it, and is one: a moment that swings has none.
     fn stayed(self) -> Option<Stepped> {
-        let by = self.sum / self.rows.max(1.0) - self.before;
-        let agrees = (by - self.by).abs() < ALIKE * self.by.abs();
+        let rows = self.rows.max(1.0);
+        let mean = self.sum / rows;
+        let by = mean - self.before;
+        let scatter = sqrt((self.squares / rows - mean * mean).max(0.0));
+        let agrees = (by - self.by).abs().max(scatter) < ALIKE * self.by.abs();
         agrees.then_some(Stepped {
             by,
             share: by / self.carried,
@@ -325,6 +334,17 @@ mod tests {
         assert_eq!(stepped(0.01, false, silence), None);
         let filled = |t: f64, moment: f64| moment * (1.0 + (t - 5.0).clamp(0.0, 0.3));
         assert_eq!(stepped(0.01, false, filled), None);
+        // Its mean is another one, which it never has.
+        let shaken = |t: f64, moment: f64| {
+            let swing = if (5.0..5.3).contains(&t) { 0.4 } else { -0.4 };
+            moment
+                * if t < 5.0 {
+                    1.0
+                } else {
+                    1.2 + swing * (40.0 * t).sin().signum()
+                }
+        };
+        assert_eq!(stepped(0.01, false, shaken), None);
     }
 
     #[test]
