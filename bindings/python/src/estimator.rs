@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use config::Description;
+use messages::fnv64;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -125,7 +126,7 @@ impl Estimator {
         for step in &state.way {
             put(&mut bytes, &saved(step.as_ref())?);
         }
-        let sum = sum_of(&bytes).to_le_bytes();
+        let sum = fnv64(&bytes).to_le_bytes();
         bytes.extend(sum);
         Ok(PyBytes::new(py, &bytes))
     }
@@ -137,7 +138,7 @@ impl Estimator {
             || refused("these bytes are no state of this version of heft, or damaged; begin anew");
         let (rest, sum) = state.split_last_chunk::<8>().ok_or_else(foreign)?;
         let mut rest = rest.strip_prefix(HEAD.as_bytes()).ok_or_else(foreign)?;
-        if *sum != sum_of(&state[..state.len() - 8]).to_le_bytes() {
+        if *sum != fnv64(&state[..state.len() - 8]).to_le_bytes() {
             return Err(foreign());
         }
         let mut text = || {
@@ -240,10 +241,4 @@ fn take<'a>(from: &mut &'a [u8]) -> Option<&'a [u8]> {
         rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
     *from = rest;
     Some(bytes)
-}
-
-/// Checksum that detects damage (FNV-1a, 64 bits).
-fn sum_of(bytes: &[u8]) -> u64 {
-    let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }

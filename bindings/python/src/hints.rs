@@ -128,7 +128,12 @@ impl Hints {
         let nothing = (!self.is_measured).then(|| {
             "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
         });
-        let hints = unit.into_iter().chain(slow).chain(fast).chain(gaps).chain(mismatch);
+        let hints = unit
+            .into_iter()
+            .chain(slow)
+            .chain(fast)
+            .chain(gaps)
+            .chain(mismatch);
         hints.chain(nothing).chain(self.large.words()).collect()
     }
 }

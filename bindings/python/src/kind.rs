@@ -152,6 +152,24 @@ fn run<S: Message, T, E: Estimate>(
     })
 }
 
+/// Warnings on signals without which nothing is estimated, and whose columns hold no value.
+fn silent<S: Sensors>(columns: &[(&str, Vec<f64>)], length: usize) -> Vec<String> {
+    let has_value = |name: &&str| {
+        let column = columns.iter().find(|(other, _)| other == name);
+        column.is_some_and(|(_, values)| values.iter().any(|x| x.is_finite()))
+    };
+    let silent = S::REQUIRED
+        .iter()
+        .filter(|group| length > 0 && !group.iter().any(has_value));
+    let words = |group: &&[&str]| {
+        let names = group.join(" or ");
+        format!(
+            "{names} holds no value in any row, and nothing is estimated without; check the sensor and its recording"
+        )
+    };
+    silent.map(words).collect()
+}
+
 impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
     fn header(&self) -> Vec<(&'static str, &'static str, frame::Kind)> {
         frame::header::<E>()
@@ -169,7 +187,9 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         length: usize,
     ) -> PyResult<Estimates> {
         let rows = frame::rows::<S>(columns).map_err(refused)?;
-        run::<_, _, E>(description, method, rows, length)
+        let mut found = run::<_, _, E>(description, method, rows, length)?;
+        found.hints.extend(silent::<S>(columns, length));
+        Ok(found)
     }
 
     fn of_file(

@@ -20,8 +20,9 @@ use steps::stages::Pipeline;
 
 use crate::kind::{Estimates, kind};
 
+// Of the package, so that it is found where a process of a pool sends it on.
 create_exception!(
-    _heft,
+    heft,
     HeftError,
     PyValueError,
     "What is wrong, where, and what to do about it."
@@ -42,6 +43,7 @@ fn _heft(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(header, m)?)?;
     m.add_function(wrap_pyfunction!(methods, m)?)?;
     m.add_function(wrap_pyfunction!(nearest, m)?)?;
+    m.add_function(wrap_pyfunction!(label, m)?)?;
     m.add_function(wrap_pyfunction!(reasons, m)?)?;
     m.add_function(wrap_pyfunction!(description, m)?)?;
     m.add_function(wrap_pyfunction!(read, m)?)?;
@@ -244,6 +246,12 @@ fn methods(machine: &str) -> PyResult<Vec<&'static str>> {
 #[pyfunction]
 fn nearest(word: &str, names: Vec<String>) -> Option<String> {
     config::nearest(word, names.iter().map(String::as_str)).map(str::to_owned)
+}
+
+/// What a truck is called, as the number that a table has for it.
+#[pyfunction]
+fn label(text: &str) -> f64 {
+    recording::csv::label(text)
 }
 
 /// Names of channels with their columns, missing and damaged parts of the recording as text, and its description.

@@ -2,6 +2,7 @@
 
 import datetime
 import os
+import pickle
 import subprocess
 import time
 import warnings
@@ -140,6 +141,19 @@ def test_what_no_sensor_measures_is_spoken_of():
     frame["swing_velocity"] = float("nan")
     with pytest.warns(heft.HeftWarning, match="nothing was measured"):
         heft.estimate(frame[["t", "swing_velocity"]], "excavator")
+    with pytest.warns(heft.HeftWarning, match="swing_velocity or swing_angle holds no value in any row"):
+        heft.estimate(frame, "excavator")
+
+
+def test_an_error_passes_from_one_process_to_another_and_notes_are_no_warnings():
+    error = pickle.loads(pickle.dumps(heft.HeftError("what")))
+    assert isinstance(error, heft.HeftError) and str(error) == "what"
+    table = GOLDEN / "machines" / "excavator_8_13t_good.csv"
+    with pytest.raises(heft.HeftError, match="^the machine is not known"):
+        heft.loads(table)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.loads(table, "excavator", config={"machine.operating_mass": 13000})
 
 
 def test_a_machine_file_that_cannot_be_read_is_named(tmp_path):
@@ -345,7 +359,7 @@ def test_rows_of_two_machines_are_not_mixed_and_loads_are_counted_in_files():
 
 def test_a_truck_may_be_a_word_as_in_a_table():
     swings = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
-    words = ["TRK-12", None, "", "7", "NA"]
+    words = ["TRK-12", None, " ", "7", "k.A."]
     kinds = [pandas.Series(words), pandas.Series(words, dtype="string"), pandas.Series(words, dtype="category"), polars.Series(words), words]
     for kind in kinds:
         numbers = heft._labels(kind)

@@ -12,8 +12,9 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 /// Logs to standard error by `writer`. `HEFT_LOG`, or else `RUST_LOG`, chooses what: levels, of all (`info`) or by target
 /// (`heft=debug`), with commas between; else it is `usual`.
 /// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. In the journal of systemd each line has its priority.
-/// The processes of a run inherit all of it.
-pub fn start<W>(usual: &str, writer: W)
+/// The processes of a run inherit all of it. A text names its source where a program `stays`; one that a person waits for says what is
+/// the matter, and no more.
+pub fn start<W>(usual: &str, stays: bool, writer: W)
 where
     W: for<'a> MakeWriter<'a> + Send + Sync + 'static,
 {
@@ -38,6 +39,7 @@ where
         let lines = lines.event_format(journal::Prioritized(format));
         lines.finish().with(filter).init();
     } else {
-        lines.without_time().finish().with(filter).init();
+        let lines = lines.without_time().with_target(stays);
+        lines.finish().with(filter).init();
     }
 }

@@ -63,6 +63,7 @@ pub fn wall_ms() -> u64 {
 pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
     diagnostics::start(
         "error,gateway=info,iceoryx2=off,iceoryx2_log=off",
+        true,
         std::io::stderr,
     );
     tracing::error_span!(target: "gateway", "process", pid = std::process::id(), process = program)

@@ -57,9 +57,13 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let cli = Cli::try_parse().unwrap_or_else(|error| misplaced::exit(error));
+    let stays = matches!(
+        cli.command,
+        None | Some(Command::Run(_) | Command::Serve(_) | Command::Service(_))
+    );
     // Warnings, unless the environment chooses otherwise.
-    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", || out::Log);
-    let _process = span();
+    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off", stays, || out::Log);
+    let _process = stays.then(span);
     take_signals();
     // Lists of processes would show the name that `image` starts it by.
     let _ = rustix::thread::set_name(c"heft");

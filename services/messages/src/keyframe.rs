@@ -4,6 +4,7 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::Stamp;
+use crate::fnv::fnv64;
 use crate::message::message;
 
 message! {
@@ -126,7 +127,7 @@ pub fn pieces<'a>(
     stamp: &'a Stamp,
     state: &'a [u8],
 ) -> impl Iterator<Item = Keyframe> + use<'a> {
-    let (sum, length) = (sum(state), state.len() as u32);
+    let (sum, length) = (fnv64(state), state.len() as u32);
     let whole = if state.len() <= LONGEST { state } else { &[] };
     whole.chunks(PIECE).zip(0..).map(move |(bytes, n)| {
         let mut piece = Keyframe {
@@ -201,15 +202,8 @@ impl Collector {
             return None;
         }
         let whole = core::mem::take(self);
-        (sum(&whole.next.bytes) == whole.sum).then_some(whole.next)
+        (fnv64(&whole.next.bytes) == whole.sum).then_some(whole.next)
     }
-}
-
-/// FNV-1a: detects damage, but not an attack.
-fn sum(bytes: &[u8]) -> u64 {
-    let start = 0xcbf2_9ce4_8422_2325;
-    let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
-    bytes.iter().fold(start, step)
 }
 
 #[cfg(test)]

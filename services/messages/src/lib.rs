@@ -14,12 +14,14 @@
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
 //! | `words` | names of bits and codes, from the sheet |
 //! | `field`, `stamp` | the description of a field, and what every payload begins with |
+//! | `fnv` | the sum by which states, channels and names are told apart |
 //! | `message` | the interface of every payload, and an enum of them all |
 
 pub mod channels;
 mod codes;
 mod excavator;
 mod field;
+mod fnv;
 mod health;
 pub mod keyframe;
 mod loader;
@@ -31,6 +33,7 @@ pub mod words;
 
 pub use codes::{Entry, Words};
 pub use field::{Field, HEAD, NumberType, Value};
+pub use fnv::{fnv32, fnv64};
 pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use loads::{ExcavatorLoads, LoaderLoads, loads_bits};

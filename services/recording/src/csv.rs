@@ -11,6 +11,7 @@ mod marks;
 mod read;
 
 pub(crate) use cells::Cells;
+pub use columns::label;
 pub(crate) use columns::{Columns, listed, misread};
 pub(crate) use dialect::Dialect;
 pub(crate) use dialect::name;

@@ -64,7 +64,7 @@ const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
     b"VERSION \"", "a DBC file", "give the log that it describes, and the DBC beside it: `heft map LOG --dbc FILE`";
     b"#ROSBAG", "a bag of ROS 1", BAG;
     b"rosbag2_bagfile", "the contents of a bag of ROS 2",
-        "give the .mcap file beside it; a bag of .db3 files becomes one by `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags)";
+        "give the .mcap file beside it; a bag of .db3 files, or a packed one, becomes one by `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags)";
     b"SQLite", "a database, perhaps a bag of ROS 2", BAG;
     b"version https://git-lfs", "the name of a file in Git LFS, not the file", "fetch it: git lfs pull";
     b"%PDF", "a PDF", EXPORT;

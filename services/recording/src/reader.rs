@@ -250,11 +250,12 @@ impl Reader {
         Lacks {
             damage: self.damage(),
             cut_off: is_cut.then(|| {
-                format!(
-                    "{}: it was cut off; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
-                    self.files().next().unwrap_or(Path::new("")).display(),
-                    self.lost_bytes()
-                )
+                let file = self.files().next().unwrap_or(Path::new("")).display();
+                let lost = match self.lost_bytes() {
+                    0 => " between two messages".to_owned(),
+                    bytes => format!("; {bytes} bytes at the end belong to nothing whole"),
+                };
+                format!("{file}: it was cut off{lost} (`heft recover` writes a whole copy)")
             }),
             ..Lacks::default()
         }

@@ -56,6 +56,9 @@ pub fn suggest(
         Kind::Log => Foreign::Log(dbc),
         Kind::Recording => {
             let reader = list::open(path)?;
+            for lack in reader.lacks().all() {
+                tracing::warn!("{lack}");
+            }
             if reader.metadata().contains_key("heft.version") {
                 return Err(Error::new(
                     "this is a recording of heft, which needs no signal map",

@@ -442,8 +442,11 @@ fn a_truck_may_be_a_word_each_with_a_number_of_its_own() {
     };
     assert!(first == again && first == back);
     assert!(second != first && number == 12.0);
-    // The same number as for frames in Python (bindings/python/tests/test_heft.py).
     assert_eq!(first, 636594109.0);
+    // Frames in Python have the same numbers.
+    let labels = ["TRK-12", " TRK-7", "12", "k.A.", ""].map(recording::csv::label);
+    assert_eq!(labels[..3], [first, second, number]);
+    assert!(labels[3].is_nan() && labels[4].is_nan());
     assert!(
         [first, second]
             .iter()

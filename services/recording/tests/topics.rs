@@ -237,3 +237,62 @@ fn a_map_names_what_is_silent_in_the_first_message_and_names_that_are_no_paths()
     assert!((sensors.swing_velocity - 2.0_f64.to_radians()).abs() < 1e-12);
     assert!((sensors.swing_torque - 1500.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_file_without_topics_is_named_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("empty.mcap");
+    let mut writer = mcap::Writer::new(std::fs::File::create(&path).expect("a file")).expect("new");
+    writer.finish().expect("whole");
+    let map = Map::parse(ROS, "map.toml").expect("a map");
+    let read = load::<ExcavatorSensors>(&path, Some(&map)).expect_err("no topics");
+    let first = suggest(&path, &[], Some(Machine::Excavator)).expect_err("no topics");
+    for error in [read.to_string(), first.to_string()] {
+        assert!(error.contains("the file has no topics"), "{error}");
+    }
+}
+
+#[test]
+fn the_orientation_of_an_imu_gives_angles_and_its_numbers_are_taken_for_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("imu.mcap");
+    let mut writer = mcap::Writer::new(std::fs::File::create(&path).expect("a file")).expect("new");
+    let channel = writer.add_channel(0, "/imu/boom", "json", &Default::default());
+    let channel = channel.expect("a channel");
+    for k in 0..50_u64 {
+        // The boom points 0.6 rad up: a negative pitch of ROS.
+        let (y, w) = (-0.3_f64).sin_cos();
+        let text = format!(
+            r#"{{"orientation": {{"x": 0, "y": {y}, "z": 0, "w": {w}}}, "orientation_covariance": [1], "rate": {{"z": 0.2}}}}"#
+        );
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: k as u32,
+            log_time: 10_000_000 * k,
+            publish_time: 10_000_000 * k,
+        };
+        let written = writer.write_to_known_channel(&header, text.as_bytes());
+        written.expect("written");
+    }
+    writer.finish().expect("written");
+    let first = suggest(&path, &[], Some(Machine::Excavator)).expect("readable");
+    assert!(
+        first.text.contains("#     orientation.angle_y = -0."),
+        "{}",
+        first.text
+    );
+    let named = first.text.lines().filter(|line| !line.starts_with('#'));
+    let named = named.filter(|line| line.contains("orientation")).count();
+    assert!(
+        named == 0 && !first.text.contains("covariance"),
+        "{}",
+        first.text
+    );
+    let map = "[topics]\nrate = 100\n[topics.signals]\n\
+        swing_velocity = { topic = \"/imu/boom\", field = \"rate.z\" }\n\
+        boom_angle = { topic = \"/imu/boom\", field = \"orientation.angle_y\", sign = -1 }\n";
+    let map = Map::parse(map, "map.toml").expect("a map");
+    let rows = load::<ExcavatorSensors>(&path, Some(&map)).expect("readable");
+    let (sensors, _) = rows.last().expect("rows");
+    assert!((sensors.boom_angle - 0.6).abs() < 1e-12, "{sensors:?}");
+}

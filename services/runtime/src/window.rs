@@ -17,7 +17,7 @@ use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
 use messages::channels::{CREDIT, Channel, KEYFRAME, Visitor, of_machine};
-use messages::{Machine, Message, NumberType, Value};
+use messages::{Machine, Message, NumberType, Value, fnv64};
 use rustix::fs::{FallocateFlags, FlockOperation, Gid, Mode, OFlags};
 
 use crate::domain::{is_name, new_file, random};
@@ -112,15 +112,8 @@ fn head(machine: Machine) -> String {
     }
     let names = layout(machine).0.into_iter();
     let names = names.map(|p| format!("{} {} ", p.channel.name, p.channel.payload.visit(Names)));
-    let sum = sum(names.collect::<String>().as_bytes());
+    let sum = fnv64(names.collect::<String>().as_bytes());
     format!("{MAGIC} {} {sum:016x}\n", machine.name())
-}
-
-/// FNV-1a: it does not match for a message that is written while it is read.
-fn sum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
-        (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
-    })
 }
 
 /// The window of a run; it is removed with the run.
@@ -188,7 +181,7 @@ impl Window {
             };
             self.bytes.extend(word.to_ne_bytes());
         }
-        let sum = sum(&self.bytes);
+        let sum = fnv64(&self.bytes);
         self.bytes.extend(sum.to_ne_bytes());
         self.counts[i] = count + 1;
         // The space was allocated at the start.
@@ -319,7 +312,8 @@ impl GroupView {
         let (content, stated) = bytes.split_last_chunk()?;
         let (words, _) = content.as_chunks();
         let words: Vec<u64> = words.iter().map(|w| u64::from_ne_bytes(*w)).collect();
-        let is_whole = sum(content) == u64::from_ne_bytes(*stated) && words[0] == number + 1;
+        // The sum does not match for a message that is written while it is read.
+        let is_whole = fnv64(content) == u64::from_ne_bytes(*stated) && words[0] == number + 1;
         is_whole.then(|| words[1..].to_vec())
     }
 }

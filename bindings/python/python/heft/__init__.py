@@ -307,7 +307,9 @@ def _path(file: PathLike) -> str:
 def _run(arguments: Iterable[str], result: Optional[Path] = None) -> str:
     """What the command prints; a result that it wrote although something of the input was lost counts, with a warning."""
     done = subprocess.run([command(), *arguments], capture_output=True, text=True)
-    told = done.stderr.strip()
+    # Notes of the command are no warnings, and an exception has a name of its own.
+    lines = done.stderr.strip().splitlines()
+    told = "\n".join(line.removeprefix("heft: ") for line in lines if not line.startswith("note: "))
     has_result = done.returncode == 1 and result is not None and result.exists()
     if done.returncode != 0 and not has_result:
         raise HeftError(told or done.stdout.strip())
@@ -407,25 +409,13 @@ def _library(data: Any) -> str:
     return type(data).__module__.split(".")[0]
 
 
-_NO_LABELS = {"", "na", "n/a", "nan", "null", "none", "nil", "-", "--", "---", "<na>"}
-
-
 def _label(value: Any) -> float:
-    """What a truck is called, as the number that it is in a table: FNV-1a, 28 bits of it; a number stays what it is."""
-    if value is None or value != value:
+    """What a truck is called, as the number that it is in a table."""
+    if value is None:
         return float("nan")
     if not isinstance(value, (str, bytes)):
         return float(value)
-    text = (value.decode() if isinstance(value, bytes) else value).strip()
-    if text.lower() in _NO_LABELS:
-        return float("nan")
-    try:
-        return float(text)
-    except ValueError:
-        mixed = 0x811C9DC5
-        for byte in text.encode():
-            mixed = (mixed ^ byte) * 0x01000193 & 0xFFFFFFFF
-        return float((mixed >> 4) + (1 << 29))
+    return _heft.label(value.decode() if isinstance(value, bytes) else value)
 
 
 def _labels(column: Any) -> Any:

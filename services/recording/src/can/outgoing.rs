@@ -17,7 +17,7 @@ mod table;
 use std::path::Path;
 
 use messages::channels::{Channel, Visitor};
-use messages::{Envelope, Machine, Message};
+use messages::{Envelope, Machine, Message, fnv32};
 
 use self::map::Parser;
 pub(crate) use self::table::{FrameTable, flags, quantities};
@@ -160,10 +160,7 @@ impl Outgoing {
 
 /// A number of 21 bits that no other node is likely to have (FNV-1a).
 fn identity(computer: &[u8], machine: Machine) -> u32 {
-    let bytes = computer.iter().chain(machine.name().as_bytes());
-    let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
-        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
-    });
+    let hash = fnv32(&[computer, machine.name().as_bytes()].concat());
     (hash ^ hash >> 21) & 0x1f_ffff
 }
 

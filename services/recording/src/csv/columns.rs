@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use messages::fnv32;
+
 use super::cells::Record;
 use super::dialect::{self, BLANK, Dialect};
 use super::front::{comment, is_rule};
@@ -553,9 +555,15 @@ const LABEL: &str = "truck";
 /// A word as a number, the same in every file, larger than any counted number and smaller than the limit of
 /// measurements: FNV-1a, 28 bits of it.
 fn labelled(cell: &[u8]) -> f64 {
-    let mix = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
-    let hash = cell.iter().fold(0x811c_9dc5, mix);
-    f64::from((hash >> 4) + (1 << 29))
+    f64::from((fnv32(cell) >> 4) + (1 << 29))
+}
+
+/// What a truck is called, as the number that a table has for it: a number stays what it is, a mark of a missing one is NaN.
+#[must_use]
+pub fn label(text: &str) -> f64 {
+    let cell = text.trim().as_bytes();
+    let number = Dialect { separator: b',' }.number(cell);
+    number.unwrap_or_else(|| labelled(cell))
 }
 
 fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::codec::Codec;
 use super::for_each_message;
-use super::node::Node;
+use super::node::{Node, TURNS};
 use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
@@ -64,10 +64,16 @@ const JOINTS: [(&str, &str, &str); 3] = [
 /// Parts of a path in messages of ROS that are no measurements: its time and its uncertainty.
 const BESIDE: [&str; 3] = ["header", "stamp", "variance"];
 
-/// Whether a number may be a measurement, by its path.
+/// Whether a number is an uncertainty in a matrix.
+fn is_covariance(path: &str) -> bool {
+    path.split(['.', '['])
+        .any(|part| part.ends_with("covariance"))
+}
+
+/// Whether a number may be a measurement, by its path. Which rotation is which angle no name tells.
 fn is_measurement(path: &str) -> bool {
-    let mut parts = path.split(['.', '[']);
-    parts.all(|part| !BESIDE.contains(&part) && !part.ends_with("covariance"))
+    let is_other = |part: &str| BESIDE.contains(&part) || TURNS.contains(&part);
+    !is_covariance(path) && !path.split(['.', '[']).any(is_other)
 }
 
 /// The possible measurements of all topics, with those of joints by their names.
@@ -76,7 +82,8 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     for (name, topic) in topics {
         let place = |unit, label: String, field: &str, more: String| Place {
             unit,
-            whole: format!("{name} {label}"),
+            // The words of a path belong together: `angular_velocity.x` of /imu/boom is no angle of it.
+            whole: format!("{name} {}", label.replace('.', " ")),
             label,
             line: format!("topic = {}, field = {}{more}", quoted(name), quoted(field)),
         };
@@ -99,11 +106,15 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     all
 }
 
-/// Opens a foreign file; notes what it lacks.
+/// Opens a foreign file.
 pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
     let reader = Reader::open(path)?;
-    for lack in reader.lacks().all() {
-        tracing::warn!("{lack}");
+    if reader.channels().is_empty() {
+        return Err(Error::new(
+            "the file has no topics",
+            path.display().to_string(),
+            "record again; check that the topics are published, and their names",
+        ));
     }
     Ok(reader)
 }
@@ -195,11 +206,12 @@ fn describe(text: &mut String, name: &str, topic: &Topic) {
             *text += "#     cannot be read: none of its messages is whole\n";
         }
         Ok(numbers) => {
-            for (path, value) in numbers.iter().take(MOST) {
+            let shown: Vec<_> = numbers.iter().filter(|(p, _)| !is_covariance(p)).collect();
+            for (path, value) in shown.iter().take(MOST) {
                 let _ = writeln!(text, "#     {path} = {value}");
             }
-            if numbers.len() > MOST {
-                let _ = writeln!(text, "#     and {} more", numbers.len() - MOST);
+            if shown.len() > MOST {
+                let _ = writeln!(text, "#     and {} more", shown.len() - MOST);
             }
         }
     }

@@ -149,7 +149,7 @@ fn values(
     topics: &Topics,
     wanted: &mut [Wanted<'_>],
 ) -> Result<(Values, Lacks), Error> {
-    let reader = Reader::open(file)?;
+    let reader = list::open(file)?;
     check_topics(&reader, map, wanted)?;
     let mut values = Vec::new();
     for (i, part) in reader.parts.iter().enumerate() {

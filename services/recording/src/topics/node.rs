@@ -78,7 +78,10 @@ impl Node {
     /// index in a list of texts beside it has that name (`sensor_msgs/JointState`).
     pub(crate) fn number(&self, path: &[Step], name: Option<&str>) -> Option<f64> {
         let node = match name {
-            None => self.at(path)?,
+            None => match (self.at(path), path.split_last()) {
+                (None, Some((Step::Field(last), before))) => return self.at(before)?.turn(last),
+                (found, _) => found?,
+            },
             Some(name) => {
                 let (_, parent) = path.split_last()?;
                 let Node::List(list) = self.at(path)? else {
@@ -91,6 +94,36 @@ impl Node {
             Self::Number(x) => Some(*x),
             _ => None,
         }
+    }
+
+    /// A rotation \[rad\] of a quaternion, by its name in [`TURNS`]: roll, pitch and yaw of ROS. The pitch goes on beyond a
+    /// quarter turn, as a bucket does. None for a quaternion that nobody filled in.
+    fn turn(&self, name: &str) -> Option<f64> {
+        let [x, y, z, w] = self.quaternion()?;
+        let is_unit = (x * x + y * y + z * z + w * w - 1.0).abs() < 0.1;
+        let up = 1.0 - 2.0 * (x * x + y * y);
+        let (ahead, aside) = (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z));
+        // Not `hypot`: a wheel with it would need a newer C library.
+        let level = (ahead * ahead + aside * aside).sqrt();
+        let turns = [
+            (2.0 * (w * x + y * z)).atan2(up),
+            (2.0 * (w * y - x * z)).atan2(level.copysign(up)),
+            aside.atan2(ahead),
+        ];
+        let at = TURNS.iter().position(|turn| *turn == name)?;
+        is_unit.then_some(turns[at])
+    }
+
+    /// The numbers of a quaternion: a record of x, y, z and w.
+    fn quaternion(&self) -> Option<[f64; 4]> {
+        let Self::Record(fields) = self else {
+            return None;
+        };
+        let parts = ["x", "y", "z", "w"].map(|name| match self.field(name) {
+            Some(Self::Number(x)) => *x,
+            _ => f64::NAN,
+        });
+        (fields.len() == 4 && !parts.iter().any(|x| x.is_nan())).then_some(parts)
     }
 
     /// Index of a text in the first list of texts that contains it.
@@ -125,14 +158,20 @@ impl Node {
         (ns.abs() < 9e18).then(|| ns as i64 + nanoseconds as i64)
     }
 
-    /// Calls `found` with path and value of every number, and of the first number of a list. Texts beside a list are
-    /// the names of its entries.
+    /// Calls `found` with path and value of every number, and of the first numbers of a list. Of a quaternion, whose numbers
+    /// are no angles, these are its rotations.
     pub(crate) fn numbers(&self, before: &str, found: &mut dyn FnMut(&str, f64)) {
+        let dot = if before.is_empty() { "" } else { "." };
         match self {
             Self::Number(x) => found(before, *x),
+            Self::Record(_) if self.quaternion().is_some() => {
+                for name in TURNS {
+                    let turn = self.turn(name).unwrap_or(f64::NAN);
+                    found(&format!("{before}{dot}{name}"), turn);
+                }
+            }
             Self::Record(fields) => {
                 for (name, node) in fields {
-                    let dot = if before.is_empty() { "" } else { "." };
                     node.numbers(&format!("{before}{dot}{}", in_path(name)), found);
                 }
             }
@@ -145,6 +184,9 @@ impl Node {
         }
     }
 }
+
+/// Names of the rotations of a quaternion, about the axes of ROS.
+pub(crate) const TURNS: [&str; 3] = ["angle_x", "angle_y", "angle_z"];
 
 /// Number of entries of a list that are shown.
 const MOST_SHOWN: usize = 12;
@@ -199,5 +241,39 @@ mod tests {
             Some(1.0)
         );
         assert_eq!(message.number(&velocity, None), None, "a list is no number");
+    }
+
+    #[test]
+    fn a_quaternion_has_rotations_and_a_bucket_may_curl_beyond_a_quarter_turn() {
+        let message = |parts: [f64; 4]| {
+            let parts = ["x", "y", "z", "w"].into_iter().zip(parts);
+            let fields = parts.map(|(name, x)| (name.into(), Node::Number(x)));
+            Node::Record(vec![("q".into(), Node::Record(fields.collect()))])
+        };
+        let turn = |node: &Node, name: &str| {
+            node.number(&path(&format!("q.{name}")).expect("a path"), None)
+        };
+        let (yaw, roll) = (0.7_f64, 0.1_f64);
+        for pitch in [-2.5_f64, -0.4, 0.0, 1.2, 2.5] {
+            let half = |angle: f64| (angle / 2.0).sin_cos();
+            let ((sx, cx), (sy, cy), (sz, cz)) = (half(roll), half(pitch), half(yaw));
+            let node = message([
+                sx * cy * cz - cx * sy * sz,
+                cx * sy * cz + sx * cy * sz,
+                cx * cy * sz - sx * sy * cz,
+                cx * cy * cz + sx * sy * sz,
+            ]);
+            let found = turn(&node, "angle_y").expect("an angle");
+            assert!((found - pitch).abs() < 1e-12, "{found} {pitch}");
+            if pitch.abs() < 1.5 {
+                assert!((turn(&node, "angle_x").expect("an angle") - roll).abs() < 1e-12);
+                assert!((turn(&node, "angle_z").expect("an angle") - yaw).abs() < 1e-12);
+            }
+            assert!(turn(&node, "y").is_some() && turn(&node, "angle").is_none());
+        }
+        assert_eq!(turn(&message([0.0; 4]), "angle_y"), None, "not filled in");
+        let mut listed = Vec::new();
+        message([0.0, 0.0, 0.0, 1.0]).numbers("", &mut |path, _| listed.push(path.to_owned()));
+        assert_eq!(listed, ["q.angle_x", "q.angle_y", "q.angle_z"]);
     }
 }

@@ -189,10 +189,14 @@ pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
 fn advice(reason: u32, flags: u32) -> &'static str {
     let has = |bit| flags & bit != 0;
     let of_reason = remedy(reason, EXCAVATOR_REASONS, REMEDIES);
+    // No swing helps there.
+    let needs_another_method = EXCAVATOR_REASONS
+        .get(reason as usize)
+        .is_some_and(|(name, _)| *name == "method");
     if !has(bits::FRESH) {
         of_reason
             .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
-    } else if !has(bits::EXCITED) {
+    } else if !has(bits::EXCITED) && !needs_another_method {
         "swing faster than 6 degrees a second (0.1 rad/s)"
     } else if let Some(of_reason) = of_reason {
         of_reason
@@ -204,5 +208,18 @@ fn advice(reason: u32, flags: u32) -> &'static str {
         "keep the bucket still while swinging"
     } else {
         "swing once more, best with an emptied bucket; or run heft calibrate"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_the_method_cannot_tell_no_faster_swing_is_advised() {
+        let code = |name| EXCAVATOR_REASONS.iter().position(|(n, _)| *n == name);
+        let advised = |name| advice(code(name).expect("a reason") as u32, bits::FRESH);
+        assert!(advised("method").contains("heft calibrate"));
+        assert!(advised("slope").contains("swing faster"));
     }
 }
