@@ -36,13 +36,14 @@ pub fn samples<S: Sensors>(
 ) -> Result<Vec<S>, Failure> {
     let rows = recording::load::<S>(file, map_for(file, map))?;
     let mut samples: Vec<S> = rows.into_iter().map(|(sample, _)| sample).collect();
+    // Milliseconds since 1970 are beyond the range of times, and named.
+    check_steps(file, &samples, rate)?;
     let measured = measurable::measured::<S>(|_| None);
     let left_out: usize = samples.iter_mut().map(|s| leave_out(s, &measured)).sum();
     if left_out > 0 {
         let file = file.display();
         eprintln!("{file}: {left_out} numbers are larger than any measurement and were left out");
     }
-    check_steps(file, &samples, rate)?;
     Ok(samples)
 }
 
