@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::table::Table;
-use common::{both, run, run_ok, words};
+use common::{both, run, run_ok, says, words};
 use messages::channels::LOADER_LOADS;
 use messages::{LoaderLoads, SIMULATED, loads_bits};
 use recording::Reader;

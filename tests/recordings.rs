@@ -189,8 +189,11 @@ fn of_a_recording_that_was_cut_off_every_command_says_how_far_it_was_read() {
     for call in calls {
         let output = run(call);
         assert_eq!(output.status.code(), Some(1), "{call:?}: {}", both(&output));
-        says(&output, "the end of the input is missing");
-        says(&output, "cut.mcap: it was cut off after ");
+        says(
+            &output,
+            "the end of the input is missing; what is before it was read, up to t = ",
+        );
+        says(&output, "cut.mcap: it was cut off");
     }
     run_ok(&["recover", &cut, "-o", &again]);
     run_ok(&["replay", &again, "--verify"]);
@@ -246,6 +249,8 @@ fn nothing_is_written_over_what_is_read_or_over_a_foreign_file() {
         let output = run(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", both(&output));
     }
+    let output = run(&["export", path(&mcap), "-o", path(&csv)]);
+    says(&output, "name a folder, not a file");
     let after = [std::fs::read(&csv), std::fs::read(&mcap)].map(|b| b.expect("there"));
     assert!(before == after);
     // An earlier result of the same kind is replaced.

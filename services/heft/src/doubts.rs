@@ -317,7 +317,8 @@ impl<L: Look> Doubts<L> {
             .or_else(|| self.look.as_ref().and_then(L::fault))
             .or_else(|| self.often_too_large());
         let Some(fault) = fault else {
-            return parts::has_end(lacks);
+            let time = |sample: &L::Sensors| Some(sample.stamp().time).filter(|t| t.is_finite());
+            return parts::has_end(lacks, || self.before.as_ref().and_then(time));
         };
         lacks.cut_off.iter().for_each(|cut| eprintln!("{cut}"));
         Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))

@@ -94,7 +94,15 @@ pub fn envelopes<'a>(
 pub fn is_whole(reader: &Reader) -> Result<(), Failure> {
     let lacks = reader.lacks();
     is_undamaged(&lacks)?;
-    has_end(&lacks)
+    has_end(&lacks, || last_time(reader))
+}
+
+/// Time of the last sample \[s\].
+fn last_time(reader: &Reader) -> Option<f64> {
+    let sensors = messages::channels::all().filter(|c| c.payload.carries() == Carries::Sensors);
+    let times = sensors.filter_map(|channel| envelopes(reader, channel).ok());
+    let times = times.flat_map(|samples| samples.map(|sample| sample.stamp().time));
+    times.filter(|time| time.is_finite()).reduce(f64::max)
 }
 
 /// An error that names the damage of an input, and its missing end.
@@ -109,14 +117,16 @@ pub fn is_undamaged(lacks: &Lacks) -> Result<(), Failure> {
     )))
 }
 
-/// An error that says where an input ends too early: a logger was switched off, or a run was killed.
-pub fn has_end(lacks: &Lacks) -> Result<(), Failure> {
-    lacks.cut_off.as_ref().map_or(Ok(()), |cut| {
-        Err(Failure::answer_is_no(format!(
-            "the end of the input is missing; what is before it was read\n  where: {cut}\n  \
-             what to do: copy the file again; if it ends there too, its writer wrote no more"
-        )))
-    })
+/// An error that says where an input ends too early: a logger was switched off, or a run was killed. `last`: time of the last row.
+pub fn has_end(lacks: &Lacks, last: impl FnOnce() -> Option<f64>) -> Result<(), Failure> {
+    let Some(cut) = &lacks.cut_off else {
+        return Ok(());
+    };
+    let read = last().map_or(String::new(), |time| format!(", up to t = {time:.2} s"));
+    Err(Failure::answer_is_no(format!(
+        "the end of the input is missing; what is before it was read{read}\n  where: {cut}\n  \
+         what to do: copy the file again; if it ends there too, its writer wrote no more"
+    )))
 }
 
 /// An error for a recording without samples and estimates, which has nothing to show.

@@ -61,7 +61,7 @@ pub struct Reader {
 pub struct Lacks {
     /// Damaged stretches, blocks and messages, see [`Reader::damage`].
     pub damage: Vec<String>,
-    /// How far the input was read, whose end is missing; nobody knows how much.
+    /// The end is missing, and nobody knows how much: the writer was stopped, or the copy ended early.
     pub cut_off: Option<String>,
     /// Lines of a log that are no frames, and frames that were lost during recording.
     pub left_out: Option<String>,
@@ -259,43 +259,18 @@ impl Reader {
 
     /// Missing and damaged contents: the damage found up to now, and the cut end.
     pub fn lacks(&self) -> Lacks {
-        let is_cut = |part: &&Part| !part.scan.complete && !self.is_being_written();
-        let cut: Vec<_> = self.parts.iter().filter(is_cut).collect();
-        let words = cut.iter().map(|part| self.cut_words(part));
+        let is_cut = !self.is_complete() && !self.is_being_written();
         Lacks {
             damage: self.damage(),
-            cut_off: (!cut.is_empty()).then(|| words.collect::<Vec<_>>().join("; ")),
+            cut_off: is_cut.then(|| {
+                format!(
+                    "{}: it was cut off; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
+                    self.files().next().unwrap_or(Path::new("")).display(),
+                    self.lost_bytes()
+                )
+            }),
             ..Lacks::default()
         }
-    }
-
-    /// How far a part was read that was cut off, in the time of the recording.
-    fn cut_words(&self, part: &Part) -> String {
-        let times = |part: &Part| {
-            let chunks = part
-                .scan
-                .chunks
-                .iter()
-                .map(|c| (c.head.start_time, c.head.end_time));
-            // A chunk without messages has no times.
-            chunks.filter(|times| *times != (0, 0)).collect::<Vec<_>>()
-        };
-        let begin = self
-            .parts
-            .iter()
-            .flat_map(times)
-            .map(|(start, _)| start)
-            .min();
-        let end = times(part).into_iter().map(|(_, end)| end).max();
-        let read = begin.zip(end).map_or_else(
-            || "before its first block".to_owned(),
-            |(begin, end)| format!("after {:.1} s", end.saturating_sub(begin) as f64 / 1e9),
-        );
-        format!(
-            "{}: it was cut off {read}; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
-            part.path.display(),
-            part.scan.lost_bytes
-        )
     }
 
     /// Names of the recorded channels, in alphabetical order.

@@ -37,9 +37,8 @@ pub(crate) struct Message {
 /// The head of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ChunkHead {
-    /// Times of its first and last message [ns].
+    /// Time of its first message [ns].
     pub start_time: u64,
-    pub end_time: u64,
     /// Bytes when unpacked.
     pub unpacked: u64,
     /// Check sum of the unpacked bytes, 0 for none.
@@ -106,7 +105,7 @@ pub(crate) fn metadata(mut body: &[u8]) -> Option<(String, BTreeMap<String, Stri
 pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
     let mut rest = body;
     let b = &mut rest;
-    let (start_time, end_time) = (u64(b)?, u64(b)?);
+    let (start_time, _) = (u64(b)?, u64(b)?);
     let (unpacked, crc) = (u64(b)?, u32(b)?);
     let packing = match block(b)? {
         b"lz4" => Packing::Lz4,
@@ -117,7 +116,6 @@ pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
     let packed = u64(b)?;
     Some(ChunkHead {
         start_time,
-        end_time,
         unpacked,
         crc,
         packing,
