@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::table::Table;
-use common::{both, run, run_ok, says, words};
+use common::{both, run, run_ok, words};
 use messages::channels::LOADER_LOADS;
 use messages::{LoaderLoads, SIMULATED, loads_bits};
 use recording::Reader;
@@ -493,7 +493,12 @@ fn where_a_jump_ends_the_weighing_the_sum_says_from_when_on_and_why() {
     // A run on it says so at its end.
     let run_it = words("run excavator --pace max --no-report --quiet --input");
     let output = run(&[&run_it[..], &[&table, "--out", &out]].concat());
-    says(&output, "because a joint angle has jumped: loads may be");
+    let said = both(&output);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("because a joint angle has jumped: loads may be missing"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -115,7 +115,9 @@ fn is_known(sql: &Connection, args: &QueryArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let place = [("--site", &args.site), ("--machine", &args.machine)];
-    let place = place.iter().filter_map(|(option, name)| Some(format!("{option} {}", name.as_ref()?)));
+    let place = place
+        .iter()
+        .filter_map(|(option, name)| Some(format!("{option} {}", name.as_ref()?)));
     Err(error(
         "the history has no such machine",
         place.collect::<Vec<_>>().join(" "),
