@@ -65,7 +65,8 @@ fn leave_out<S: Sensors>(sample: &mut S, measured: &[Measured]) -> usize {
 /// Refuses rows so far apart that the motion between them is unknown.
 fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), Failure> {
     let times: Vec<f64> = samples.iter().map(|s| s.stamp().time).collect();
-    let Some(step) = recording::usual_step(&times).filter(|step| *step > FARTHEST) else {
+    let is_far = |step: &f64| *step > FARTHEST && *step < DATABLE;
+    let Some(step) = recording::usual_step(&times).filter(is_far) else {
         return Ok(());
     };
     let unit = recording::time_unit(&times, rate).map_or("ms", |(_, unit)| unit);
