@@ -176,7 +176,8 @@ fn of_a_recording_that_was_cut_off_every_command_says_how_far_it_was_read() {
     let at = |name: &str| path(&folder.path().join(name)).to_owned();
     record(folder.path(), &["--no-report"]);
     let bytes = std::fs::read(at("run.mcap")).expect("a recording");
-    std::fs::write(at("cut.mcap"), &bytes[..bytes.len() / 2]).expect("writable");
+    // Within the index at its end: all samples are there.
+    std::fs::write(at("cut.mcap"), &bytes[..bytes.len() - 40]).expect("writable");
     let (cut, again) = (at("cut.mcap"), at("whole.mcap"));
     let calls: [&[&str]; 6] = [
         &["estimate", &cut, "-o", &at("estimates.csv")],
