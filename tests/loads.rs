@@ -490,6 +490,15 @@ fn where_a_jump_ends_the_weighing_the_sum_says_from_when_on_and_why() {
     assert_eq!(outage["to_the_end"], true, "{outage}");
     let page = std::fs::read_to_string(&page).expect("a page");
     assert!(page.contains("loads may be missing in the sum"), "{page}");
+    // A run on it says so at its end.
+    let run_it = words("run excavator --pace max --no-report --quiet --input");
+    let output = run(&[&run_it[..], &[&table, "--out", &out]].concat());
+    let said = both(&output);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("because a joint angle has jumped: loads may be missing"),
+        "{said}"
+    );
 }
 
 #[test]

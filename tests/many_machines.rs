@@ -419,7 +419,7 @@ fn what_cannot_be_served_is_said() {
     let output = run(&["serve", "excavator", path]);
     let said = both(&output).replace(path, "IN");
     for words in [
-        "1 machines, 3 samples",
+        "1 machine, 3 samples",
         "line 3 of IN is the header once more",
         "line 5 of IN belongs to another table",
         "line 6 of IN belongs to another table",

@@ -171,6 +171,36 @@ fn after_a_power_cut_the_parts_of_a_restarted_logger_are_read_as_one() {
 }
 
 #[test]
+fn of_a_recording_that_was_cut_off_every_command_says_how_far_it_was_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| path(&folder.path().join(name)).to_owned();
+    record(folder.path(), &["--no-report"]);
+    let bytes = std::fs::read(at("run.mcap")).expect("a recording");
+    // Within the index at its end: all samples are there.
+    std::fs::write(at("cut.mcap"), &bytes[..bytes.len() - 40]).expect("writable");
+    let (cut, again) = (at("cut.mcap"), at("whole.mcap"));
+    let calls: [&[&str]; 6] = [
+        &["estimate", &cut, "-o", &at("estimates.csv")],
+        &["loads", &cut],
+        &["report", &cut],
+        &["report", "--each", &cut],
+        &["export", &cut, "-o", &at("tables")],
+        &["replay", &cut],
+    ];
+    for call in calls {
+        let output = run(call);
+        assert_eq!(output.status.code(), Some(1), "{call:?}: {}", both(&output));
+        says(
+            &output,
+            "the end of the input is missing; what is before it was read, up to t = ",
+        );
+        says(&output, "cut.mcap: it was cut off");
+    }
+    run_ok(&["recover", &cut, "-o", &again]);
+    run_ok(&["replay", &again, "--verify"]);
+}
+
+#[test]
 fn nothing_is_written_over_what_is_read_or_over_a_foreign_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
@@ -220,6 +250,8 @@ fn nothing_is_written_over_what_is_read_or_over_a_foreign_file() {
         let output = run(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", both(&output));
     }
+    let output = run(&["export", path(&mcap), "-o", path(&csv)]);
+    says(&output, "name a folder, not a file");
     let after = [std::fs::read(&csv), std::fs::read(&mcap)].map(|b| b.expect("there"));
     assert!(before == after);
     // An earlier result of the same kind is replaced.

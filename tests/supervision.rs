@@ -131,6 +131,21 @@ fn a_logger_that_dies_while_the_run_ends_is_reported_and_its_recording_can_be_re
 }
 
 #[test]
+fn a_recording_that_was_removed_meanwhile_is_not_listed() {
+    let running = cycle("gone", "60");
+    std::fs::remove_dir_all(running.folder.path()).expect("removed");
+    running.signal(Signal::TERM);
+    let (output, _folder) = running.wait();
+    let text = both(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    says(&output, "the recording is incomplete");
+    assert!(
+        !text.contains("  recording  ") && !text.contains("in parts"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_terminal_that_hangs_up_ends_a_run_in_order() {
     let running = cycle("hup", "60");
     std::thread::sleep(Duration::from_millis(500));

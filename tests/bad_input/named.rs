@@ -834,6 +834,20 @@ fn a_map_elsewhere_finds_the_dbc_file() {
         "out.csv",
     ]);
     assert!(said.contains("estimates in out.csv"), "{said}");
+    // The logger was switched off within a frame.
+    let mut log = fs::OpenOptions::new()
+        .append(true)
+        .open(dir.path().join("day.log"))
+        .expect("a log");
+    std::io::Write::write_all(&mut log, b"(200.0) can0 1").expect("writable");
+    for words in ["estimate -o out.csv", "loads"] {
+        let mut cut = heft();
+        cut.args(words.split(' '))
+            .args("--machine excavator --map maps/day.toml day.log".split(' '));
+        let output = cut.current_dir(&dir).output().expect("heft");
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        says(&output, "day.log:201: the last line was cut off");
+    }
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use std::ffi::OsString;
 use std::fmt::Display;
-use std::net::SocketAddr;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -81,29 +80,6 @@ pub fn kilograms(text: &str) -> Result<f64, String> {
     let number = number.trim().parse::<f64>();
     let number = number.map_err(|_| "write it in kg, such as 300, 300kg or 0.3t")?;
     Ok(number * factor)
-}
-
-/// Address of the live page: an address with its port, or one of both. A port alone and `localhost` mean this computer.
-pub fn address(text: &str) -> Result<SocketAddr, String> {
-    let default: SocketAddr = view::live::DEFAULT_ADDRESS
-        .parse()
-        .map_err(|_| "no default")?;
-    let port = ["", ":", "localhost:"]
-        .into_iter()
-        .find_map(|before| text.strip_prefix(before)?.parse().ok());
-    let of_port = port.map(|port| SocketAddr::new(default.ip(), port));
-    let host = || {
-        text.parse()
-            .map(|host| SocketAddr::new(host, default.port()))
-    };
-    let found = text.parse().ok().or(of_port).or_else(|| host().ok());
-    let found = found.or_else(|| (text == "localhost").then_some(default));
-    found.ok_or_else(|| {
-        format!(
-            "write it like {default}, or a port alone; 0.0.0.0:{} is for all computers",
-            default.port()
-        )
-    })
 }
 
 /// The number before `t` or `kg`, and the unit in kilograms.
@@ -353,29 +329,6 @@ mod tests {
         // The message for a text that is no number does not state the range.
         assert!(tonnes("21,5t").is_err_and(|e| e.contains("like 21.5t")));
         assert!(tonnes("5000t").is_err_and(|e| e.contains("to 1000t")));
-    }
-
-    #[test]
-    fn an_address_may_be_a_port_or_a_host() {
-        for (text, meant) in [
-            ("127.0.0.1:8441", "127.0.0.1:8441"),
-            ("[::1]:8441", "[::1]:8441"),
-            ("8441", "127.0.0.1:8441"),
-            (":8441", "127.0.0.1:8441"),
-            ("localhost:8441", "127.0.0.1:8441"),
-            ("localhost", "127.0.0.1:8440"),
-            ("0.0.0.0", "0.0.0.0:8440"),
-            ("::1", "[::1]:8440"),
-        ] {
-            let said = address(text).map(|address| address.to_string());
-            assert_eq!(said, Ok(meant.to_owned()), "{text}");
-        }
-        for text in ["", "8440x", "127.0.0.1:99999", "http://localhost:8440"] {
-            assert!(
-                address(text).is_err_and(|e| e.contains("127.0.0.1:8440")),
-                "{text}"
-            );
-        }
     }
 
     #[test]

@@ -307,18 +307,20 @@ impl<L: Look> Doubts<L> {
     }
 
     /// Fails on a certain error: damaged data, times in another unit, gaps, many refused rows, too large values, another machine;
-    /// without any, on a table whose end is missing.
+    /// without any, on an input whose end is missing.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
-        parts::tell_lacks(lacks)?;
+        lacks.remarks().for_each(|remark| eprintln!("{remark}"));
+        parts::is_undamaged(lacks)?;
         let fault = time_fault(&self.times, self.rate)
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
             .or_else(|| self.often_too_large());
         let Some(fault) = fault else {
-            return parts::is_torn(lacks);
+            let time = |sample: &L::Sensors| Some(sample.stamp().time).filter(|t| t.is_finite());
+            return parts::has_end(lacks, || self.before.as_ref().and_then(time));
         };
-        lacks.torn.iter().for_each(|torn| eprintln!("{torn}"));
+        lacks.cut_off.iter().for_each(|cut| eprintln!("{cut}"));
         Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
     }
 }

@@ -81,10 +81,21 @@ impl Failure {
 
     /// A folder could not be made.
     pub fn folder(path: &Path, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind::{AlreadyExists, NotADirectory};
+        let (what, remedy) = match error.kind() {
+            AlreadyExists | NotADirectory => (
+                "a file has this name".to_owned(),
+                "name a folder, not a file",
+            ),
+            _ => (
+                error.to_string(),
+                "check the path, the permissions and the free space",
+            ),
+        };
         Self::input(
-            format!("cannot make the folder: {error}"),
+            format!("cannot make the folder: {what}"),
             path.display(),
-            "check the path, the permissions and the free space",
+            remedy,
         )
     }
 

@@ -138,7 +138,7 @@ impl Fault {
 }
 
 /// A number with its noun.
-fn counted(number: u64, one: &str, more: &str) -> String {
+pub fn counted(number: u64, one: &str, more: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { more })
 }
 

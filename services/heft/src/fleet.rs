@@ -5,7 +5,7 @@
 
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::notify::Notify;
 
+/// Exit status of a gateway that cannot use what it was given.
+const WRONG_USE: i32 = 2;
 /// First pause before a gateway that died is started again; it doubles.
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
@@ -139,7 +141,8 @@ pub struct Gateway {
     domain: String,
     child: Option<Child>,
     started: Instant,
-    pause: Duration,
+    /// Pause before its next start; none where another start does not help.
+    pause: Option<Duration>,
 }
 
 impl Gateway {
@@ -150,7 +153,7 @@ impl Gateway {
             domain: domain.name().to_owned(),
             child: None,
             started: Instant::now(),
-            pause: FIRST_PAUSE,
+            pause: Some(FIRST_PAUSE),
         };
         gateway.spawn();
         gateway
@@ -181,16 +184,30 @@ impl Gateway {
                 return;
             };
             self.child = None;
-            self.pause = if self.started.elapsed() > LONG_LIFE {
-                FIRST_PAUSE
-            } else {
-                (self.pause * 2).min(LONGEST_PAUSE)
-            };
-            tracing::warn!(%status, "the gateway to the fleet ended; it is started again");
-            self.started = Instant::now();
-        } else if self.started.elapsed() >= self.pause {
+            self.plan_restart(status);
+        } else if self
+            .pause
+            .is_some_and(|pause| self.started.elapsed() >= pause)
+        {
             self.spawn();
         }
+    }
+
+    fn plan_restart(&mut self, status: ExitStatus) {
+        if status.code() == Some(WRONG_USE) {
+            self.pause = None;
+            tracing::error!(
+                "the gateway to the fleet cannot use what it was given; the run goes on without it"
+            );
+            return;
+        }
+        let longer = |pause: Duration| (pause * 2).min(LONGEST_PAUSE);
+        self.pause = match self.started.elapsed() > LONG_LIFE {
+            true => Some(FIRST_PAUSE),
+            false => self.pause.map(longer),
+        };
+        tracing::warn!(%status, "the gateway to the fleet ended; it is started again");
+        self.started = Instant::now();
     }
 
     /// Reports the failure of the run to the gateway, before the domain ends.
@@ -217,7 +234,30 @@ impl Gateway {
 
 #[cfg(test)]
 mod tests {
+    use std::os::unix::process::ExitStatusExt;
+
     use super::*;
+
+    #[test]
+    fn a_gateway_that_dies_is_started_again_but_not_one_that_was_given_nonsense() {
+        let mut gateway = Gateway {
+            fleet: Fleet {
+                program: "/nowhere".into(),
+                arguments: Vec::new(),
+            },
+            domain: String::new(),
+            child: None,
+            started: Instant::now(),
+            pause: Some(FIRST_PAUSE),
+        };
+        // A signal, and status 1.
+        for status in [9, 1 << 8] {
+            gateway.plan_restart(ExitStatus::from_raw(status));
+        }
+        assert_eq!(gateway.pause, Some(4 * FIRST_PAUSE));
+        gateway.plan_restart(ExitStatus::from_raw(2 << 8));
+        assert_eq!(gateway.pause, None);
+    }
 
     #[test]
     fn an_address_names_its_protocol() {

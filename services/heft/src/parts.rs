@@ -29,8 +29,6 @@ pub fn open(path: &Path) -> Result<Reader, Failure> {
     }
     if reader.is_being_written() {
         eprintln!("{}: it is being written; read up to here", path.display());
-    } else {
-        tell_cut(&reader.lacks());
     }
     reader.on_progress(progress());
     Ok(reader)
@@ -92,42 +90,42 @@ pub fn envelopes<'a>(
     channel.payload.visit(Read(reader, channel.name))
 }
 
-/// Notes that a recording ends early, or that a log holds foreign lines. A killed run leaves such a recording, and reading it is no
-/// error.
-fn tell_cut(lacks: &Lacks) {
-    for remark in lacks.remarks() {
-        eprintln!("{remark}");
-    }
+/// After a recording was read: an error that names the damage in it, or its missing end.
+pub fn is_whole(reader: &Reader) -> Result<(), Failure> {
+    let lacks = reader.lacks();
+    is_undamaged(&lacks)?;
+    has_end(&lacks, || last_time(reader))
 }
 
-/// After a recording was read: an error that names the damage in it, if any.
-pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
-    damaged(&reader.damage())
+/// Time of the last sample \[s\].
+fn last_time(reader: &Reader) -> Option<f64> {
+    let sensors = messages::channels::all().filter(|c| c.payload.carries() == Carries::Sensors);
+    let times = sensors.filter_map(|channel| envelopes(reader, channel).ok());
+    let times = times.flat_map(|samples| samples.map(|sample| sample.stamp().time));
+    times.filter(|time| time.is_finite()).reduce(f64::max)
 }
 
-/// After the samples of a file were read: notes that it ends early; an error that names the damage, if any.
-pub fn tell_lacks(lacks: &Lacks) -> Result<(), Failure> {
-    tell_cut(lacks);
-    damaged(&lacks.damage)
-}
-
-/// An error that says where a table ends too early.
-pub fn is_torn(lacks: &Lacks) -> Result<(), Failure> {
-    lacks.torn.as_ref().map_or(Ok(()), |torn| {
-        Err(Failure::answer_is_no(format!(
-            "the end of the table is missing; what is before it was read\n  where: {torn}\n  \
-             what to do: copy the file from the logger again; if it ends there too, the logger wrote no more"
-        )))
-    })
-}
-
-fn damaged(damage: &[String]) -> Result<(), Failure> {
-    if damage.is_empty() {
+/// An error that names the damage of an input, and its missing end.
+pub fn is_undamaged(lacks: &Lacks) -> Result<(), Failure> {
+    if lacks.damage.is_empty() {
         return Ok(());
     }
+    let places: Vec<_> = lacks.damage.iter().chain(&lacks.cut_off).cloned().collect();
     Err(Failure::answer_is_no(format!(
         "the recording is damaged; everything else in it was read\n  where: {}\n  what to do: `heft recover` writes a copy of what is whole",
-        damage.join("\n         ")
+        places.join("\n         ")
+    )))
+}
+
+/// An error that says where an input ends too early: a logger was switched off, or a run was killed. `last`: time of the last row.
+pub fn has_end(lacks: &Lacks, last: impl FnOnce() -> Option<f64>) -> Result<(), Failure> {
+    let Some(cut) = &lacks.cut_off else {
+        return Ok(());
+    };
+    let read = last().map_or(String::new(), |time| format!(", up to t = {time:.2} s"));
+    Err(Failure::answer_is_no(format!(
+        "the end of the input is missing; what is before it was read{read}\n  where: {cut}\n  \
+         what to do: copy the file again; if it ends there too, its writer wrote no more"
     )))
 }
 
@@ -162,7 +160,8 @@ impl Drop for Reserved {
 
 /// At the end of a run: joins a recording in parts. Parts that cannot be joined are still read as one.
 pub fn finish(recording: &Path, group: Option<u32>) -> Result<(), Failure> {
-    if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
+    // Nothing was written, or it was removed, which the logger reports.
+    if fs::metadata(recording).map_or(!recording::exists(recording), |m| m.len() == 0) {
         return Ok(());
     }
     join(recording)?;

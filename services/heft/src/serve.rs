@@ -32,6 +32,7 @@ pub use self::until_signal::UntilSignal;
 use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
+use crate::fault::counted;
 
 /// Name of the column with the machine of a row.
 pub const NAME: &str = "machine";
@@ -128,14 +129,17 @@ pub fn route<L: Look>(
     // A name of which every line was left out is not counted as a machine.
     let members = rows.finish()?;
     let machines = members.values().filter(|member| member.rows > 0).count();
+    let machines = counted(machines as u64, "machine", "machines");
+    let processes = counted(shards as u64, "process", "processes");
     let seconds = began.elapsed().as_secs_f64();
     let parts = match form {
         Form::Table => "lines",
         Form::Messages => "messages",
     };
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {shards} processes; {left_out} {parts} left out, {} processes replaced",
-        served.replaced
+        "{machines}, {} in {seconds:.1} s by {processes}; {left_out} {parts} left out, {} replaced",
+        counted(samples, "sample", "samples"),
+        counted(served.replaced.into(), "process", "processes")
     );
     if served.refused > 0 {
         eprintln!(

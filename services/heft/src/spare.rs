@@ -18,6 +18,9 @@ const NEEDED_WITH_THREADS: u64 = 512;
 /// less the allocator ends the process during a run.
 const ADDRESSES_WITH_THREADS: u64 = 1200 << 20;
 
+/// Size of the largest file of a run in shared memory, with a margin: more than 1500 and less than 2000 kB were counted.
+const FILE_BYTES: u64 = 2 << 20;
+
 /// Descriptors in reserve.
 #[derive(Default)]
 pub struct Spare(Vec<File>);
@@ -47,7 +50,24 @@ pub fn check_limit(threads: bool) -> Result<(), Failure> {
             "the limits of this shell or unit",
             "ulimit -n 4096, or LimitNOFILE=4096 in the systemd unit",
         )),
-        _ => check_addresses(getrlimit(Resource::As).current.filter(|_| threads)),
+        _ => check_addresses(getrlimit(Resource::As).current.filter(|_| threads))
+            .and_then(|()| check_file_size(getrlimit(Resource::Fsize).current)),
+    }
+}
+
+/// Checks that a file may have the size of a channel in shared memory.
+fn check_file_size(limit: Option<u64>) -> Result<(), Failure> {
+    match limit {
+        Some(limit) if limit < FILE_BYTES => Err(Failure::input(
+            format!(
+                "files of {} KiB are permitted, a channel in shared memory needs {}",
+                limit >> 10,
+                FILE_BYTES >> 10
+            ),
+            "the limits of this shell or unit",
+            "ulimit -f unlimited, or LimitFSIZE=infinity in the systemd unit",
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -78,6 +98,18 @@ mod tests {
         let error = check_addresses(Some(300 << 20)).expect_err("too little");
         assert!(
             error.to_string().contains("300 MiB of address space"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_limit_of_files_that_shared_memory_exceeds_is_named() {
+        assert!(check_file_size(None).is_ok());
+        assert!(check_file_size(Some(1 << 30)).is_ok());
+        let error = check_file_size(Some(100 << 10)).expect_err("too little");
+        let words = ["files of 100 KiB", "ulimit -f unlimited"];
+        assert!(
+            words.iter().all(|w| error.to_string().contains(w)),
             "{error}"
         );
     }

@@ -9,6 +9,7 @@
 //! accepted, and unknown fields are ignored. Its last line is the checksum of all lines before it.
 
 mod file;
+mod lock;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -49,6 +50,8 @@ pub struct Memory {
     written: Instant,
     /// Why the last write failed. Reported once until a write succeeds again.
     failed: Option<String>,
+    /// The file, locked for this run; none before the first write.
+    lock: Option<fs::File>,
 }
 
 impl Memory {
@@ -70,6 +73,7 @@ impl Memory {
         };
         let place = file.display();
         is_no_link(file)?;
+        let lock = lock::taken(file)?;
         let (state, line) = match read(file, description, methods) {
             Ok(Some(parameters)) => {
                 let said = restore(&parameters, since_1970().as_secs(), description);
@@ -98,7 +102,7 @@ impl Memory {
                 ));
             }
         };
-        let memory = Self {
+        let mut memory = Self {
             machine: description.machine(),
             channel: Pipeline::of(description.machine())
                 .main_output()
@@ -107,6 +111,8 @@ impl Memory {
             state,
             written: Instant::now(),
             failed: None,
+            // Without a file to lock, the first write refuses one that another run has made meanwhile.
+            lock: lock.filter(|_| file.exists()),
         };
         // A file that cannot be written is reported before the run, not after it.
         memory.write()?;
@@ -154,7 +160,7 @@ impl Memory {
     }
 
     /// Writes atomically: at every moment the file holds the old state or the new one.
-    fn write(&self) -> Result<(), Failure> {
+    fn write(&mut self) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&self.state).map_err(Failure::internal)?;
         let text = sealed(text.trim_end_matches("\n}"));
         let new = self
@@ -173,12 +179,23 @@ impl Memory {
             };
             file.write_all(text.as_bytes())?;
             file.sync_all()?;
-            fs::rename(&new, &self.file)
+            // Before others see it.
+            lock::lock(&file)?;
+            match self.lock {
+                Some(_) => fs::rename(&new, &self.file)?,
+                None => lock::rename_to_new(&new, &self.file)?,
+            }
+            Ok(file)
         })();
-        written.map_err(|e| {
+        let file = written.map_err(|e: io::Error| {
             let _ = fs::remove_file(&new); // the error that is returned matters more
-            Failure::file("write", &self.file, &e)
-        })
+            match e.kind() {
+                io::ErrorKind::AlreadyExists => lock::in_use(&self.file),
+                _ => Failure::file("write", &self.file, &e),
+            }
+        })?;
+        self.lock = Some(file);
+        Ok(())
     }
 }
 
@@ -289,6 +306,7 @@ mod tests {
             text.contains("prior.cg_ratio") && !text.contains("cg_height"),
             "{text}"
         );
+        drop(memory);
         let mut next = loader();
         let (_, said) = Memory::open(&file, &mut next, &methods).unwrap();
         assert!(said.contains("restored slip_stiffness 24"), "{said}");
@@ -306,6 +324,36 @@ mod tests {
         // The same description again: restored values do not count as a change of it.
         let (_, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
         assert!(said.contains("restored"), "{said}");
+    }
+
+    #[test]
+    fn of_two_runs_with_one_state_the_second_is_refused_until_the_first_has_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let open = || Memory::open(&file, &mut loader(), &BTreeMap::new());
+        let (mut first, _) = open().unwrap();
+        for _ in 0..2 {
+            let said = open().expect_err("refused").to_string();
+            assert!(said.starts_with("another run uses this state"), "{said}");
+            // Each write is a new file.
+            first.save();
+            assert_eq!(first.failed(), None);
+        }
+        drop(first);
+        let (mut second, said) = open().unwrap();
+        assert!(!said.contains("not used"), "{said}");
+        // Two that start at once see no file both.
+        fs::remove_file(&file).unwrap();
+        let (_third, _) = open().unwrap();
+        second.lock = None;
+        second.save();
+        assert!(
+            second
+                .failed()
+                .is_some_and(|why| why.starts_with("another run"))
+        );
+        let left = fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(left, 1, "the state alone");
     }
 
     #[test]

@@ -98,8 +98,10 @@ pub fn text(
         }
         line(watch.fault_words(&fault));
     }
-    // Paths are not wrapped: users copy them.
-    let _ = writeln!(out, "  recording  {}", shown(recording));
+    // Paths are not wrapped: users copy them. The folder may have been removed meanwhile.
+    if recording::exists(recording) {
+        let _ = writeln!(out, "  recording  {}", shown(recording));
+    }
     if let Some(report) = report {
         let _ = writeln!(out, "  report     {}", shown(report));
     }

@@ -18,10 +18,8 @@ pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     let rows = samples.rows()?.collect();
     samples.check()?;
     let lacks = samples.lacks();
-    if samples.recording().is_none() {
-        let remarks = lacks.remarks().chain(lacks.torn.as_deref());
-        remarks.for_each(|lack| tracing::warn!("{lack}"));
-    }
+    let remarks = lacks.remarks().chain(lacks.cut_off.as_deref());
+    remarks.for_each(|lack| tracing::warn!("{lack}"));
     let damage = lacks.damage;
     if !damage.is_empty() {
         return Err(Error::new(
@@ -183,7 +181,7 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
             let row = rows.row()?;
             if row.is_none() {
                 let mut found = found.borrow_mut();
-                found.torn = rows.cut_off().map(str::to_owned);
+                found.cut_off = rows.cut_off().map(str::to_owned);
                 found.empty = rows.empty();
             }
             Ok(row.map(|row| (row, rows.read())))

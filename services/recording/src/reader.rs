@@ -1,6 +1,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt;
+use std::io::Read as _;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +9,7 @@ use mcap::records::op;
 use messages::{Machine, Message, NumberType, Value};
 
 use crate::file::Bytes;
+use crate::packed::GZIP;
 use crate::parts::{self, JOINED, PART};
 use crate::record;
 use crate::scan::{Damage, Scan, Unpacked};
@@ -21,6 +23,25 @@ const OF_A_RUN: [&str; 3] = ["run", "machine", "description.sha256"];
 
 fn left_out(file: &Path, why: &str) -> String {
     format!("{}: it {why}, and is left out", file.display())
+}
+
+/// The error of a file that is no recording, as its first bytes say.
+fn no_recording(path: &Path) -> Error {
+    let mut head = Vec::new();
+    let opened = crate::file::open(path);
+    let read = opened.and_then(|file| file.take(GZIP.len() as u64).read_to_end(&mut head));
+    let (what, remedy) = match head.as_slice() {
+        [] if read.is_ok() => (
+            "the file is empty",
+            "take another copy of it; a run that was killed at once has recorded nothing",
+        ),
+        head if head == GZIP => ("this is a packed file", "unpack it: gunzip FILE"),
+        _ => (
+            "this is no MCAP recording",
+            "name a recording of heft (.mcap); tables and CAN logs go through `heft estimate`",
+        ),
+    };
+    Error::new(what, path.display().to_string(), remedy)
 }
 
 /// Reads an MCAP recording with all of its parts, also one that is cut off or still being written:
@@ -40,10 +61,8 @@ pub struct Reader {
 pub struct Lacks {
     /// Damaged stretches, blocks and messages, see [`Reader::damage`].
     pub damage: Vec<String>,
-    /// The end is missing: the writer was stopped before it closed the file.
+    /// The end is missing, and nobody knows how much: the writer was stopped, or the copy ended early.
     pub cut_off: Option<String>,
-    /// A table ends within a row, or within its packed bytes; nobody knows how much is missing.
-    pub torn: Option<String>,
     /// Lines of a log that are no frames, and frames that were lost during recording.
     pub left_out: Option<String>,
     /// Columns of a table without a value in any row.
@@ -57,15 +76,13 @@ impl Lacks {
         damage
             .chain(self.left_out.as_deref())
             .chain(self.cut_off.as_deref())
-            .chain(self.torn.as_deref())
             .collect()
     }
 
     /// The entries that leave no doubt about the rest.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         let empty = self.empty.iter().map(String::as_str);
-        let others = [&self.left_out, &self.cut_off];
-        empty.chain(others.into_iter().filter_map(Option::as_deref))
+        empty.chain(self.left_out.as_deref())
     }
 }
 
@@ -128,11 +145,7 @@ impl Reader {
             }
         }
         if parts.is_empty() {
-            return Err(Error::new(
-                "this is no MCAP recording",
-                path.display().to_string(),
-                "name a recording of heft (.mcap); tables and CAN logs go through `heft estimate`",
-            ));
+            return Err(no_recording(path));
         }
         let joined: Vec<String> = parts
             .iter()

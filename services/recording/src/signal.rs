@@ -143,15 +143,16 @@ pub(crate) struct Builder<S: Sensors> {
     /// Rows that were not taken yet.
     rows: VecDeque<Row<S>>,
     count: u64,
-    /// Bits of the signals of the source, once they are settled.
+    /// Bits of the signals of the source, once they are settled; until then, those that had a value.
     columns: Option<u32>,
+    seen: u32,
     /// Time of the first row that has one.
     start: Option<f64>,
 }
 
 impl<S: Sensors> Builder<S> {
     /// For rows with the values of these signals, in this order. The signals that the source really has are
-    /// settled by the first second.
+    /// settled by the first second, or as soon as each had a value.
     pub(crate) fn new<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
         Self {
             slots: signals.into_iter().map(|s| s.slot).collect(),
@@ -161,6 +162,7 @@ impl<S: Sensors> Builder<S> {
             rows: VecDeque::new(),
             count: 0,
             columns: None,
+            seen: 0,
             start: None,
         }
     }
@@ -215,7 +217,7 @@ impl<S: Sensors> Builder<S> {
         *truth.stamp_mut() = *sensors.stamp();
         set(&mut sensors, self.valid, valid);
         set(&mut truth, self.known, known);
-        self.settle(sensors.stamp().time);
+        self.settle(sensors.stamp().time, valid);
         if let Some(columns) = self.columns {
             set(&mut sensors, self.has, columns);
         }
@@ -235,8 +237,8 @@ impl<S: Sensors> Builder<S> {
         }
     }
 
-    /// Settles the columns at the first row after a second.
-    fn settle(&mut self, time: f64) {
+    /// Settles the columns at the first row after a second, and before if no later row can change them.
+    fn settle(&mut self, time: f64, valid: u32) {
         if self.columns.is_some() {
             return;
         }
@@ -244,15 +246,18 @@ impl<S: Sensors> Builder<S> {
             || self.rows.len() >= MOST_UNSETTLED
         {
             self.settle_now();
+            return;
+        }
+        self.seen |= valid;
+        if self.header() & S::OPTIONAL & !self.seen == 0 {
+            self.settle_now();
         }
     }
 
     /// The columns with a value up to now, and those that need none.
     fn settle_now(&mut self) {
-        let seen = |bits, (sensors, _): &Row<S>| bits | sensors.bits_of("valid");
-        let early = self.rows.iter().fold(0, seen);
         let header = self.header();
-        let mut columns = header & (!S::OPTIONAL | early);
+        let mut columns = header & (!S::OPTIONAL | self.seen);
         if columns & S::ONE_OF == 0 {
             columns |= header & S::ONE_OF;
         }
@@ -273,6 +278,24 @@ fn set<M: Message>(message: &mut M, field: Option<usize>, bits: u32) {
 mod tests {
     use super::*;
     use messages::{ExcavatorSensors, LoaderSensors, excavator_bits, loader_bits};
+
+    #[test]
+    fn rows_wait_for_a_second_only_if_a_column_has_no_value_yet() {
+        let all = signals::<ExcavatorSensors>();
+        let named = |name: &str| all.iter().find(|s| s.name == name).expect("a signal");
+        let names = ["t", "swing_velocity", "boom_angle"];
+        let mut rows = Builder::<ExcavatorSensors>::new(names.map(named));
+        rows.push(&[0.0, 0.1, f64::NAN], 0);
+        assert!(rows.next().is_none(), "the boom may have an angle yet");
+        rows.push(&[0.01, 0.1, 0.5], 0);
+        let first = rows.next().expect("a row").0;
+        assert_ne!(first.columns & excavator_bits::BOOM_ANGLE, 0);
+        let mut rows = Builder::<ExcavatorSensors>::new(names.map(named));
+        rows.push(&[0.0, 0.1, f64::NAN], 0);
+        rows.push(&[1.0, 0.1, 0.5], 0);
+        let first = rows.next().expect("a row").0;
+        assert_eq!(first.columns & excavator_bits::BOOM_ANGLE, 0);
+    }
 
     #[test]
     fn the_bits_are_those_of_the_messages() {

@@ -418,6 +418,13 @@ fn what_cannot_be_opened_is_reported_in_three_lines() {
     std::fs::write(&text, "t,swing_velocity\n0,1\n").expect("writable");
     let error = Reader::open(&text).expect_err("not a recording");
     assert_eq!(error.what, "this is no MCAP recording");
+    for (bytes, what) in [
+        (&b""[..], "the file is empty"),
+        (b"\x1f\x8b\x08\x00", "this is a packed file"),
+    ] {
+        std::fs::write(&text, bytes).expect("writable");
+        assert_eq!(Reader::open(&text).expect_err("none").what, what);
+    }
     assert!(
         Writer::create(dir.path(), &Metadata::new()).is_err(),
         "a folder"

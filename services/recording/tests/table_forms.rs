@@ -181,7 +181,7 @@ fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_reports_it() {
     let count = samples.rows().expect("rows").count();
     samples.check().expect("no error");
     assert!((10..400).contains(&count), "{count}");
-    let said = samples.lacks().torn.unwrap_or_default();
+    let said = samples.lacks().cut_off.unwrap_or_default();
     assert!(said.contains("cut off"), "{said}");
     let map = recording::suggest(&path, &[], None).expect("a map").text;
     assert!(map.contains("swing_velocity = "), "{map}");

@@ -207,7 +207,7 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
         let samples = open::<ExcavatorSensors>(&path, None)?;
         let rows = samples.rows()?.count();
         samples.check()?;
-        Ok::<_, Error>((rows, samples.lacks().torn))
+        Ok::<_, Error>((rows, samples.lacks().cut_off))
     };
     let whole = "t,swing_velocity\n0,1\n1,2\n";
     assert_eq!(read(whole.as_bytes()).expect("rows"), (2, None));

@@ -332,7 +332,7 @@ impl LoadCounter {
         let dumped = events.load.filter(|load| load.dumped.is_some());
         self.outages.see(&Watched {
             time: row.time,
-            speed: row.speed,
+            moves: row.moves(),
             trusted: row.trusted,
             dumped: dumped.map(|load| load.number),
             fault,

@@ -4,6 +4,7 @@
 //! times a second and puts it into a ring. Each viewer reads the ring at its own pace; one that falls behind skips the oldest
 //! frames, which are counted. A stalled viewer costs a socket and 64 frames that all viewers share, nothing else.
 
+mod address;
 mod connections;
 mod frame;
 mod loads;
@@ -22,6 +23,7 @@ use messages::channels::Channel;
 
 use crate::monitor::Monitor;
 
+pub use address::address;
 pub use loads::SharedLoads;
 pub use server::{MAX_VIEWERS, Server, ServerThread, names_this_host, serve};
 

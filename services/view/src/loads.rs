@@ -114,28 +114,8 @@ impl Account {
 
     /// The times without a weighed load, and the remedies.
     pub fn outages(&self) -> impl Iterator<Item = String> {
-        self.outages.iter().map(|outage| self.outage(outage))
-    }
-
-    fn outage(&self, outage: &Outage) -> String {
-        let [from, to] = outage.longest.map(clock);
-        let until = if outage.lasts { "the end" } else { &to };
-        let time = format!(
-            "{:.0} s, {} % of the recording",
-            outage.seconds,
-            significant(100.0 * outage.seconds / self.seconds.max(outage.seconds), 2)
-        );
-        let when = match outage.stretches {
-            1 => format!("From {from} to {until} ({time}) no load was weighed"),
-            n => format!(
-                "In {n} stretches, the longest from {from} to {until} ({time} in all), no load was weighed"
-            ),
-        };
-        format!(
-            "{when}, because {}: loads may be missing in the sum. What to do: {}.",
-            outage_words(self.machine, outage),
-            outage_advice(self.machine, outage),
-        )
+        let line = |outage| outage_line(self.machine, self.seconds, outage);
+        self.outages.iter().map(line)
     }
 
     /// The longest outage, if all of them are more than a tenth of the recording: the sum is in doubt.
@@ -205,6 +185,34 @@ impl Account {
 
 /// The recording's time per time without a weighed load, below which the sum is in doubt.
 const OUTAGE_ONE_IN: f64 = 10.0;
+
+/// The times of a run without a weighed load up to now, and the remedies.
+pub fn outages(counter: &LoadCounter) -> Vec<String> {
+    let line = |outage| outage_line(counter.machine(), counter.seconds(), outage);
+    counter.outages().iter().map(line).collect()
+}
+
+/// An outage within rows of so many `seconds`, and its remedy.
+fn outage_line(machine: Machine, seconds: f64, outage: &Outage) -> String {
+    let [from, to] = outage.longest.map(clock);
+    let until = if outage.lasts { "the end" } else { &to };
+    let time = format!(
+        "{:.0} s, {} % of the recording",
+        outage.seconds,
+        significant(100.0 * outage.seconds / seconds.max(outage.seconds), 2)
+    );
+    let when = match outage.stretches {
+        1 => format!("From {from} to {until} ({time}) no load was weighed"),
+        n => format!(
+            "In {n} stretches, the longest from {from} to {until} ({time} in all), no load was weighed"
+        ),
+    };
+    format!(
+        "{when}, because {}: loads may be missing in the sum. What to do: {}.",
+        outage_words(machine, outage),
+        outage_advice(machine, outage),
+    )
+}
 
 /// Remedy for an outage.
 pub fn outage_advice(machine: Machine, outage: &Outage) -> &'static str {
@@ -359,6 +367,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
         "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
         "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
         "guessed": counter.guessed(),
+        "outages": outages(counter),
     })
 }
 

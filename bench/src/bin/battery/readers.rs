@@ -53,7 +53,7 @@ impl Attack for Readers {
             let (bytes, what) = original.damaged(damage, rng);
             let file = ground.folder().join("damaged.mcap");
             fs::write(&file, bytes).map_err(|e| e.to_string())?;
-            if let Err(why) = self.judge(&file, &original, damage, ground) {
+            if let Err(why) = self.judge(&file, &original, ground) {
                 outcome = Err(format!("{what}: {why}"));
             }
         }
@@ -71,13 +71,7 @@ impl Attack for Readers {
 }
 
 impl Readers {
-    fn judge(
-        &mut self,
-        file: &Path,
-        original: &Original,
-        damage: Damage,
-        ground: &Ground,
-    ) -> Result<(), String> {
+    fn judge(&mut self, file: &Path, original: &Original, ground: &Ground) -> Result<(), String> {
         let found = Reader::open(file)
             .map(|reader| rows(&reader))
             .unwrap_or_default();
@@ -101,7 +95,7 @@ impl Readers {
             let output = command.output().map_err(|e| e.to_string())?;
             self.read += 1;
             let lost = if needs_all { is_short } else { lacks_samples };
-            is_said(words, &output, lost, damage == Damage::Flip)?;
+            is_said(words, &output, lost, true)?;
             let _ = fs::remove_dir_all(ground.folder().join("read.export"));
         }
         let interpreter = std::env::var("HEFT_PYTHON").unwrap_or_else(|_| "python3".into());
@@ -120,7 +114,7 @@ impl Readers {
     }
 }
 
-/// Checks that a reader reported an incomplete result; after a flipped bit, a command must also set its status.
+/// Checks that a reader reported an incomplete result; a command must also set its status.
 fn is_said(reader: &str, output: &Output, lost: bool, costs_status: bool) -> Result<(), String> {
     let said = String::from_utf8_lossy(&output.stderr);
     if output.status.code().is_none_or(|code| code > 2) || said.contains("panicked") {

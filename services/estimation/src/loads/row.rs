@@ -92,7 +92,7 @@ const MOVING: f64 = 0.05;
 
 impl Row {
     /// Whether the machine swings or drives.
-    pub(super) fn moves(&self) -> bool {
+    pub fn moves(&self) -> bool {
         self.speed.abs() > MOVING
     }
 

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
     let gave_up = Arc::new(AtomicBool::new(false));
     let result = gateway::on_signal(&stop)
         .and_then(|()| gateway::on_hang_up(&gave_up))
+        .map_err(gateway::Failure::passing)
         .and_then(|()| run(&Cli::parse().args, &stop, &gave_up));
     gateway::exit("heft-gateway", result)
 }

@@ -73,8 +73,8 @@ pub struct CollectorArgs {
     /// The history (SQLite)
     #[arg(long, default_value = "fleet.sqlite", value_name = "FILE")]
     pub db: PathBuf,
-    /// Where the page is shown: an address of this host
-    #[arg(long, default_value = PAGE, value_name = "ADDR")]
+    /// Where the page is shown: an address of this host; a port alone will do
+    #[arg(long, default_value = PAGE, value_name = "ADDR", value_parser = page_address)]
     pub page: SocketAddr,
     /// Days of history that are stored; or a time such as 12h
     #[arg(long, default_value_t = 90.0, value_name = "DAYS", value_parser = days)]
@@ -82,6 +82,11 @@ pub struct CollectorArgs {
     /// What is an alarm
     #[command(flatten)]
     pub alarms: AlarmArgs,
+}
+
+/// Address of the page.
+fn page_address(text: &str) -> Result<SocketAddr, String> {
+    view::live::address(text, PAGE)
 }
 
 /// Parses a duration [days]; a bare number is in days.
@@ -106,7 +111,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(crate::error(
             format!("{} is no address of this host alone", args.page),
             "--page",
-            "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
+            "give a port alone; for others put a web server with accounts and TLS before it",
         )
         .into());
     }

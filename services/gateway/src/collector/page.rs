@@ -52,7 +52,7 @@ struct Shared {
 /// The address is taken.
 pub fn serve(address: SocketAddr, fleet: Arc<Mutex<Fleet>>, db: PathBuf) -> Result<Server, String> {
     let failed = |e: io::Error| {
-        let remedy = "choose another port: --page 127.0.0.1:8451";
+        let remedy = "choose another port: --page 8451";
         crate::error(
             format!("cannot show the page: {e}"),
             format!("--page {address}"),

@@ -83,6 +83,7 @@ pub fn open(db: &Path) -> Result<Connection, String> {
 /// There is no history.
 pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), Failure> {
     let sql = open(&args.db)?;
+    is_known(&sql, args)?;
     let done = match args.what {
         What::Alarms => alarms(&sql, args, out),
         What::Parameters => parameters(&sql, args, out),
@@ -103,6 +104,26 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), Failure> {
         .into(),
         QueryError::Io(e) => Failure::not_written(&e),
     })
+}
+
+/// Refuses a site or a machine that the history does not have: a misspelt one.
+fn is_known(sql: &Connection, args: &QueryArgs) -> Result<(), Failure> {
+    let failed = |e| store::failed(&e, &args.db);
+    let sql_text = "SELECT EXISTS (SELECT 1 FROM machine WHERE (?1 IS NULL OR site = ?1) AND (?2 IS NULL OR name = ?2))";
+    let found = sql.query_row(sql_text, params![args.site, args.machine], |row| row.get(0));
+    if (args.site.is_none() && args.machine.is_none()) || found.map_err(failed)? {
+        return Ok(());
+    }
+    let place = [("--site", &args.site), ("--machine", &args.machine)];
+    let place = place
+        .iter()
+        .filter_map(|(option, name)| Some(format!("{option} {}", name.as_ref()?)));
+    Err(error(
+        "the history has no such machine",
+        place.collect::<Vec<_>>().join(" "),
+        known(sql).map_err(failed)?,
+    )
+    .into())
 }
 
 /// Machines of a history that are named where nothing fits.
@@ -247,6 +268,10 @@ mod tests {
     use super::*;
 
     fn asked(db: &Path) -> Result<(), String> {
+        asked_of(db, &[])
+    }
+
+    fn asked_of(db: &Path, more: &[&str]) -> Result<(), String> {
         use clap::Parser;
         #[derive(clap::Parser)]
         struct Cli {
@@ -254,7 +279,8 @@ mod tests {
             args: QueryArgs,
         }
         let db = db.to_str().expect("UTF-8");
-        let cli = Cli::parse_from(["query", "--db", db, "--what", "estimates"]);
+        let all = ["query", "--db", db, "--what", "estimates"];
+        let cli = Cli::parse_from(all.iter().chain(more));
         query(&cli.args, &mut Vec::new()).map_err(|failure| failure.error)
     }
 
@@ -318,7 +344,12 @@ mod tests {
              INSERT INTO message VALUES (1, 1, NULL, {now}, {now}, x'ffff');"
         ));
         filled.expect("a message");
-        let said = asked(&db).expect_err("damage");
+        for unknown in [["--site", "nroth"], ["--machine", "ex-2"]] {
+            let said = asked_of(&db, &unknown).expect_err("no such machine");
+            assert!(said.contains("it has north/ex-1"), "{said}");
+            assert!(said.contains(&unknown.join(" ")), "{said}");
+        }
+        let said = asked_of(&db, &["--site", "north"]).expect_err("damage");
         assert!(said.contains("1 of 1 messages are damaged"), "{said}");
     }
 

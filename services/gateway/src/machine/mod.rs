@@ -22,7 +22,7 @@ use runtime::{Cleaner, Domain, Ports, Sink, Taps};
 use crate::downsample::{Downsampler, Selection, StreamInfo};
 use crate::key::MachineId;
 use crate::link::LinkArgs;
-use crate::{error, wall_ms};
+use crate::{Failure, error, wall_ms};
 pub use full::LONGEST;
 pub use plan::Plan;
 pub use publish::{publisher, publishes};
@@ -139,12 +139,14 @@ impl Shared {
 ///
 /// # Errors
 /// There is no such run, or an argument cannot be used.
-pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Result<(), String> {
+pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Result<(), Failure> {
     let id = machine_id(args)?;
-    let domain = Domain::new(&args.domain).map_err(|e| e.to_string())?;
+    // Shared memory may have room again at the next start.
+    let passing = |e: runtime::Error| Failure::passing(e.to_string());
+    let domain = Domain::new(&args.domain).map_err(passing)?;
     let plan = Plan::read(&domain)?;
-    domain.enter().map_err(|e| e.to_string())?;
-    let ports = Ports::new("gateway").map_err(|e| e.to_string())?;
+    domain.enter().map_err(passing)?;
+    let ports = Ports::new("gateway").map_err(passing)?;
     let streams = crate::downsample::streams(plan.pipeline()?, plan.rate, args.rate);
     let sensors = args.samples.then(|| plan.sensors()).transpose()?;
     let channels = channels(&streams, sensors);
@@ -154,7 +156,7 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Resul
         tracing::warn!("what the dead held in the channels is not free yet");
     }
     // The channels come first: messages wait in the queue while Zenoh connects.
-    let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
+    let mut taps = Taps::open(&ports, &channels).map_err(passing)?;
     let (mut reader, waiting) = Reader::new(&shared, sensors);
     let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
     let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
@@ -171,13 +173,14 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool, gave_up: &AtomicBool) -> Resul
         std::thread::sleep(VISIT);
     }
     shared.leave.store(true, Ordering::Relaxed);
-    publisher.join().map_err(|_| {
-        error(
+    let published = publisher.join().map_err(|_| {
+        Failure::passing(error(
             "a thread of the gateway failed",
             "heft-gateway",
             "please report this",
-        )
-    })?
+        ))
+    })?;
+    Ok(published?)
 }
 
 /// Checks the name of the machine and the rate.

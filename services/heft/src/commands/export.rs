@@ -27,5 +27,5 @@ pub fn export(args: &ExportArgs) -> Result<(), Failure> {
     for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());
     }
-    parts::tell_damage(&reader)
+    parts::is_whole(&reader)
 }

@@ -39,7 +39,7 @@ pub struct LoadsArgs {
     #[arg(long, value_name = "MASS", value_parser = target::parsed)]
     pub target: Option<f64>,
     /// A load this long after the one before goes to another truck, such as 300 (s) or 5m; 0: never
-    #[arg(long, value_name = "TIME", default_value = "300", value_parser = view::duration::seconds)]
+    #[arg(long, value_name = "TIME", default_value = "300", allow_negative_numbers = true, value_parser = view::duration::seconds)]
     pub pause: f64,
     /// One line a load (CSV)
     #[arg(short, long, value_name = "LOADS.csv")]

@@ -95,7 +95,7 @@ fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
     let page = output.map_or_else(|| first.with_extension("html"), PathBuf::from);
     write(&reader, &page)?;
     println!("{}", page.display());
-    parts::tell_damage(&reader)
+    parts::is_whole(&reader)
 }
 
 /// Compares recordings of the same machine on a page beside the first of them.
@@ -113,7 +113,7 @@ fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure>
     let page = output.map_or_else(|| first.with_file_name("compared.html"), PathBuf::from);
     put(&view::compared(&runs), &page, &inputs)?;
     println!("{}", page.display());
-    readers.iter().try_for_each(parts::tell_damage)
+    readers.iter().try_for_each(parts::is_whole)
 }
 
 /// Refuses recordings of different machines.

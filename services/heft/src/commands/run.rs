@@ -187,10 +187,15 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     verdict(&end, &watch, args)
 }
 
-/// Prints the loads, if any.
+/// Prints the loads, if any, and the times in which none was weighed.
 fn tell_loads(loads: &SharedLoads) {
     let mut counter = loads.lock();
     let last = counter.finish().truck;
+    for outage in view::loads::outages(&counter) {
+        for line in view::words::wrapped(&outage, 79) {
+            println!("{line}");
+        }
+    }
     let (machine, all) = (counter.machine(), counter.ledger().all());
     if all.loads == 0 {
         return;

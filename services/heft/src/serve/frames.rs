@@ -16,21 +16,16 @@ pub const GONE: u8 = b'-';
 pub const FAULT: u8 = b'!';
 
 /// Longest accepted frame \[bytes\]: states of a hundred thousand machines.
-const LONGEST: usize = 1 << 31;
+pub const LONGEST: usize = 1 << 31;
 
-/// A frame as bytes.
-pub fn frame(kind: u8, parts: &[&[u8]]) -> Vec<u8> {
-    let length: usize = parts.iter().map(|p| p.len()).sum();
-    let mut bytes = Vec::with_capacity(length + 5);
-    bytes.push(kind);
-    bytes.extend_from_slice(&(length as u32).to_le_bytes());
-    parts.iter().for_each(|p| bytes.extend_from_slice(p));
-    bytes
-}
-
-/// Writes a frame.
+/// Writes a frame; one that is too long is refused before its first byte.
 pub fn write(out: &mut impl Write, kind: u8, parts: &[&[u8]]) -> io::Result<()> {
-    out.write_all(&frame(kind, parts))
+    let length: usize = parts.iter().map(|p| p.len()).sum();
+    let short = u32::try_from(length).ok().filter(|_| length <= LONGEST);
+    let short = short.ok_or(io::ErrorKind::InvalidInput)?;
+    out.write_all(&[kind])?;
+    out.write_all(&short.to_le_bytes())?;
+    parts.iter().try_for_each(|part| out.write_all(part))
 }
 
 /// Reads a frame into `into` and returns its kind; `None` at the end of the input.
@@ -103,5 +98,17 @@ mod tests {
         assert_eq!(back.swing_velocity.to_bits(), (-0.0_f64).to_bits());
         assert_eq!(read(&mut input, &mut got).unwrap(), None);
         assert!(read(&mut &out[..9], &mut got).is_err(), "cut off");
+    }
+
+    #[test]
+    fn a_frame_longer_than_its_length_can_say_is_refused() {
+        let part = vec![0; 1 << 20];
+        let parts = |count| vec![part.as_slice(); count];
+        let mut out = Vec::new();
+        // 4 GiB and one part: the length would be that of the part.
+        assert!(write(&mut out, STATE, &parts((1 << 12) + 1)).is_err());
+        assert!(write(&mut out, STATE, &parts((1 << 11) + 1)).is_err());
+        assert!(out.is_empty());
+        assert!(write(&mut io::sink(), STATE, &parts(1 << 11)).is_ok());
     }
 }

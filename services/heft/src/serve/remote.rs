@@ -11,12 +11,11 @@ use std::time::Duration;
 
 use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
 use super::rows::{self, Rows, lock};
-use super::shard;
 use crate::failure::Failure;
 use crate::image;
 
-/// Number of samples between two states, and the increase for each machine of the shard: a state has some kB per machine.
-const INTERVAL: (u64, u64) = (4096, 64);
+/// Number of samples between two states, and the bytes of the last state that add one: a state has some kB per machine.
+const INTERVAL: (u64, usize) = (4096, 64);
 /// Largest number of deaths in a row without an answer. One more ends the run: the samples themselves cause them.
 const MOST_DEATHS: u32 = 5;
 
@@ -42,7 +41,6 @@ struct Output {
     /// Number of samples that its last state includes.
     confirmed: u64,
     state: Vec<u8>,
-    machines: u64,
     /// Number of answered samples.
     written: u64,
     /// Of these, the number that have no row because they were refused.
@@ -120,15 +118,16 @@ impl<'a> RemoteShard<'a> {
 
     /// Sends a sample.
     pub fn send(&self, number: u32, sample: &[u8]) {
-        let (confirmed, machines) = {
+        let (confirmed, state) = {
             let output = lock(&self.output);
-            (output.confirmed, output.machines)
+            (output.confirmed, output.state.len())
         };
         let mut input = lock(&self.input);
         input.forget(confirmed);
-        let frame = frames::frame(SAMPLE, &[&number.to_le_bytes(), sample]);
+        let mut frame = Vec::new();
+        let _ = frames::write(&mut frame, SAMPLE, &[&number.to_le_bytes(), sample]); // into memory, and short
         input.unconfirmed.push_back(frame);
-        input.pump(machines);
+        input.pump(state);
     }
 
     /// Sends what is buffered.
@@ -248,7 +247,6 @@ impl<'a> RemoteShard<'a> {
                 (STATE, _) => {
                     let mut output = lock(&self.output);
                     output.confirmed = count;
-                    output.machines = shard::machines(&bytes);
                     std::mem::swap(&mut output.state, &mut bytes);
                 }
                 (FAULT, _) => return self.fail(&String::from_utf8_lossy(&bytes)),
@@ -324,8 +322,8 @@ impl Input {
         }
     }
 
-    /// Sends the samples that the process has not received, and requests its state at intervals.
-    fn pump(&mut self, machines: u64) {
+    /// Sends the samples that the process has not received, and requests its state at intervals; `state`: bytes of the last one.
+    fn pump(&mut self, state: usize) {
         let Some(mut pipe) = self.pipe.take() else {
             return;
         };
@@ -333,7 +331,7 @@ impl Input {
             let number = self.first + self.sent as u64;
             let mut written = pipe.write_all(frame);
             if number >= self.ask_at {
-                self.ask_at = number + INTERVAL.0 + INTERVAL.1 * machines;
+                self.ask_at = number + INTERVAL.0 + (state / INTERVAL.1) as u64;
                 written = written.and_then(|()| frames::write(&mut pipe, STATE, &[]));
             }
             self.sent += 1;

@@ -72,7 +72,9 @@ pub fn serve<S: Message, E: Estimate>(
                     frames::write(&mut out, ROW, &[number, &flags.to_le_bytes(), &row])
                 })
             }
-            (STATE, None) => Ok(frames::write(&mut out, STATE, &[&shard.save()])),
+            (STATE, None) => shard
+                .save()
+                .map(|state| frames::write(&mut out, STATE, &[&state])),
             (STATE, _) => shard.restore(&bytes).map(Ok),
             _ => Err(Failure::internal("a shard was sent what it does not know")),
         };
@@ -154,10 +156,10 @@ impl<E: Estimate> Shard<'_, E> {
         Ok(flags)
     }
 
-    /// The state for another shard: number of machines; of each its number, the time of its last row, the number of
-    /// its steps, and of each step length and state.
-    fn save(&self) -> Vec<u8> {
-        let mut bytes = (self.members.len() as u64).to_le_bytes().to_vec();
+    /// The state for another shard: of each machine its number, the time of its last row, the number of its steps, and of each step
+    /// length and state.
+    fn save(&self) -> Result<Vec<u8>, Failure> {
+        let mut bytes = Vec::new();
         let mut room = vec![0; ROOM];
         for (number, member) in &self.members {
             bytes.extend(number.to_le_bytes());
@@ -169,13 +171,22 @@ impl<E: Estimate> Shard<'_, E> {
                 bytes.extend_from_slice(&room[..length]);
             }
         }
-        bytes
+        if bytes.len() > frames::LONGEST {
+            return Err(Failure::input(
+                format!(
+                    "the state of {} machines is too large for one process",
+                    self.members.len()
+                ),
+                "heft serve",
+                "share them among more processes (--shards)",
+            ));
+        }
+        Ok(bytes)
     }
 
     /// Continues from the state that another shard wrote.
     fn restore(&mut self, mut bytes: &[u8]) -> Result<(), Failure> {
         let broken = || Failure::internal("the state of a shard is broken");
-        let _machines: [u8; 8] = take(&mut bytes).ok_or_else(broken)?;
         while !bytes.is_empty() {
             let number = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
             let reported = f64::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
@@ -197,11 +208,6 @@ impl<E: Estimate> Shard<'_, E> {
         }
         Ok(())
     }
-}
-
-/// Number of machines in a state.
-pub fn machines(state: &[u8]) -> u64 {
-    state.first_chunk().map_or(0, |n| u64::from_le_bytes(*n))
 }
 
 fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {

@@ -14,8 +14,6 @@ const SHORTEST: f64 = 30.0;
 const MEAN_TIMES: f64 = 1.5;
 /// Least time of motion in a stretch: a swing there and back \[s\].
 const MOVED: f64 = 5.0;
-/// Speed from which the machine moves \[rad/s\] or \[m/s\].
-const MOVES: f64 = 0.1;
 /// Longest time that a row stands for \[s\]; a logger may pause.
 const ROW: f64 = 1.0;
 /// Number of codes of reasons.
@@ -47,7 +45,7 @@ pub struct Outage {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watched {
     pub time: f64,
-    pub speed: f64,
+    pub moves: bool,
     pub trusted: bool,
     /// Number of the load that was dumped in this row.
     pub dumped: Option<u32>,
@@ -168,7 +166,7 @@ impl Outages {
             share.seconds += passed.max(f64::MIN_POSITIVE);
         }
         stretch.seconds += passed;
-        stretch.moved += if row.speed.abs() > MOVES { passed } else { 0.0 };
+        stretch.moved += if row.moves { passed } else { 0.0 };
         stretch.end = row.time;
     }
 
@@ -246,12 +244,12 @@ mod tests {
     struct Work(Outages);
 
     impl Work {
-        fn go(&mut self, [begin, end]: [u32; 2], speed: f64, fault: Option<excavator::Reason>) {
+        fn go(&mut self, [begin, end]: [u32; 2], moves: bool, fault: Option<excavator::Reason>) {
             for k in 10 * begin..10 * end {
                 let time = f64::from(k) / 10.0;
                 self.0.see(&Watched {
                     time,
-                    speed,
+                    moves,
                     // Work without a fault is trusted, and dumps a load every 20 s.
                     trusted: fault.is_none(),
                     dumped: (fault.is_none() && k % 200 == 199).then_some(k / 200),
@@ -264,9 +262,9 @@ mod tests {
     #[test]
     fn a_fault_that_lasts_to_the_end_is_an_outage_from_its_first_row() {
         let mut work = Work(Outages::default());
-        work.go([0, 90], 0.5, None);
+        work.go([0, 90], true, None);
         assert_eq!(work.0.all(), []);
-        work.go([90, 240], 0.5, Some(excavator::Reason::Jump));
+        work.go([90, 240], true, Some(excavator::Reason::Jump));
         let [outage] = work.0.all()[..] else {
             panic!("{:?}", work.0.all());
         };
@@ -281,11 +279,11 @@ mod tests {
     fn stretches_of_one_fault_are_summed_and_the_longest_is_named() {
         let mut work = Work(Outages::default());
         let jump = Some(excavator::Reason::Jump);
-        work.go([0, 60], 0.5, None);
-        work.go([60, 110], 0.5, jump);
-        work.go([110, 150], 0.5, None);
-        work.go([150, 190], 0.5, jump);
-        work.go([190, 240], 0.5, None);
+        work.go([0, 60], true, None);
+        work.go([60, 110], true, jump);
+        work.go([110, 150], true, None);
+        work.go([150, 190], true, jump);
+        work.go([190, 240], true, None);
         let [outage] = work.0.all()[..] else {
             panic!("{:?}", work.0.all());
         };
@@ -297,28 +295,28 @@ mod tests {
     #[test]
     fn where_a_load_ends_the_stretch_loads_are_still_found() {
         let mut work = Work(Outages::default());
-        work.go([0, 60], 0.5, None);
-        work.go([60, 130], 0.5, Some(excavator::Reason::Jump));
+        work.go([0, 60], true, None);
+        work.go([60, 130], true, Some(excavator::Reason::Jump));
         work.0.see(&Watched {
             time: 130.0,
-            speed: 0.5,
+            moves: true,
             trusted: false,
             dumped: Some(100),
             fault: None,
         });
-        work.go([131, 150], 0.5, None);
+        work.go([131, 150], true, None);
         assert_eq!(work.0.all(), []);
     }
 
     #[test]
     fn a_parked_machine_a_short_fault_and_a_content_that_changes_are_none() {
-        for (seconds, speed, reason) in [
-            (150, 0.0, excavator::Reason::Jump),
-            (20, 0.5, excavator::Reason::Jump),
+        for (seconds, moves, reason) in [
+            (150, false, excavator::Reason::Jump),
+            (20, true, excavator::Reason::Jump),
         ] {
             let mut work = Work(Outages::default());
-            work.go([0, 60], 0.5, None);
-            work.go([60, 60 + seconds], speed, Some(reason));
+            work.go([0, 60], true, None);
+            work.go([60, 60 + seconds], moves, Some(reason));
             assert_eq!(work.0.all(), [], "{reason:?}");
         }
         let fresh = excavator_bits::FRESH;

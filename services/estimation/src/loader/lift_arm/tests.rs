@@ -351,26 +351,34 @@ fn a_gain_that_is_wrong_for_loads_alone_is_in_doubt_until_it_is_calibrated() {
 }
 
 #[test]
-fn a_pressure_that_is_stuck_while_the_machine_drives_is_not_used() {
-    let mut witness = LiftWitness::new(&settings()).expect("a described arm");
-    let mut estimate = None;
-    for k in 0..600 {
-        estimate = witness
-            .step(
-                &Sample {
-                    time: 0.01 * f64::from(k),
-                    speed: Some(2.0),
-                    lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
-                    tilt_angle: Some(1.2),
-                    lift_head_pressure: Some(14e6),
-                    lift_rod_pressure: Some(1e6),
-                    ..Sample::default()
-                },
-                FRESH,
-            )
-            .map(|estimate| *estimate);
+fn a_pressure_that_is_stuck_while_machine_or_arm_move_is_not_used() {
+    let last = |seconds: f64, speed: f64, rate: f64| {
+        let mut witness = LiftWitness::new(&settings()).expect("a described arm");
+        let mut said = None;
+        for k in 0..(100.0 * seconds) as u32 {
+            let time = 0.01 * f64::from(k);
+            let row = Sample {
+                time,
+                speed: Some(speed),
+                lift_angle: Some(-0.5 + rate * time + 1e-4 * f64::from(k % 7)),
+                tilt_angle: Some(1.2),
+                lift_head_pressure: Some(14e6),
+                lift_rod_pressure: Some(1e6),
+                ..Sample::default()
+            };
+            said = witness.step(&row, FRESH).map(|said| *said);
+        }
+        said.expect("a prediction")
+    };
+    for stuck in [last(6.0, 2.0, 0.0), last(2.0, 0.0, 0.1)] {
+        assert!(stuck.silent && stuck.carried.open, "{stuck:?}");
+        let capacity = stuck.payload.value / 0.5;
+        assert!(stuck.payload.std > 0.4 * capacity, "{stuck:?}");
     }
-    assert_eq!(estimate, None);
+    assert!(
+        !last(6.0, 0.0, 0.0).silent,
+        "who stands repeats its pressure"
+    );
 }
 
 #[test]

@@ -36,13 +36,14 @@ pub fn samples<S: Sensors>(
 ) -> Result<Vec<S>, Failure> {
     let rows = recording::load::<S>(file, map_for(file, map))?;
     let mut samples: Vec<S> = rows.into_iter().map(|(sample, _)| sample).collect();
+    // Milliseconds since 1970 are beyond the range of times, and named.
+    check_steps(file, &samples, rate)?;
     let measured = measurable::measured::<S>(|_| None);
     let left_out: usize = samples.iter_mut().map(|s| leave_out(s, &measured)).sum();
     if left_out > 0 {
         let file = file.display();
         eprintln!("{file}: {left_out} numbers are larger than any measurement and were left out");
     }
-    check_steps(file, &samples, rate)?;
     Ok(samples)
 }
 
@@ -64,7 +65,8 @@ fn leave_out<S: Sensors>(sample: &mut S, measured: &[Measured]) -> usize {
 /// Refuses rows so far apart that the motion between them is unknown.
 fn check_steps<S: Sensors>(file: &Path, samples: &[S], rate: f64) -> Result<(), Failure> {
     let times: Vec<f64> = samples.iter().map(|s| s.stamp().time).collect();
-    let Some(step) = recording::usual_step(&times).filter(|step| *step > FARTHEST) else {
+    let is_far = |step: &f64| *step > FARTHEST && *step < DATABLE;
+    let Some(step) = recording::usual_step(&times).filter(is_far) else {
         return Ok(());
     };
     let unit = recording::time_unit(&times, rate).map_or("ms", |(_, unit)| unit);

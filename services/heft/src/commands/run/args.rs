@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use messages::Machine;
 
-use crate::args::{DescriptionArgs, address, kilograms, machine};
+use crate::args::{DescriptionArgs, kilograms, machine};
 use crate::bounds::LimitArgs;
 use crate::fleet::FleetArgs;
 use crate::serve::MOST_MACHINES;
@@ -25,6 +25,11 @@ pub enum Pace {
 pub enum Equipment {
     /// Pressure sensors at the cylinders, and what belongs to them.
     Pressure,
+}
+
+/// Address of the live page.
+fn page(text: &str) -> Result<SocketAddr, String> {
+    view::live::address(text, view::live::DEFAULT_ADDRESS)
 }
 
 /// `heft run`
@@ -112,7 +117,7 @@ pub struct RunArgs {
         conflicts_with = "rt")]
     pub spin: Option<String>,
     /// Show a live page; this computer alone reaches it, unless an address is given, such as 0.0.0.0:8440; a port alone will do
-    #[arg(long, value_name = "ADDR", num_args = 0..=1, value_parser = address, default_missing_value = view::live::DEFAULT_ADDRESS)]
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, value_parser = page, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
     /// Folder for the recording and the report
     #[arg(long, value_name = "DIR")]
