@@ -120,8 +120,7 @@ fn text_for_a_number_is_answered_with_how_to_write_it() {
     assert_eq!(e.remedy, "write it like rate = 100.0");
     let e = error("[estimator]\nvariant = \"best\"\n");
     assert!(
-        e.what
-            .ends_with("\"auto\" or \"known\" or \"tolerant\" or \"drop\""),
+        e.what.ends_with("\"auto\" or \"known\" or \"tolerant\""),
         "{e}"
     );
     let e = error("[estimator.paper]\nlambda_normal = [0.9, 0.9]\n");

@@ -98,8 +98,8 @@ const GAP: f64 = 0.5;
 const STUCK: f64 = 3.0;
 /// Gap after which the bucket may have been exchanged [s].
 const CHANGED: f64 = 60.0;
-/// Travel of the arm after which a pressure that does not change counts as stuck [rad].
-const LIFTED: f64 = 0.1;
+/// Travel of the arm after which a pressure that does not change counts as stuck [rad]: more than a slow bus hides.
+const LIFTED: f64 = 0.15;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
 /// Standard deviations below zero beyond which a bucket at the lower end of the arm's travel rests on a stop or the ground.
@@ -118,9 +118,11 @@ pub(super) struct LiftWitness {
     last_time: f64,
     /// Time of the last row that held the arm's signals, used or not [s].
     seen: f64,
-    /// Last head pressure [Pa] and lift angle [rad], and how long each has been unchanged while machine or arm moved [s].
+    /// Last head pressure [Pa] and lift angle [rad], and how long each has been unchanged while the machine moved [s].
     held: [f64; 2],
     still: [f64; 2],
+    /// Lift angle when the head pressure last changed [rad].
+    lifted_from: f64,
     saturation: Saturation,
     signals: Signals,
     /// The rod's pressure is measured.
@@ -213,6 +215,7 @@ impl LiftWitness {
             seen: 0.0,
             held: [f64::NAN; 2],
             still: [0.0; 2],
+            lifted_from: 0.0,
             saturation: Saturation::NEW,
             signals: Signals::NONE,
             measures_rod: false,
@@ -329,19 +332,24 @@ impl LiftWitness {
         self.answer.is_some() && (0.0..=fresh).contains(&(time - self.last_time))
     }
 
-    /// Counts the time in which a signal is unchanged while machine or arm move.
+    /// Counts the time in which a signal is unchanged while the machine moves; a head pressure also while the arm does.
     fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
-        let driving = if drives(sample) { 1.0 } else { 0.0 };
-        // The lever of an arm that moves changes the pressure.
-        let lifting = STUCK / LIFTED * self.rates[0].abs();
-        for (i, counts) in [lifting.max(driving), driving].into_iter().enumerate() {
+        let driving = drives(sample);
+        let [head, lift] = now;
+        if head != self.held[0] {
+            self.lifted_from = lift;
+        } else if (lift - self.lifted_from).abs() > LIFTED {
+            // The lever of an arm that moves changes the pressure.
+            self.still[0] = f64::INFINITY;
+        }
+        for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
             // Compared to the bit: a working sensor has noise, or a machine that shakes it.
-            self.still[i] = if self.held[i] == now[i] {
-                self.still[i] + counts * dt.max(0.0)
-            } else {
-                0.0
-            };
-            self.held[i] = now[i];
+            if *held != new {
+                *still = 0.0;
+            } else if driving && dt > 0.0 {
+                *still += dt;
+            }
+            *held = new;
         }
     }
 
