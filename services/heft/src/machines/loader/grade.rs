@@ -26,6 +26,8 @@ const SURELY: f64 = 0.6;
 /// Factor of the accelerometer's c1 where the sensor does not follow the acceleration: another unit of the slope leaves c1 unchanged.
 /// On nearly level ground a sensor that follows it leaves .25 to .80, and a c2 of 1.8 to 7.
 const UNMOVED: f64 = 1.1;
+/// Slope from which on a ratio of two units is one [rad]: the body's pitch with the acceleration is below .015 rad, and late or filtered.
+const HILLS: f64 = 0.02;
 /// Per cent in a radian of a small slope.
 const PERCENT: f64 = 100.0;
 
@@ -57,7 +59,8 @@ impl Grade {
         if self.acceleration.rows >= ENOUGH && belongs(&self.acceleration, TOGETHER) {
             let [gain, share] = self.acceleration.coefficients();
             let share = share * gain.signum();
-            let units = match about(gain.abs(), UNMOVED) {
+            let has_hills = self.acceleration.left() > GRAVITY * HILLS;
+            let units = match has_hills && about(gain.abs(), UNMOVED) {
                 true => &UNITS[..],
                 false => &UNITS[..FAR],
             };
@@ -147,6 +150,7 @@ mod tests {
         // A load of half the machine is no other unit, and level ground carries no information.
         assert_eq!(said(0.67, false, 0.08), "");
         assert_eq!(said(-1.0, true, 1e-5), "");
+        assert_eq!(said(0.573, true, 0.02), "", "hardly a hill");
     }
 
     #[test]

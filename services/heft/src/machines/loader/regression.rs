@@ -40,6 +40,11 @@ impl Regression {
         [(s[1][3] - s[1][2] * third) / s[1][1], third]
     }
 
+    /// Root of the mean square of the third regressor that the first two leave.
+    pub(super) fn left(&self) -> f64 {
+        (self.eliminated()[2][2] / self.rows).sqrt()
+    }
+
     /// Partial correlation of the third regressor with the response, given the first two.
     pub(super) fn correlation(&self) -> f64 {
         let s = self.eliminated();
