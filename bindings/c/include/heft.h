@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x5fca4baau
+#define HEFT_ABI 0x1fa94095u
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -331,7 +331,7 @@ typedef struct {
     double estimate_friction; /* svf-rls estimates the Coulomb friction too. */
     double estimate_offset; /* svf-rls estimates a torque offset too. */
     double constant_inertia; /* The caller declares that the inertia does not change (mode A). */
-    double variant; /* What is assumed of damping, torque offset and payload. (0 auto, 1 known, 2 tolerant, 3 drop) */
+    double variant; /* What is assumed of damping, torque offset and payload. (0 auto, 1 known, 2 tolerant) */
     double friction_width; /* Velocity over which the friction of the joint estimators changes sign. [rad/s] */
     double svf_friction_width; /* The same in svf-rls. [rad/s] */
     double svf_acceleration_min; /* svf-rls learns above this filtered acceleration. [rad/s^2] */
@@ -354,7 +354,6 @@ typedef struct {
     double opening_change_max; /* Largest free change of payload per angle of opening. [kg/rad] */
     double change_rate_std; /* Free change of payload after an alarm and in the second filter. [kg/s] */
     double change_threshold; /* Sum of normalised innovations at which a changed payload is declared. */
-    double drop_q_m; /* Random walk of the payload in the drop model of the variant "drop", variance per second. [kg^2/s] */
     double velocity_drift; /* Random walk of the inertia in mode A, relative. [1/sqrt(s)] */
     double velocity_drift_constant; /* The same with constant_inertia. [1/sqrt(s)] */
     double velocity_torque_drift; /* Random walk of the torque in mode A. [N m/sqrt(s)] */

@@ -96,12 +96,4 @@ impl<const N: usize> Consider<N> {
     pub(super) fn of(&self, i: usize) -> f64 {
         self.error[i]
     }
-
-    /// Weighted sum of two errors.
-    pub(super) fn mix(a: &Self, b: &Self, weights: [f64; 2]) -> Self {
-        Self {
-            error: a.error * weights[0] + b.error * weights[1],
-            active: a.active,
-        }
-    }
 }

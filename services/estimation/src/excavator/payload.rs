@@ -98,13 +98,11 @@ pub(super) struct PayloadFilter {
     pub(super) doubt: Consider<5>,
 }
 
-/// Result of a step: innovation, and its variance after the gate.
+/// Result of a step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Outcome {
     /// Innovation before the gate; its variance is 0 without a measurement.
     pub(super) innovation: Innovation,
-    /// Variance after the gate, which limits the gain.
-    pub(super) gated: f64,
     /// Acceleration of the model over the step [rad/s^2].
     pub(super) acceleration: f64,
 }
@@ -169,10 +167,7 @@ impl PayloadFilter {
         let variance = self.p[(0, 0)] + drive.variance;
         let Some(y) = drive.velocity else {
             self.limit(model);
-            return Outcome {
-                gated: variance,
-                ..Outcome::default()
-            };
+            return Outcome::default();
         };
         let value = y - self.x[0];
         let gated = gated_variance(value, variance, model.gate);
@@ -184,7 +179,6 @@ impl PayloadFilter {
         self.limit(model);
         Outcome {
             innovation: Innovation { value, variance },
-            gated,
             acceleration: 0.0,
         }
     }
