@@ -26,7 +26,7 @@ const SURELY: f64 = 0.6;
 /// Factor of the accelerometer's c1 where the sensor does not follow the acceleration: another unit of the slope leaves c1 unchanged.
 /// On nearly level ground a sensor that follows it leaves .25 to .80, and a c2 of 1.8 to 7.
 const UNMOVED: f64 = 1.1;
-/// Slope from which on a ratio of two units is one [rad]: the body's pitch with the acceleration is below .015 rad, and late or filtered.
+/// Slope from which on a ratio of two units is one \[rad\]: the body's pitch with the acceleration is below .015 rad, and late or filtered.
 const HILLS: f64 = 0.02;
 /// Per cent in a radian of a small slope.
 const PERCENT: f64 = 100.0;
