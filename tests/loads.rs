@@ -496,7 +496,7 @@ fn where_a_jump_ends_the_weighing_the_sum_says_from_when_on_and_why() {
     let said = both(&output);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("because a joint angle has jumped: loads may be missing"),
+        said.contains("further than a joint moves: loads may be missing in the sum"),
         "{said}"
     );
 }
