@@ -210,26 +210,32 @@ fn messages_of_one_time_are_refused() {
     assert_eq!(read().expect("rows").len(), 299);
 }
 
-#[test]
-fn a_map_names_what_is_silent_in_the_first_message_and_names_that_are_no_paths() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("own.mcap");
-    let mut writer = mcap::Writer::new(std::fs::File::create(&path).expect("a file")).expect("new");
-    let channel = writer.add_channel(0, "/own", "json", &Default::default());
+/// Writes fifty messages of one topic, at 100 Hz; `message`: the JSON by the number.
+fn write_json(path: &std::path::Path, topic: &str, message: impl Fn(u64) -> String) {
+    let mut writer = mcap::Writer::new(std::fs::File::create(path).expect("a file")).expect("new");
+    let channel = writer.add_channel(0, topic, "json", &Default::default());
     let channel = channel.expect("a channel");
     for k in 0..50_u64 {
-        let rate = if k == 0 { "NaN" } else { "2.0" };
-        let text = format!("{{\"swing rate [deg/s]\": {rate}, \"torque_kNm\": 1.5}}");
         let header = mcap::records::MessageHeader {
             channel_id: channel,
             sequence: k as u32,
             log_time: 10_000_000 * k,
             publish_time: 10_000_000 * k,
         };
-        let written = writer.write_to_known_channel(&header, text.as_bytes());
+        let written = writer.write_to_known_channel(&header, message(k).as_bytes());
         written.expect("written");
     }
     writer.finish().expect("written");
+}
+
+#[test]
+fn a_map_names_what_is_silent_in_the_first_message_and_names_that_are_no_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("own.mcap");
+    write_json(&path, "/own", |k| {
+        let rate = if k == 0 { "NaN" } else { "2.0" };
+        format!("{{\"swing rate [deg/s]\": {rate}, \"torque_kNm\": 1.5}}")
+    });
     let first = suggest(&path, &[], Some(Machine::Excavator)).expect("readable");
     let map = Map::parse(&first.text, "map.toml").expect("a map");
     let rows = load::<ExcavatorSensors>(&path, Some(&map)).expect("readable");
@@ -256,25 +262,13 @@ fn a_file_without_topics_is_named_as_such() {
 fn the_orientation_of_an_imu_gives_angles_and_its_numbers_are_taken_for_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("imu.mcap");
-    let mut writer = mcap::Writer::new(std::fs::File::create(&path).expect("a file")).expect("new");
-    let channel = writer.add_channel(0, "/imu/boom", "json", &Default::default());
-    let channel = channel.expect("a channel");
-    for k in 0..50_u64 {
-        // The boom points 0.6 rad up: a negative pitch of ROS.
-        let (y, w) = (-0.3_f64).sin_cos();
-        let text = format!(
+    // The boom points 0.6 rad up: a negative pitch of ROS.
+    let (y, w) = (-0.3_f64).sin_cos();
+    write_json(&path, "/imu/boom", |_| {
+        format!(
             r#"{{"orientation": {{"x": 0, "y": {y}, "z": 0, "w": {w}}}, "orientation_covariance": [1], "rate": {{"z": 0.2}}}}"#
-        );
-        let header = mcap::records::MessageHeader {
-            channel_id: channel,
-            sequence: k as u32,
-            log_time: 10_000_000 * k,
-            publish_time: 10_000_000 * k,
-        };
-        let written = writer.write_to_known_channel(&header, text.as_bytes());
-        written.expect("written");
-    }
-    writer.finish().expect("written");
+        )
+    });
     let first = suggest(&path, &[], Some(Machine::Excavator)).expect("readable");
     assert!(
         first.text.contains("#     orientation.angle_y = -0."),
