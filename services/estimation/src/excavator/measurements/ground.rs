@@ -2,7 +2,7 @@
 //!
 //! The contact is not measured. A bucket reaches the ground only by lowering, by the arm that pulls it in, or by closing, while the
 //! upper body stands or sweeps slowly. Or the cylinders carry less although no joint moves. It is free again when it has risen from its
-//! lowest place, or when the machine swings.
+//! lowest place, or when the machine swings. A bucket that closes may dig; one that the arm pulls in without rising does.
 
 use crate::math::sin_cos;
 
@@ -28,6 +28,7 @@ const SWEEPING: f64 = 0.25;
 pub(in crate::excavator) struct Ground {
     touches: bool,
     digs: bool,
+    pulled: bool,
     smoothed: Option<[f64; 3]>,
     /// Since the bucket was last free: its highest place, the arm's largest angle and the height there, the bucket's largest angle.
     highest: f64,
@@ -44,6 +45,7 @@ impl Ground {
         Self {
             touches: true,
             digs: true,
+            pulled: false,
             smoothed: None,
             highest: f64::NEG_INFINITY,
             stretched: (f64::NEG_INFINITY, 0.0),
@@ -89,6 +91,7 @@ impl Ground {
         let digs = pulls || self.open - now[2] > DIGGING[1];
         self.touches |= digs || self.highest - height > FALLEN * reach;
         self.digs |= digs;
+        self.pulled |= pulls;
         if self.touches {
             self.lowest = self.lowest.min(height);
             if height > self.lowest + RAISED * reach {
@@ -110,6 +113,7 @@ impl Ground {
     /// The bucket has opened: earlier motions no longer fill it.
     pub(in crate::excavator) fn opens(&mut self) {
         self.digs = false;
+        self.pulled = false;
         self.stretched = (f64::NEG_INFINITY, 0.0);
         self.open = f64::NEG_INFINITY;
     }
@@ -122,6 +126,11 @@ impl Ground {
     /// The bucket may be filling.
     pub(in crate::excavator) fn digs(&self) -> bool {
         self.digs
+    }
+
+    /// The arm has pulled the bucket in without raising it: where the upper body sweeps too, the bucket fills.
+    pub(in crate::excavator) fn is_pulled(&self) -> bool {
+        self.pulled
     }
 
     /// The bucket may touch the ground.
@@ -168,7 +177,7 @@ mod tests {
             let mut ground = in_the_air();
             move_to(&mut ground, pulls.0, pulls.1, 1.0);
             sweep(&mut ground, velocity, (pulls.1, pulls.1), 1.0);
-            ground.digs()
+            ground.digs() && ground.is_pulled()
         };
         assert!(digs(0.2) && !digs(0.3));
     }
@@ -202,9 +211,13 @@ mod tests {
     fn an_arm_that_is_pulled_in_digs_and_one_that_lifts_does_not() {
         let mut ground = in_the_air();
         move_to(&mut ground, [0.7, -1.7, -0.5], [0.7, -2.0, -0.5], 1.0);
-        assert!(ground.digs());
+        assert!(ground.digs() && ground.is_pulled());
+        ground.opens();
+        assert!(!ground.is_pulled(), "what was dug has left");
         let mut ground = in_the_air();
         move_to(&mut ground, [0.7, -1.7, -0.5], [1.0, -1.8, -0.5], 1.0);
         assert!(!ground.may_touch());
+        move_to(&mut ground, [1.0, -1.8, -0.5], [1.0, -1.8, -0.8], 1.0);
+        assert!(ground.digs() && !ground.is_pulled(), "a bucket that closes");
     }
 }

@@ -50,6 +50,7 @@ use super::doubts::Doubts;
 use super::drive::Drive;
 use super::grid::alike;
 use super::measurements::boom_moment::FADING;
+use super::measurements::ground::Ground;
 use super::settings::Settings;
 use super::size::Sticking;
 use super::standstill::{Phase, released_variance};
@@ -123,6 +124,7 @@ pub(super) struct Working {
     sway: Sway,
     agreement: Agreement,
     bucket: Bucket,
+    ground: Ground,
     /// Rated payload [kg].
     rated: f64,
     /// Swing angle since the start [rad]; its sine and cosine.
@@ -229,6 +231,7 @@ impl Working {
             sway: Sway::default(),
             agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
+            ground: Ground::new(),
             rated: settings.prior.full_load(),
             angle: 0.0,
             turn: (0.0, 1.0),
@@ -287,9 +290,7 @@ impl Working {
         // The ground pushes a digging bucket, and the upper body creeps. A machine on turning tracks stands on them.
         // Both count as standing for the content.
         let stands = standing || self.slow_for > CREPT || self.rides;
-        let weighs = self.weigh.as_ref().filter(|weigh| weigh.is_there());
-        let digs = weighs.map(Weigh::digs);
-        let content = self.bucket.step(drive, share, stands, digs);
+        let content = self.content(settings, drive, share, stands);
         self.hold(settings, content, trail);
         if self.weigh(settings, drive, (content, stands), trail) {
             self.hold(settings, Content::Unknown, trail);
@@ -347,6 +348,24 @@ impl Working {
         decay
     }
 
+    /// Follows the joints; returns how they may have changed the content. `share`: weight of new angles in the smoothed ones.
+    fn content(&mut self, settings: &Settings, drive: &Drive, share: f64, stands: bool) -> Content {
+        let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let digs = weighs.then(|| self.ground.digs());
+        let content = self.bucket.step(drive, share, stands, digs);
+        let (lengths, velocity) = (settings.geometry.lengths, self.filter.x[W]);
+        self.ground
+            .step(drive.posture, lengths, velocity, drive.period);
+        if self.bucket.is_open() || self.bucket.is_settling() {
+            self.ground.opens();
+        }
+        if self.ground.is_pulled() && !stands {
+            // The bucket fills while the upper body sweeps.
+            return Content::Unknown;
+        }
+        content
+    }
+
     /// Takes in the moment of the boom cylinders, where one is complete. Returns whether the load must be another one.
     fn weigh(
         &mut self,
@@ -360,7 +379,12 @@ impl Working {
         };
         let motion = (self.turn, self.filter.x[W]);
         let opens = self.bucket.is_open() || self.bucket.is_settling();
-        let moment = weigh.step(settings, drive, motion, (content, opens));
+        let moment = weigh.step(
+            settings,
+            drive,
+            motion,
+            (content, opens, self.ground.may_touch()),
+        );
         self.begin_weighing(drive, trail);
         let Some(moment) = moment else {
             return false;
@@ -401,6 +425,10 @@ impl Working {
         self.parallel.weigh([innovation, other], gate, usual);
         weigh.watch(&moment, innovation, load, stands);
         let renews = weigh.renews(innovation, drive.posture[2]);
+        if renews && innovation.value < 0.0 {
+            // The ground may carry what is missing.
+            self.ground.rests();
+        }
         let same = self.parallel.is_driven() || !self.attachment.may_be_another();
         if renews && self.bucket.is_emptied() && same {
             // Nothing has been filled into an emptied bucket.
@@ -819,6 +847,49 @@ mod tests {
         // The motion contradicts the inclinometer.
         working.filter.x[SLOPE + 1] = 0.06;
         assert_eq!(working.reason(false, (false, false)), Reason::Slope);
+    }
+
+    #[test]
+    fn a_content_is_unknown_where_the_arm_pulls_the_bucket_in_during_a_slow_sweep() {
+        let settings = Settings::of(&Description::default());
+        let known = 30.0 * 30.0;
+        // Variance of a content that was known before the arm moved by this angle [rad], at two swing velocities [rad/s].
+        let after = |arm: f64, velocities: [f64; 2]| {
+            let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+            let at = |share: f64, velocity: f64, working: &mut Working| {
+                let posture = [0.6, -1.8 + share * arm, -1.5];
+                let now = settings.geometry.inertia(posture);
+                let drive = Drive {
+                    period: 0.01,
+                    velocity: Some(velocity),
+                    variance: 2.5e-5,
+                    torque: 4000.0,
+                    now,
+                    mean: now,
+                    posture,
+                    driven: true,
+                    seen: true,
+                    ..Drive::default()
+                };
+                working.step(&settings, &drive, Phase::Moving, &mut None);
+            };
+            (0..50).for_each(|_| at(0.0, 0.5, &mut working));
+            for k in 0..100 {
+                let velocity = velocities[usize::from(k >= 20)];
+                if k == 0 || k == 20 {
+                    for (i, value, variance) in [(M, 0.0, known), (W, velocity, 1e-4)] {
+                        working.filter.set(i, value, variance, &mut None);
+                    }
+                }
+                at(f64::from(k) / 100.0, velocity, &mut working);
+            }
+            working.filter.p[M][M]
+        };
+        let prior = settings.prior.payload_std * settings.prior.payload_std;
+        let swept = after(-0.3, [0.06, 0.15]);
+        assert!(swept > 0.5 * prior, "{swept} {prior}");
+        assert!(after(0.3, [0.06, 0.15]) < 2.0 * known, "the arm stretches");
+        assert!(after(-0.3, [0.5, 0.5]) < 2.0 * known, "the machine swings");
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl Working {
         let contradicted = self.is_contradicted();
         let frozen = self.weigh.as_ref().is_some_and(Weigh::is_frozen);
         let misfits = self.weigh.as_ref().is_some_and(Weigh::misfits);
-        let fills = !standing && self.weigh.as_ref().is_some_and(Weigh::sweeps);
+        let fills = !standing && self.ground.is_pulled();
         let may_hold_anything = contradicted || frozen || misfits || fills;
         let anything = if may_hold_anything {
             anything([least, most], payload)

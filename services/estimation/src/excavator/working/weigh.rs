@@ -6,7 +6,6 @@
 use super::super::cylinder::Cylinder;
 use super::super::drive::Drive;
 use super::super::measurements::boom_moment::{BoomMoment, Front, GRAVITY, Moment};
-use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
 use super::filter::{BUCKET, Filter, GAIN, HELD, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
@@ -63,7 +62,6 @@ struct Watched {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Weigh {
     cylinder: Cylinder,
-    ground: Ground,
     moments: BoomMoment,
     /// The pressure states have their described values and variances.
     begun: bool,
@@ -90,7 +88,6 @@ impl Weigh {
     pub(super) fn new(cylinder: Cylinder) -> Self {
         Self {
             cylinder,
-            ground: Ground::new(),
             moments: BoomMoment::new(),
             begun: false,
             watched: Watched::default(),
@@ -128,16 +125,6 @@ impl Weigh {
     /// Returns whether the bucket's angle repeats one value while the content changes.
     pub(super) fn is_frozen(&self) -> bool {
         self.frozen
-    }
-
-    /// Returns whether the bucket may be filling.
-    pub(super) fn digs(&self) -> bool {
-        self.ground.digs()
-    }
-
-    /// Returns whether the bucket may be filling, by a machine with pressures: where it moves, its content is unknown.
-    pub(super) fn sweeps(&self) -> bool {
-        self.begun && self.digs()
     }
 
     /// Initialises the pressure states of the filters as described, at the first pressures. Then returns the standard deviations of span
@@ -179,13 +166,13 @@ impl Weigh {
     }
 
     /// Processes one tick; returns the moment of a complete block. `turn`: sine and cosine of the swing angle; `velocity`: of the swing;
-    /// `content`: its change; `opens`: the bucket opens.
+    /// `content`: its change; `opens`: the bucket opens; `touches`: the ground may carry part of it.
     pub(super) fn step(
         &mut self,
         settings: &Settings,
         drive: &Drive,
         (turn, velocity): ((f64, f64), f64),
-        (content, opens): (Content, bool),
+        (content, opens, touches): (Content, bool, bool),
     ) -> Option<Moment> {
         if !self.begun {
             return None;
@@ -194,19 +181,12 @@ impl Weigh {
         if self.frozen && drive.posture[2] != self.angle {
             self.frozen = false;
         }
-        let g = &settings.geometry;
-        self.ground
-            .step(drive.posture, g.lengths, velocity, drive.period);
-        if opens {
-            self.ground.opens();
-            self.opened = true;
-        }
-        if self.ground.may_touch() {
+        self.opened |= opens;
+        if touches {
             // A load on the ground no longer swings.
             self.forget();
         }
         let constant = content == Content::Unchanged && !opens;
-        let touches = self.ground.may_touch();
         let front = Front {
             period: drive.period,
             posture: drive.posture,
@@ -216,9 +196,12 @@ impl Weigh {
             velocity,
             turn,
         };
-        let moment = self
-            .moments
-            .step(g, &self.cylinder, &front, (constant, touches))?;
+        let moment = self.moments.step(
+            &settings.geometry,
+            &self.cylinder,
+            &front,
+            (constant, touches),
+        )?;
         self.misfits = false;
         Some(moment)
     }
@@ -395,8 +378,8 @@ impl Weigh {
         self.strange == 0
     }
 
-    /// Returns whether the load must be another one. `angle`: of the bucket \[rad\]. Where the load is lighter, the ground may carry the
-    /// rest. A bucket that has opened before, and whose angle repeats one value while its load leaves, has a frozen angle.
+    /// Returns whether the load must be another one. `angle`: of the bucket \[rad\]. A bucket that has opened before, and whose angle
+    /// repeats one value while its load leaves, has a frozen angle.
     pub(super) fn renews(&mut self, innovation: Innovation, angle: f64) -> bool {
         if fits(innovation) {
             self.age = 0.0;
@@ -410,7 +393,6 @@ impl Weigh {
         let another = self.strange == 0;
         self.unconfirmed |= another;
         if another && innovation.value < 0.0 {
-            self.ground.rests();
             self.frozen = self.opened && angle == self.angle;
         }
         another
@@ -444,7 +426,12 @@ mod tests {
         };
         let settings = Settings::of(&Description::default());
         let motion = ((0.0, 1.0), 0.0);
-        weigh.step(&settings, &drive, motion, (Content::Unchanged, false));
+        weigh.step(
+            &settings,
+            &drive,
+            motion,
+            (Content::Unchanged, false, false),
+        );
     }
 
     /// An innovation of this many standard deviations.
