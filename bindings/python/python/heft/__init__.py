@@ -32,7 +32,6 @@ from ._words import in_python
 if TYPE_CHECKING:
     import pandas
     import polars
-    import pyarrow
 
     from ._estimator import ExcavatorMethod, LoaderMethod
 
@@ -93,7 +92,7 @@ def estimate(
 
 @overload
 def estimate(
-    data: "Union[pandas.DataFrame, pyarrow.Table, Mapping[str, Any], np.ndarray, PathLike]",
+    data: "Union[pandas.DataFrame, Mapping[str, Any], np.ndarray, PathLike]",
     machine: Machine,
     config: Config = None,
     method: Optional[Method] = None,
