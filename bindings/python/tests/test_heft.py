@@ -380,6 +380,8 @@ def test_a_table_of_pyarrow_gives_the_estimates_of_its_frame():
     pyarrow = pytest.importorskip("pyarrow")
     data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
     assert heft.estimate(pyarrow.Table.from_pandas(data), "excavator").equals(heft.estimate(data, "excavator"))
+    one = pyarrow.Table.from_pandas(data).append_column("machine", [["EX1", None] * (len(data) // 2) + ["EX1"] * (len(data) % 2)])
+    assert len(heft.estimate(one, "excavator")) == len(data)
     twice = pyarrow.table([[0.0], [1.0], [2.0]], names=["t", "swing_velocity", "swing_velocity"])
     with pytest.raises(heft.HeftError, match="two columns are called swing_velocity"):
         heft.estimate(twice, "excavator")

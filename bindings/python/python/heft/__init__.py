@@ -380,7 +380,7 @@ def _table(data: Any, known: list[str]) -> Any:
         return {name: data[name] for name in data.dtype.names}
     if library == "pyarrow" and hasattr(data, "column_names"):
         _refuse_twice(data.column_names, known)
-        return dict(zip(data.column_names, data.columns))
+        return {name: np.asarray(column) for name, column in zip(data.column_names, data.columns)}
     if library == "pandas" and hasattr(data, "columns"):
         _refuse_twice(data.columns, known)
         if "t" not in data.columns and (data.index.name == "t" or data.index.dtype.kind in "Mm"):
