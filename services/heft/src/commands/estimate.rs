@@ -55,10 +55,15 @@ fn single_results(args: &EstimateArgs) -> Vec<String> {
 
 /// The error for results of a single input where there are several.
 fn of_one_input(options: &[String]) -> Failure {
+    let names = options.iter().filter_map(|o| o.split(' ').next());
+    let names: Vec<&str> = names.collect();
     Failure::input(
         "several inputs cannot have one result",
         options.join(", "),
-        "leave this out: the estimates of each input and their summary (JSON) go beside it; a report is of one input with --output",
+        format!(
+            "leave {} out: the estimates of each input and their summary (JSON) go beside it; a report is of one input with --output",
+            names.join(" and ")
+        ),
     )
 }
 
