@@ -10,8 +10,7 @@ use runtime::{Domain, Ports};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let Some(name) = std::env::args().nth(1) else {
-        println!("name the domain of a running pipeline");
-        return Ok(());
+        return Err("name the domain of a running pipeline".into());
     };
     Domain::new(&name)?.enter()?;
     let channel = &EXCAVATOR_INERTIA_UKF;

@@ -7,7 +7,7 @@ use std::path::Path;
 use common::table::Table;
 use common::{both, run, run_ok, words};
 use messages::channels::LOADER_LOADS;
-use messages::{LoaderLoads, SIMULATED, loads_bits};
+use messages::{ExcavatorLoads, LoaderLoads, SIMULATED, loads_bits};
 use recording::Reader;
 use serde_json::Value;
 
@@ -492,13 +492,19 @@ fn where_a_jump_ends_the_weighing_the_sum_says_from_when_on_and_why() {
     assert!(page.contains("loads may be missing in the sum"), "{page}");
     // A run on it says so at its end.
     let run_it = words("run excavator --pace max --no-report --quiet --input");
-    let output = run(&[&run_it[..], &[&table, "--out", &out]].concat());
+    let again = common::path_in(folder.path(), "again");
+    let output = run(&[&run_it[..], &[&table, "--out", &again]].concat());
     let said = both(&output);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         said.contains("further than a joint moves: loads may be missing in the sum"),
         "{said}"
     );
+    let reader = Reader::open(Path::new(&again)).expect("a recording");
+    let reported: Vec<ExcavatorLoads> = reader.messages("excavator/loads").expect("loads");
+    let is_out = |m: &ExcavatorLoads| m.flags & loads_bits::OUTAGE != 0;
+    let first_and_last = (reported.first().map(is_out), reported.last().map(is_out));
+    assert_eq!(first_and_last, (Some(false), Some(true)));
 }
 
 #[test]

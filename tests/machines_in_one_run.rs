@@ -248,7 +248,7 @@ fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
     let said = both(&output);
     assert!(output.status.success(), "{said}");
     assert!(
-        said.contains("0 not answered") && said.contains("1 processes replaced"),
+        said.contains("0 not answered") && said.contains("1 process replaced"),
         "{said}"
     );
     run_ok(

@@ -70,6 +70,13 @@ fn a_folder_of_data_has_no_single_result() {
         &line,
         &["this is a folder without a recording", "leave --output out"],
     );
+    for option in ["--json", "--report"] {
+        let many = ["estimate", "site", "day 1.csv", option, "out.csv"];
+        let words = format!("where: {option} ");
+        said(&many, &["several inputs cannot have one result", &words]);
+        let one = ["estimate", "day 1.csv", option, "out.csv"];
+        said(&one, &[&words, "--output OUT.csv"]);
+    }
 }
 
 #[test]

@@ -519,6 +519,7 @@ fn frames_without_a_map_and_what_is_no_text_are_named_as_they_come() {
             "a CAN log needs a signal map",
         ),
         (b"\xa3\x95\x80\x01\x02\x03abc\x04\n", "this is no text"),
+        (b"abc\x00\x01\x02\x03,def\n0,1\n", "no text"),
     ] {
         fs::write(&file, content).expect("writable");
         for output in [estimate(&file, dir.path()), piped(&file, dir.path())] {

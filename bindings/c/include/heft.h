@@ -805,6 +805,7 @@ int32_t heft_loader_restore(void *memory, size_t size, const void *state, size_t
 #define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once, `payload_age` ago. */
 #define HEFT_LOADS_FLAG_TRUCK_TRUSTED 32u /* The truck has loads, and each of them may be believed. */
 #define HEFT_LOADS_FLAG_HAS_TARGET 64u /* Somebody said what the truck shall hold. */
+#define HEFT_LOADS_FLAG_OUTAGE 128u /* A fault of a sensor left no load weighed for more than a tenth of the run: loads may be missing in the sums. */
 
 /* Codes of `stage`. */
 #define HEFT_LOADS_STAGE_CARRIED 0 /* In the bucket; its mass becomes better. */

@@ -54,7 +54,7 @@ struct Variable {
     more: String,
 }
 
-/// The page that an importer shows: usage, and every input and output.
+/// The page that an importer shows: usage, every input and output. Parameters have their words in its dialog.
 #[must_use]
 pub fn page<M: Words>() -> String {
     let mut rows = String::new();
@@ -65,7 +65,9 @@ pub fn page<M: Words>() -> String {
         let _ = writeln!(
             rows,
             "<tr><td>{}</td><td><code>{}</code></td><td>{}</td></tr>",
-            v.causality, v.name, v.text
+            v.causality,
+            v.name,
+            marked(&v.text)
         );
     }
     format!(
@@ -73,6 +75,7 @@ pub fn page<M: Words>() -> String {
          <h1>heft: mass properties of the {name}</h1>\n\
          <p>Each communication step takes in one row: the inputs, at the time at which the step begins. Units are SI; a missing sample is NaN.</p>\n\
          <p>Set <code>has.SIGNAL = true</code> for each input that is connected. An importer gives 0 to the others, and a torque of 0 is not a missing torque.</p>\n\
+         <p>Parameters are the keys of a machine file. One whose default is \"none\" counts where <code>stated.KEY = true</code>.</p>\n\
          <p>Use a value where its <code>verdict.trusted...</code> is set. Elsewhere <code>estimate.reason</code> says why not.</p>\n\
          <table><tr><th></th><th>variable</th><th>meaning</th></tr>\n{rows}</table></body></html>\n",
         name = M::NAME
@@ -418,11 +421,23 @@ fn exponents(unit: &str) -> Option<[i32; 4]> {
     Some(sum)
 }
 
+/// A text of the page, with the names in it as code.
+fn marked(text: &str) -> String {
+    let parts = text.split('`').zip([false, true].into_iter().cycle());
+    let parts = parts.map(|(part, is_name)| match is_name {
+        true => format!("<code>{}</code>", escape(part)),
+        false => escape(part),
+    });
+    parts.collect()
+}
+
+/// A text as an attribute or content of XML; an importer shows it as it is, without marks.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
+        .replace('`', "")
 }
 
 #[cfg(test)]
@@ -437,6 +452,9 @@ mod tests {
         let description = xml::<Excavator>();
         let unit = "<Unit name=\"rad\"><BaseUnit rad=\"1\"/><DisplayUnit name=\"deg\" factor=\"57.29577951308232\"/></Unit>";
         assert!(description.contains(unit), "{description}");
+        let page = page::<Excavator>();
+        assert!(page.contains("deviation of <code>inertia</code>"), "{page}");
+        assert!(!page.contains('`') && !description.contains('`'));
         let angle = description
             .lines()
             .find(|line| line.contains("name=\"boom_angle\""));

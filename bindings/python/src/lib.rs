@@ -28,8 +28,14 @@ create_exception!(
     "What is wrong, where, and what to do about it."
 );
 
+/// The error in the words of the package, whose parameters are not called like options.
 fn refused(error: impl std::fmt::Display) -> PyErr {
-    HeftError::new_err(error.to_string())
+    let text = error.to_string();
+    let said = Python::attach(|py| {
+        let words = py.import("heft._words")?;
+        words.call_method1("in_python", (&text,))?.extract()
+    });
+    HeftError::new_err(said.unwrap_or(text))
 }
 
 #[pymodule]

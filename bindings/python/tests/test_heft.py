@@ -374,3 +374,47 @@ def test_a_truck_may_be_a_word_as_in_a_table():
         assert len(named) == len(plain)
     with pytest.raises(heft.HeftError, match="boom_angle is not of numbers"):
         heft.estimate(swings.assign(boom_angle="TRK-1"), "excavator")
+
+
+def test_a_table_of_pyarrow_gives_the_estimates_of_its_frame():
+    pyarrow = pytest.importorskip("pyarrow")
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    assert heft.estimate(pyarrow.Table.from_pandas(data), "excavator").equals(heft.estimate(data, "excavator"))
+    one = pyarrow.Table.from_pandas(data).append_column("machine", [["EX1", None] * (len(data) // 2) + ["EX1"] * (len(data) % 2)])
+    assert len(heft.estimate(one, "excavator")) == len(data)
+    twice = pyarrow.table([[0.0], [1.0], [2.0]], names=["t", "swing_velocity", "swing_velocity"])
+    with pytest.raises(heft.HeftError, match="two columns are called swing_velocity"):
+        heft.estimate(twice, "excavator")
+
+
+def test_messages_name_parameters_and_not_options(tmp_path):
+    table = tmp_path / "day.csv"
+    table.write_text("t,speed\n0,1\n0.01,1\n")
+
+    def said(what):
+        with pytest.raises(heft.HeftError) as failed:
+            what()
+        return str(failed.value)
+
+    golden = GOLDEN / "excavator_input_two_swings.csv"
+    messages = {
+        "map=; `heft map": lambda: heft.estimate(table, "excavator"),
+        'config={"machine.operating_mas": 3.0}': lambda: heft.Estimator(
+            "excavator", signals=["swing_velocity"], config={"machine.operating_mas": 3}
+        ),
+        'add machine="excavator" or machine="loader"': lambda: heft.loads(golden),
+        "'-1' for target=": lambda: heft.loads(golden, "excavator", target=-1),
+        'payload={"other.csv": "400"}': lambda: heft.calibrate(
+            "excavator", [golden], tmp_path / "m.toml", payload={"other.csv": "400"}
+        ),
+        "mass= is of a loader": lambda: heft.calibrate("excavator", [golden], tmp_path / "m.toml", mass={golden: "400"}),
+        'out_and_back=[("a.csv", "b.csv")]': lambda: heft.calibrate(
+            "loader", [GOLDEN / "loader_input_S4_tierB.csv"], tmp_path / "m.toml", out_and_back=[("a.csv", "b.csv")]
+        ),
+        "no pipeline runs": lambda: next(heft.subscribe("excavator/loads", domain="nobody")),
+    }
+    for words, what in messages.items():
+        message = said(what)
+        assert words in message, message
+        options = message.replace("`heft estimate --help`", "").replace("`heft check FILE --print`", "")
+        assert "--" not in options and not message.startswith(("heft: ", "error: ")), message

@@ -79,13 +79,15 @@ pub const SIMULATED_ENTRY: Entry = Entry {
     doc: "Made from simulated samples, nothing was measured.",
 };
 
-/// All fields of a message, with codes by their names, then its flags.
+/// All fields of a message without the reserved ones, with codes by their names, then its flags.
 pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>, Said)> {
     let presence = Presence::of::<M>();
     let set = presence.map_or(0, |p| message.bits_of(p.field));
     let is_missing =
         move |name, value| presence.is_some_and(|p| p.is_missing(value, p.bit(name), set));
-    let fields = M::FIELDS.iter().enumerate().filter_map(move |(i, field)| {
+    let fields = M::FIELDS.iter().enumerate();
+    let fields = fields.filter(|(_, field)| !field.name.starts_with("reserved"));
+    let fields = fields.filter_map(move |(i, field)| {
         let value = message.get(i)?;
         let said = match (Words::of_field(M::WORDS, field.name), value) {
             (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
@@ -207,6 +209,7 @@ mod tests {
         assert_eq!(of(&message, "refused"), Some(count));
         assert_eq!(of(&message, "refused_now"), Some(Said::Flag(true)));
         assert_eq!(of(&message, "simulated"), Some(Said::Flag(false)));
+        assert_eq!(of(&message, "reserved_2"), None);
         let unknown = LoaderEstimate {
             reason: 4_000,
             ..LoaderEstimate::default()

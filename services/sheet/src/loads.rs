@@ -18,6 +18,8 @@ pub mod bits {
     pub const TRUCK_TRUSTED: u32 = 1 << 5;
     /// Somebody said what the truck shall hold.
     pub const HAS_TARGET: u32 = 1 << 6;
+    /// Loads may be missing in the sums; set by a run, not by the ledger.
+    pub const OUTAGE: u32 = 1 << 7;
 }
 
 const fn flag(bit: u32, name: &'static str, place: u32, doc: &'static str) -> Flag {
@@ -67,6 +69,14 @@ pub const FLAGS: &[Flag] = &[
         6,
         "Somebody said what the truck shall hold.",
     ),
+    Flag {
+        entry: entry(
+            bits::OUTAGE,
+            "outage",
+            "A fault of a sensor left no load weighed for more than a tenth of the run: loads may be missing in the sums.",
+        ),
+        ..Flag::NONE
+    },
 ];
 
 /// Place of the flag of simulated samples in the frame.

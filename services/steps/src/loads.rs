@@ -20,7 +20,7 @@ mod why;
 
 pub use guessed::guessed;
 use guessed::shown_empty;
-pub use outage::{MISSING, Outage};
+pub use outage::{MISSING, Outage, are_doubtful};
 use outage::{Outages, Watched, fault};
 pub use report::{channel, message};
 use scale::Scale;

@@ -7,7 +7,7 @@ use estimation::HALF_WIDTH_95;
 use estimation::loads::{Load, Now, Stage, Total, Truck, Weight, Witness};
 use messages::Machine;
 use serde_json::{Value, json};
-use steps::loads::{LoadCounter, Outage, outage_words, reason_and_flags, why_words};
+use steps::loads::{LoadCounter, Outage, are_doubtful, outage_words, reason_and_flags, why_words};
 
 use crate::number::{interval_95, significant, value_and_std};
 use crate::{excavator, loader};
@@ -120,10 +120,9 @@ impl Account {
 
     /// The longest outage, if all of them are more than a tenth of the recording: the sum is in doubt.
     pub fn in_doubt(&self) -> Option<&Outage> {
-        let all: f64 = self.outages.iter().map(|outage| outage.seconds).sum();
         let longest = self.outages.iter();
         let longest = longest.max_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        longest.filter(|_| OUTAGE_ONE_IN * all > self.seconds)
+        longest.filter(|_| are_doubtful(&self.outages, self.seconds))
     }
 
     /// The outages, and each reason why loads are not trusted with its remedy, once.
@@ -182,9 +181,6 @@ impl Account {
         })
     }
 }
-
-/// The recording's time per time without a weighed load, below which the sum is in doubt.
-const OUTAGE_ONE_IN: f64 = 10.0;
 
 /// The times of a run without a weighed load up to now, and the remedies.
 pub fn outages(counter: &LoadCounter) -> Vec<String> {

@@ -19,7 +19,7 @@ import sysconfig
 import tempfile
 from pathlib import Path
 import warnings
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Mapping, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Mapping, Optional, Tuple, Union, overload
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from . import _heft
 from ._calibration import Calibration
 from ._estimator import Estimator, ExcavatorEstimate, LoaderEstimate
 from ._heft import HeftError
+from ._words import in_python
 
 if TYPE_CHECKING:
     import pandas
@@ -109,7 +110,7 @@ def estimate(
     """Estimates of one method, one row per row of ``data`` with a valid, increasing time.
 
     data
-        A pandas or polars frame (lazy ones are collected), a mapping of names to arrays, an array with
+        A pandas or polars frame (lazy ones are collected), a table of pyarrow, a mapping of names to arrays, an array with
         named fields, or the path of a file that ``heft estimate`` reads. Columns have the names and SI
         units of the CSV (``heft.schema()``), ``t`` in seconds; other columns are left out; NaN, null,
         None and masked values are missing samples. Trucks may be words.
@@ -192,26 +193,36 @@ def calibrate(
     mass: Optional[Mapping[PathLike, str]] = None,
     config: Config = None,
     map: Optional[PathLike] = None,
+    weigh: Optional[Mapping[Optional[PathLike], PathLike]] = None,
+    out_and_back: Iterable[Tuple[PathLike, PathLike]] = (),
     free: Optional[Iterable[str]] = None,
+    accept: bool = False,
     report: Optional[PathLike] = None,
 ) -> Calibration:
     """The machine's own parameters from recordings, written as a description to ``output``.
 
     ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns the parameters
     that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed. ``map`` is the signal map of
-    recordings with other names.
+    recordings with other names. Of a loader, ``weigh`` gives the axle scales of a recording, or (None) of the machine
+    without load, and ``out_and_back`` pairs of recordings on one path, the second with the machine turned round.
 
     Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
-    what is missing.
+    what is missing. ``accept=True`` writes what was found nevertheless.
     """
     arguments = ["calibrate", machine, *_files(recordings, "a machine is calibrated from files")]
     for option, known in (("--payload", payload), ("--mass", mass)):
         for file, weight in (known or {}).items():
             arguments += [option, f"{_path(file)}={weight}"]
+    for weighed, scales in (weigh or {}).items():
+        arguments += ["--weigh", _path(scales) if weighed is None else f"{_path(weighed)}={os.fspath(scales)}"]
+    for there, back in out_and_back:
+        arguments += ["--out-and-back", f"{_path(there)},{os.fspath(back)}"]
+    if accept:
+        arguments += ["--accept"]
     if map is not None:
         arguments += ["--map", os.fspath(map)]
     if free is not None:
-        arguments += ["--free", ",".join(free)]
+        arguments += ["--free", free if isinstance(free, str) else ",".join(free)]
     if report is not None:
         arguments += ["--report", os.fspath(report)]
     with tempfile.TemporaryDirectory() as folder:
@@ -271,7 +282,7 @@ def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, 
             process.terminate()
         process.wait()
         words.seek(0)
-        told = words.read().strip()
+        told = in_python(words.read().strip())
     if process.returncode not in (0, -15):
         raise HeftError(told or f"heft tail {channel} ended with status {process.returncode}")
 
@@ -309,10 +320,10 @@ def _run(arguments: Iterable[str], result: Optional[Path] = None) -> str:
     done = subprocess.run([command(), *arguments], capture_output=True, text=True)
     # Notes of the command are no warnings, and an exception has a name of its own.
     lines = done.stderr.strip().splitlines()
-    told = "\n".join(line.removeprefix("heft: ") for line in lines if not line.startswith("note: "))
+    told = in_python("\n".join(line for line in lines if not line.startswith("note: ")))
     has_result = done.returncode == 1 and result is not None and result.exists()
     if done.returncode != 0 and not has_result:
-        raise HeftError(told or done.stdout.strip())
+        raise HeftError(told or in_python(done.stdout.strip()))
     if told:
         warnings.warn(told, HeftWarning, stacklevel=3)
     return done.stdout
@@ -367,18 +378,27 @@ def _table(data: Any, known: list[str]) -> Any:
         if data.dtype.names is None:
             raise HeftError("an array has no names of columns; give {'t': ..., 'swing_velocity': ...} or a frame")
         return {name: data[name] for name in data.dtype.names}
+    if library == "pyarrow" and hasattr(data, "column_names"):
+        _refuse_twice(data.column_names, known)
+        return {name: np.asarray(column) for name, column in zip(data.column_names, data.columns)}
     if library == "pandas" and hasattr(data, "columns"):
-        twice = [name for name in data.columns[data.columns.duplicated()] if name in known]
-        if twice:
-            raise HeftError(f"two columns are called {twice[0]}; rename or drop one of them")
+        _refuse_twice(data.columns, known)
         if "t" not in data.columns and (data.index.name == "t" or data.index.dtype.kind in "Mm"):
             return data.assign(t=data.index)
         return data
-    if isinstance(data, Mapping) or (hasattr(data, "columns") and library != "pyarrow"):
+    if isinstance(data, Mapping) or hasattr(data, "columns"):
         return data
     raise HeftError(
-        f"{type(data).__name__} cannot be used; give a frame of pandas or polars, a mapping of names to arrays, or a path"
+        f"{type(data).__name__} cannot be used; give a frame of pandas or polars, a table of pyarrow, a mapping of names to arrays, or a path"
     )
+
+
+def _refuse_twice(names: Iterable[Any], known: list[str]) -> None:
+    seen = set()
+    for name in names:
+        if name in known and name in seen:
+            raise HeftError(f"two columns are called {name}; rename or drop one of them")
+        seen.add(name)
 
 
 def _of_one_machine(table: Any) -> None:
@@ -481,7 +501,7 @@ def _estimates(result: Any, library: str, index: Any) -> Any:
     columns, refused, rows, damage, hints = result
     _warn_of_damage(damage)
     for hint in hints:
-        warnings.warn(hint, HeftWarning, stacklevel=3)
+        warnings.warn(in_python(hint), HeftWarning, stacklevel=3)
     if refused:
         warnings.warn(
             f"{len(refused)} of {rows} rows are left out: their time is missing or does not increase"

@@ -9,8 +9,9 @@ pub mod stated;
 
 pub use self::args::CalibrateArgs;
 use config::Description;
+use messages::Machine;
 
-use crate::args::{described, description};
+use crate::args::{described, description, is_of_heft};
 use crate::failure::Failure;
 use crate::machines;
 
@@ -20,6 +21,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         return each::calibrate(args);
     }
     inputs::check_distinct(&args.files)?;
+    check_machine(args)?;
     outcome::check_outputs(args)?;
     let description = before(args)?;
     (machines::entry(args.machine).calibrate)(args, &description)
@@ -30,13 +32,33 @@ fn before(args: &CalibrateArgs) -> Result<Description, Failure> {
     let Some(first) = args.files.first() else {
         return description(Some(args.machine), &args.description);
     };
-    let found = described(Some(args.machine), &args.description, first)?;
-    if found.machine() == args.machine {
-        return Ok(found);
+    if is_of_heft(first)
+        && let Some(its) = recording::Reader::open(first)?.machine()
+        && its != args.machine
+    {
+        return Err(Failure::input(
+            format!("this is a recording of the {its}"),
+            first.display(),
+            format!("`heft calibrate {its}` calibrates it"),
+        ));
     }
-    Err(Failure::input(
-        format!("this is a recording of the {}", found.machine()),
-        first.display(),
-        format!("heft calibrate {} ...", found.machine()),
-    ))
+    described(Some(args.machine), &args.description, first)
+}
+
+/// Refuses for an excavator what is stated of loaders only: it would be ignored.
+fn check_machine(args: &CalibrateArgs) -> Result<(), Failure> {
+    let of_loaders = [
+        ("--mass", &args.mass),
+        ("--weigh", &args.weigh),
+        ("--out-and-back", &args.there_and_back),
+    ];
+    let stated = of_loaders.into_iter().find(|(_, given)| !given.is_empty());
+    match (args.machine, stated) {
+        (Machine::Loader, _) | (Machine::Excavator, None) => Ok(()),
+        (Machine::Excavator, Some((option, given))) => Err(Failure::input(
+            format!("{option} is of a loader"),
+            format!("{option} {}", given.join(", ")),
+            "state what was in the bucket of an excavator: --payload FILE=KG±KG",
+        )),
+    }
 }

@@ -6,7 +6,7 @@ pub mod look;
 mod many;
 pub mod one;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use self::args::EstimateArgs;
 use crate::args::described;
@@ -26,13 +26,45 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
             ))
         }
         (Some(output), [file]) => one(args, file, output),
-        (Some(output), _) => Err(Failure::input(
-            "several inputs cannot have one result",
-            format!("--output {}", output.display()),
-            "leave --output out: each result goes beside its input",
-        )),
-        (None, _) => many::estimate(args),
+        (None, files) => match single_results(args).as_slice() {
+            [] => many::estimate(args),
+            wanted if matches!(files, [file] if !file.is_dir()) => Err(Failure::input(
+                "a report or a summary is made beside the estimates, and they have no file",
+                wanted.join(", "),
+                "name it: --output OUT.csv",
+            )),
+            wanted => Err(of_one_input(wanted)),
+        },
+        (Some(_), _) => Err(of_one_input(&single_results(args))),
     }
+}
+
+/// The options that name a result of a single input.
+fn single_results(args: &EstimateArgs) -> Vec<String> {
+    let all = [
+        ("--output", &args.output),
+        ("--json", &args.json),
+        ("--report", &args.report),
+    ];
+    let named = |(option, file): (&str, &Option<PathBuf>)| {
+        let file = file.as_ref()?;
+        Some(format!("{option} {}", file.display()))
+    };
+    all.into_iter().filter_map(named).collect()
+}
+
+/// The error for results of a single input where there are several.
+fn of_one_input(options: &[String]) -> Failure {
+    let names = options.iter().filter_map(|o| o.split(' ').next());
+    let names: Vec<&str> = names.collect();
+    Failure::input(
+        "several inputs cannot have one result",
+        options.join(", "),
+        format!(
+            "leave {} out: the estimates of each input and their summary (JSON) go beside it; a report is of one input with --output",
+            names.join(" and ")
+        ),
+    )
 }
 
 /// One input in this process.

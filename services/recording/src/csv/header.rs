@@ -19,17 +19,18 @@ pub(crate) fn header(
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
     let header = unambiguous(record.iter().map(dialect::name).collect(), above);
-    check_names(&header, file)?;
-    // Half of a program, or of UTF-16 text, is zeros; a single zero in quotes is an unusual name.
-    let zeros = record.iter().flatten().filter(|b| **b == 0).count();
+    // Much of a program, or of UTF-16 text, is control characters; a single one in quotes is an unusual name.
+    let is_strange = |b: &&u8| b.is_ascii_control() && !b.is_ascii_whitespace();
+    let strange = record.iter().flatten().filter(is_strange);
     let length: usize = record.iter().map(<[u8]>::len).sum();
-    if 10 * zeros > length {
+    if 10 * strange.count() > length {
         return Err(Error::new(
             "this is no table: it holds bytes that are no text",
             place(),
             "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)",
         ));
     }
+    check_names(&header, file)?;
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
     if record.iter().all(is_number) {
         return Err(Error::new(

@@ -53,12 +53,16 @@ pub fn rows<'a, S: Sensors>(
 
 const TABLE: &str = "the table";
 
-/// Fails if a signal that the machine requires is missing.
-fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
+/// The names of a required signal of which there is none.
+fn missing<S: Sensors>(names: &[&str]) -> Option<&'static [&'static str]> {
     let time: &[&str] = &["t"];
     let mut groups = [time].into_iter().chain(S::REQUIRED.iter().copied());
-    let missing = groups.find(|group| !group.iter().any(|name| names.contains(name)));
-    missing.map_or(Ok(()), |group| {
+    groups.find(|group| !group.iter().any(|name| names.contains(name)))
+}
+
+/// Fails if a signal that the machine requires is missing.
+fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
+    missing::<S>(names).map_or(Ok(()), |group| {
         let what = format!("there is no column {} ({})", group.join(" or "), S::MACHINE);
         let remedy = format!("rename a column; the table has {}", names.join(", "));
         Err(Error::new(what, TABLE, remedy))
@@ -82,6 +86,8 @@ impl<S: Sensors> Feed<S> {
         for (i, name) in names.iter().enumerate() {
             if known(name).is_none() {
                 let known = all.iter().map(|s| s.name.as_str());
+                // What a sensor gives, and not a simulator.
+                let known = known.filter(|name| *name != "t" && !name.starts_with("true_"));
                 let what = format!("the {} has no signal {name}", S::MACHINE);
                 let remedy = hint(name, known, "the signals are");
                 return Err(Error::new(what, "the signals", remedy));
@@ -91,7 +97,14 @@ impl<S: Sensors> Feed<S> {
                 return Err(Error::new(what, "the signals", "name each signal once"));
             }
         }
-        check_required::<S>(names)?;
+        if let Some(group) = missing::<S>(names) {
+            let needed = group.join(" or ");
+            let what = format!("the {} needs {needed}", S::MACHINE);
+            let remedy = format!(
+                "name {needed} among the signals; without that sensor nothing is estimated"
+            );
+            return Err(Error::new(what, "the signals", remedy));
+        }
         let signals = names.iter().filter_map(|name| known(name));
         Ok(Self {
             builder: Builder::with_all(signals),

@@ -26,6 +26,15 @@ const _: () = {
 /// The code of an input that is missing or too old, where no reason is named.
 pub const MISSING: u32 = 0;
 
+/// The recording's time per time without a weighed load, below which the sum is in doubt.
+const ONE_IN: f64 = 10.0;
+
+/// Whether the sums of loads are in doubt: the outages are more than a tenth of so many `seconds`.
+#[must_use]
+pub fn are_doubtful(outages: &[Outage], seconds: f64) -> bool {
+    ONE_IN * outages.iter().map(|outage| outage.seconds).sum::<f64>() > seconds
+}
+
 /// The time in which no load was weighed because of one fault.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Outage {

@@ -2,9 +2,10 @@
 
 use estimation::loads::LoadReport;
 use messages::channels::{Channel, EXCAVATOR_LOADS, LOADER_LOADS};
-use messages::{Envelope, ExcavatorLoads, LoaderLoads, Machine, Message, Stamp};
+use messages::{Envelope, ExcavatorLoads, LoaderLoads, Machine, Message, Stamp, loads_bits};
 
 use super::LoadCounter;
+use super::outage::are_doubtful;
 use super::why::REASON;
 
 /// The messages from the rows of the sheet.
@@ -35,6 +36,9 @@ sheet::loads_fields!(fill);
 pub fn message(counter: &LoadCounter, stamp: &Stamp) -> Envelope {
     let mut report = LoadReport::of(counter.ledger(), counter.loads().next_back());
     report.reason &= REASON;
+    if are_doubtful(&counter.outages(), counter.seconds()) {
+        report.flags |= loads_bits::OUTAGE;
+    }
     match counter.machine() {
         Machine::Excavator => ExcavatorLoads {
             stamp: *stamp,

@@ -30,10 +30,10 @@ pub struct EstimateArgs {
     #[arg(long)]
     pub smooth: bool,
     /// Also write an HTML report
-    #[arg(long, value_name = "R.html", requires = "output")]
+    #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
     /// Also write a summary (JSON)
-    #[arg(long, value_name = "FILE", requires = "output")]
+    #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]

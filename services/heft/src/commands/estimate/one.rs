@@ -18,6 +18,7 @@ use super::many;
 use crate::args::tell_odd_keys;
 use crate::doubts::Doubts;
 use crate::failure::Failure;
+use crate::fault::counted;
 use crate::way::{Way, method, way};
 use crate::{page, parts, signals, summary};
 
@@ -181,10 +182,12 @@ fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, words: 
     let refused = if refused == 0 {
         String::new()
     } else {
-        format!(" ({refused} rows refused: their time is missing or does not increase)")
+        let refused = counted(refused as u64, "row", "rows");
+        format!(" ({refused} refused: a time is missing or does not increase)")
     };
     say(&format!(
-        "{written} estimates in {}{refused}",
+        "{} in {}{refused}",
+        counted(written as u64, "estimate", "estimates"),
         output.display()
     ));
     if let Some(report) = &args.report {

@@ -11,6 +11,7 @@ use super::plan::{absolute, described, folder};
 use crate::args::tell_odd_keys;
 use crate::commands::serve::{shard_arguments, usual_shards};
 use crate::failure::Failure;
+use crate::fault::counted;
 use crate::machines;
 use crate::many;
 use crate::plan::Plan;
@@ -110,11 +111,11 @@ fn text(quantities: &[&str], played: &Played, table: &Path) -> String {
     } = played;
     let rows: u64 = members.iter().map(|m| m.rows).sum();
     line(format!(
-        "{samples} samples in {:.1} s: {} refused, {} not answered, {late} sent later than a period; {} processes replaced",
+        "{samples} samples in {:.1} s: {} refused, {} not answered, {late} sent later than a period; {} replaced",
         played.took.as_secs_f64(),
         served.answered.saturating_sub(rows),
         samples.saturating_sub(served.answered),
-        served.replaced,
+        counted(served.replaced.into(), "process", "processes"),
     ));
     for (at, quantity) in quantities.iter().enumerate() {
         let share = |flagged: u64, rows: u64| 100.0 * flagged as f64 / rows.max(1) as f64;
