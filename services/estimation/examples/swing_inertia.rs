@@ -51,12 +51,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let next = velocity + PERIOD * moving / inertia;
         let rests = next * velocity < 0.0 || velocity == 0.0 && torque.abs() <= friction;
         velocity = if rests { 0.0 } else { next };
-        if row % 500 == 499 {
+        // In the middle of braking.
+        if row % 400 == 150 {
             let half = estimation::HALF_WIDTH_95 * answer.inertia_std;
             let word = if answer.flags.trusted() {
                 "trusted"
             } else {
-                "not trusted while it rests"
+                "not trusted: no bucket was emptied, so its content is hardly known"
             };
             println!(
                 "{time:5.1} s  {:6.0} ± {half:4.0} kg m²  {word}",

@@ -127,7 +127,7 @@ fn judgement(e: &LoaderEstimate, value: String, part: &Part, width: &str) -> Jud
     let trusted = e.flags & part.trusted != 0;
     let reasons = if trusted {
         vec![
-            part.moving.into(),
+            if has_weight(e) { WEIGHED } else { part.moving }.into(),
             "the inputs are complete".into(),
             "the measurements agree with the model".into(),
             format!("the 95\u{a0}% interval is narrow ({width})"),
@@ -141,6 +141,11 @@ fn judgement(e: &LoaderEstimate, value: String, part: &Part, width: &str) -> Jud
         reasons,
         advice: if trusted { "" } else { advice(e, part) },
     }
+}
+
+/// Whether lift pressures weigh the load.
+fn has_weight(e: &LoaderEstimate) -> bool {
+    e.estimated & bits::PAYLOAD != 0
 }
 
 /// The words of a reason.
@@ -211,12 +216,12 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("latency", "run heft calibrate, or set sensors.speed_delay"),
     (
         "stiffness",
-        "check units of wheel speeds and torques, and machine.wheel_radius; then run heft calibrate",
+        "check units and noise of wheel speeds and torques, and machine.wheel_radius; then run heft calibrate",
     ),
     ("brakes", "map the brake signal, or brake with the drive"),
     (
         "steering",
-        "drive straight, or map articulation or yaw rate",
+        "drive straight; map articulation or yaw rate, and wheel speeds of one time",
     ),
     (
         "slope",
@@ -258,6 +263,8 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
 ];
 
+const WEIGHED: &str = "lift pressures weigh the load";
+const CARRY: &str = "lift the bucket off the ground, and do not turn it";
 const MISSING: &str = "check the sensors and the map: an input is missing, rejected or too old";
 const WEIGH: &str = "weigh the axles of the empty machine once, level and on a ramp (heft weigh); or run heft calibrate";
 
@@ -282,13 +289,15 @@ fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
         of_reason.unwrap_or(MISSING)
     } else if has(bits::FROZEN) {
         "drive, faster than 0.5 m/s and without digging"
+    } else if e.reason == Reason::Load as u32 && has_weight(e) {
+        CARRY
     } else if let Some(of_reason) = of_reason {
         of_reason
     } else if !has(part.excited) {
         part.to_do[0]
     } else if !has(bits::CONSISTENT) {
         "drive on; if it stays so, check the sensors and the machine file"
-    } else if e.estimated & bits::PAYLOAD != 0 {
+    } else if has_weight(e) {
         WEIGH
     } else {
         part.to_do[1]

@@ -30,13 +30,39 @@ pub(in crate::excavator) struct Ground {
     digs: bool,
     pulled: bool,
     smoothed: Option<[f64; 3]>,
-    /// Since the bucket was last free: its highest place, the arm's largest angle and the height there, the bucket's largest angle.
+    /// Since the bucket was last free: its highest place, the arm's stretch, the bucket's largest angle.
     highest: f64,
-    stretched: (f64, f64),
+    stretched: Stretch,
     open: f64,
     /// Lowest place since it may touch the ground.
     lowest: f64,
+    /// The arm's stretch since the upper body last stood.
+    sweeping: Stretch,
     swung: f64,
+}
+
+/// The arm's largest angle \[rad\], and the bucket's height there \[m\].
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Stretch {
+    arm: f64,
+    height: f64,
+}
+
+impl Stretch {
+    const NONE: Self = Self {
+        arm: f64::NEG_INFINITY,
+        height: 0.0,
+    };
+
+    /// Returns whether an arm of this length pulls the bucket in. Lifting pulls it in as well, but less relative to the rise.
+    fn is_pulled(&mut self, arm: f64, height: f64, length: f64) -> bool {
+        if arm > self.arm {
+            *self = Self { arm, height };
+        }
+        let pulled = self.arm - arm;
+        pulled > DIGGING[0] && pulled * length > PULLING * (height - self.height)
+    }
 }
 
 impl Ground {
@@ -48,19 +74,21 @@ impl Ground {
             pulled: false,
             smoothed: None,
             highest: f64::NEG_INFINITY,
-            stretched: (f64::NEG_INFINITY, 0.0),
+            stretched: Stretch::NONE,
+            sweeping: Stretch::NONE,
             open: f64::NEG_INFINITY,
             lowest: f64::INFINITY,
             swung: 0.0,
         }
     }
 
-    /// Takes one tick: joint angles \[rad\], lengths of boom and arm \[m\], swing velocity [rad/s].
+    /// Takes one tick: joint angles \[rad\], lengths of boom and arm \[m\], swing velocity [rad/s]. The upper body `stands`, or hardly
+    /// moves.
     pub(in crate::excavator) fn step(
         &mut self,
         posture: [f64; 3],
         lengths: [f64; 2],
-        velocity: f64,
+        (velocity, stands): (f64, bool),
         period: f64,
     ) {
         let before = self.smoothed.unwrap_or(posture);
@@ -80,18 +108,15 @@ impl Ground {
         let reach = lengths[0] + lengths[1];
         let height = lengths[0] * sin_cos(now[0]).0 + lengths[1] * sin_cos(now[0] + now[1]).0;
         self.highest = self.highest.max(height);
-        if now[1] > self.stretched.0 {
-            self.stretched = (now[1], height);
-        }
         self.open = self.open.max(now[2]);
-        let pulled = self.stretched.0 - now[1];
-        // Lifting pulls the arm in as well, but less relative to the rise.
-        let pulls =
-            pulled > DIGGING[0] && pulled * lengths[1] > PULLING * (height - self.stretched.1);
+        let pulls = self.stretched.is_pulled(now[1], height, lengths[1]);
+        if stands {
+            self.sweeping = Stretch::NONE;
+        }
+        self.pulled = self.sweeping.is_pulled(now[1], height, lengths[1]) || self.pulled && !stands;
         let digs = pulls || self.open - now[2] > DIGGING[1];
         self.touches |= digs || self.highest - height > FALLEN * reach;
         self.digs |= digs;
-        self.pulled |= pulls;
         if self.touches {
             self.lowest = self.lowest.min(height);
             if height > self.lowest + RAISED * reach {
@@ -114,7 +139,7 @@ impl Ground {
     pub(in crate::excavator) fn opens(&mut self) {
         self.digs = false;
         self.pulled = false;
-        self.stretched = (f64::NEG_INFINITY, 0.0);
+        (self.stretched, self.sweeping) = (Stretch::NONE, Stretch::NONE);
         self.open = f64::NEG_INFINITY;
     }
 
@@ -128,7 +153,7 @@ impl Ground {
         self.digs
     }
 
-    /// The arm has pulled the bucket in without raising it: where the upper body sweeps too, the bucket fills.
+    /// The arm has pulled the bucket in without raising it, since the upper body last stood: the bucket fills in a sweep.
     pub(in crate::excavator) fn is_pulled(&self) -> bool {
         self.pulled
     }
@@ -150,7 +175,7 @@ mod tests {
     fn in_the_air() -> Ground {
         let mut ground = Ground::new();
         for _ in 0..100 {
-            ground.step([0.7, -1.7, -0.5], LENGTHS, 0.5, PERIOD);
+            ground.step([0.7, -1.7, -0.5], LENGTHS, (0.5, false), PERIOD);
         }
         ground
     }
@@ -166,7 +191,7 @@ mod tests {
         for i in 0..=ticks {
             let share = i as f64 / ticks as f64;
             let posture = core::array::from_fn(|j| from[j] + share * (to[j] - from[j]));
-            ground.step(posture, LENGTHS, velocity, PERIOD);
+            ground.step(posture, LENGTHS, (velocity, velocity == 0.0), PERIOD);
         }
     }
 
@@ -177,9 +202,27 @@ mod tests {
             let mut ground = in_the_air();
             move_to(&mut ground, pulls.0, pulls.1, 1.0);
             sweep(&mut ground, velocity, (pulls.1, pulls.1), 1.0);
-            ground.digs() && ground.is_pulled()
+            ground.digs()
         };
         assert!(digs(0.2) && !digs(0.3));
+    }
+
+    #[test]
+    fn an_arm_that_pulls_in_a_sweep_is_another_than_one_that_has_pulled_before() {
+        let after = |[first, second]: [f64; 2], velocity: f64| {
+            let mut ground = in_the_air();
+            let at = |arm: f64| [0.7, -1.7 - arm, -0.5];
+            move_to(&mut ground, at(0.0), at(first), 1.0);
+            sweep(&mut ground, velocity, (at(first), at(first + second)), 1.0);
+            ground
+        };
+        assert!(!after([0.3, 0.0], 0.2).is_pulled());
+        assert!(!after([0.3, 0.2], 0.3).is_pulled(), "free");
+        let mut ground = after([0.3, 0.2], 0.2);
+        assert!(ground.is_pulled());
+        ground.opens();
+        assert!(!ground.is_pulled(), "what was dug has left");
+        assert!(!after([0.3, -0.2], 0.2).is_pulled(), "it stretches");
     }
 
     #[test]
@@ -192,7 +235,7 @@ mod tests {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 angle + 0.0121 * (f64::from(state) / f64::from(u32::MAX) - 0.5)
             });
-            ground.step(posture, LENGTHS, 0.0, PERIOD);
+            ground.step(posture, LENGTHS, (0.0, true), PERIOD);
             assert!(!ground.may_touch());
         }
     }
@@ -211,13 +254,11 @@ mod tests {
     fn an_arm_that_is_pulled_in_digs_and_one_that_lifts_does_not() {
         let mut ground = in_the_air();
         move_to(&mut ground, [0.7, -1.7, -0.5], [0.7, -2.0, -0.5], 1.0);
-        assert!(ground.digs() && ground.is_pulled());
-        ground.opens();
-        assert!(!ground.is_pulled(), "what was dug has left");
+        assert!(ground.digs());
         let mut ground = in_the_air();
         move_to(&mut ground, [0.7, -1.7, -0.5], [1.0, -1.8, -0.5], 1.0);
         assert!(!ground.may_touch());
         move_to(&mut ground, [1.0, -1.8, -0.5], [1.0, -1.8, -0.8], 1.0);
-        assert!(ground.digs() && !ground.is_pulled(), "a bucket that closes");
+        assert!(ground.digs(), "a bucket that closes");
     }
 }

@@ -355,11 +355,11 @@ impl Working {
         let content = self.bucket.step(drive, share, stands, digs);
         let (lengths, velocity) = (settings.geometry.lengths, self.filter.x[W]);
         self.ground
-            .step(drive.posture, lengths, velocity, drive.period);
+            .step(drive.posture, lengths, (velocity, stands), drive.period);
         if self.bucket.is_open() || self.bucket.is_settling() {
             self.ground.opens();
         }
-        if self.ground.is_pulled() && !stands {
+        if self.ground.is_pulled() {
             // The bucket fills while the upper body sweeps.
             return Content::Unknown;
         }

@@ -173,6 +173,8 @@ pub(super) struct Weighed {
     pub height: Quantity,
     /// Input to the slip-based filter.
     pub carried: Carried,
+    /// The ground may carry a part of it.
+    pub rests: bool,
     /// Standard deviation of the payload by an unknown place of the tilt cylinder; 0 where the bucket turn is stated [kg].
     pub undecided: f64,
     /// Standard deviation by the pressure's gain at a load, included in that of the payload [kg]. Only a weighed load identifies it.
@@ -444,7 +446,8 @@ impl LiftWitness {
         if !motion.open {
             self.below.see(shown, empty.most(), rests, dt);
         }
-        self.answer = Some(self.answer(&empty, &empty, payload, motion.open));
+        let unknown = [motion.open, motion.held];
+        self.answer = Some(self.answer(&empty, &empty, payload, unknown));
     }
 
     /// Detects steps of the moment `pressed` by the pressures that no content makes. `rests`: the ground may carry a part of it; `pushes`:
@@ -572,8 +575,14 @@ impl LiftWitness {
     }
 
     /// Centre of gravity with this payload, with all deviations. `moved`: the machine with its arm one deviation away, where the angles
-    /// are not measured.
-    fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
+    /// are not measured. `open`: the content is not known; `rests`: the ground may carry a part of it.
+    fn answer(
+        &self,
+        machine: &Empty,
+        moved: &Empty,
+        payload: Quantity,
+        [open, rests]: [bool; 2],
+    ) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
         // An emptied bucket does not identify the gain at the pressure of a load.
@@ -612,6 +621,7 @@ impl LiftWitness {
             },
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
+            rests,
             wrong: self.below.is_wrong() || changed > DOUBTED,
             silent: false,
         }

@@ -382,6 +382,17 @@ fn a_pressure_that_is_stuck_while_machine_or_arm_move_is_not_used() {
 }
 
 #[test]
+fn a_bucket_that_turns_low_may_lie_on_the_ground_and_one_that_turns_high_may_not() {
+    let turned = |lift: f64| {
+        let work = [0.7, 0.7, -0.3].map(|bucket| Second(lift, bucket, 0.0, 0.0));
+        let last = run(&work).last().copied().flatten().expect("fresh");
+        (last.carried.open, last.rests)
+    };
+    assert_eq!(turned(-0.6), (true, true));
+    assert_eq!(turned(0.3), (true, false));
+}
+
+#[test]
 fn an_arm_carried_in_an_odd_posture_at_first_weighs_once_it_is_carried_well() {
     let mut witness = LiftWitness::new(&settings()).expect("a described arm");
     let mut drive = |rows: core::ops::Range<u32>, tilt: f64| {
