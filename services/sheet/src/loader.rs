@@ -59,7 +59,7 @@ macro_rules! loader_flags {
                 12 IDENTIFIABLE_RATIO identifiable_ratio (identifiable_ratio) "These inputs can determine the ratio, and it is not at a bound." { frame: Some(8) };
                 13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound." { frame: Some(9) };
                 15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed." { column: true, frame: Some(11) };
-                16 CHANGING changing (changing) "The load may be changing, whatever else is the reason." {};
+                16 CHANGING changing (changing) "The load may be changing, whatever else is the reason; a bucket on the ground does not count." {};
             }
             process {
                 14 RESTARTED restarted "The service was started again and has not been trusted since." {};

@@ -55,8 +55,8 @@ impl Stretch {
         height: 0.0,
     };
 
-    /// Returns whether an arm of this length pulls the bucket in. Lifting pulls it in as well, but less relative to the rise.
-    fn is_pulled(&mut self, arm: f64, height: f64, length: f64) -> bool {
+    /// Follows an arm of this length; returns whether it pulls the bucket in. Lifting pulls it in as well, but less relative to the rise.
+    fn follow(&mut self, arm: f64, height: f64, length: f64) -> bool {
         if arm > self.arm {
             *self = Self { arm, height };
         }
@@ -109,11 +109,11 @@ impl Ground {
         let height = lengths[0] * sin_cos(now[0]).0 + lengths[1] * sin_cos(now[0] + now[1]).0;
         self.highest = self.highest.max(height);
         self.open = self.open.max(now[2]);
-        let pulls = self.stretched.is_pulled(now[1], height, lengths[1]);
+        let pulls = self.stretched.follow(now[1], height, lengths[1]);
         if stands {
             self.sweeping = Stretch::NONE;
         }
-        self.pulled = self.sweeping.is_pulled(now[1], height, lengths[1]) || self.pulled && !stands;
+        self.pulled = self.sweeping.follow(now[1], height, lengths[1]) || self.pulled && !stands;
         let digs = pulls || self.open - now[2] > DIGGING[1];
         self.touches |= digs || self.highest - height > FALLEN * reach;
         self.digs |= digs;
