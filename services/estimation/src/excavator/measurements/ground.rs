@@ -20,7 +20,7 @@ const RAISED: f64 = 0.035;
 const SWINGING: f64 = 0.08;
 const SWUNG: f64 = 0.15;
 /// The same velocity of a bucket that digs: an operator who wiggles or sweeps it in the ground reaches .2 rad/s.
-const SWEEPING: f64 = 0.25;
+pub(in crate::excavator) const SWEEPING: f64 = 0.25;
 
 /// Tracks whether the bucket may touch the ground.
 #[derive(Debug, Clone)]
@@ -133,6 +133,11 @@ impl Ground {
             swung: self.swung,
             ..Self::new()
         };
+    }
+
+    /// The upper body stands, or swings. Without pressures, only a sweep needs the ground.
+    pub(in crate::excavator) fn ends_sweep(&mut self) {
+        (self.pulled, self.sweeping, self.smoothed) = (false, Stretch::NONE, None);
     }
 
     /// The bucket has opened: earlier motions no longer fill it.

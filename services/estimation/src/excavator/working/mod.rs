@@ -50,7 +50,7 @@ use super::doubts::Doubts;
 use super::drive::Drive;
 use super::grid::alike;
 use super::measurements::boom_moment::FADING;
-use super::measurements::ground::Ground;
+use super::measurements::ground::{Ground, SWEEPING};
 use super::settings::Settings;
 use super::size::Sticking;
 use super::standstill::{Phase, released_variance};
@@ -354,8 +354,12 @@ impl Working {
         let digs = weighs.then(|| self.ground.digs());
         let content = self.bucket.step(drive, share, stands, digs);
         let (lengths, velocity) = (settings.geometry.lengths, self.filter.x[W]);
-        self.ground
-            .step(drive.posture, lengths, (velocity, stands), drive.period);
+        if weighs || !stands && velocity.abs() < SWEEPING {
+            self.ground
+                .step(drive.posture, lengths, (velocity, stands), drive.period);
+        } else {
+            self.ground.ends_sweep();
+        }
         if self.bucket.is_open() || self.bucket.is_settling() {
             self.ground.opens();
         }

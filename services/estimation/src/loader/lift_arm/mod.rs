@@ -446,8 +446,9 @@ impl LiftWitness {
         if !motion.open {
             self.below.see(shown, empty.most(), rests, dt);
         }
-        let unknown = [motion.open, motion.held];
-        self.answer = Some(self.answer(&empty, &empty, payload, unknown));
+        let mut answer = self.answer(&empty, &empty, payload, motion.open);
+        answer.rests = motion.held;
+        self.answer = Some(answer);
     }
 
     /// Detects steps of the moment `pressed` by the pressures that no content makes. `rests`: the ground may carry a part of it; `pushes`:
@@ -575,14 +576,8 @@ impl LiftWitness {
     }
 
     /// Centre of gravity with this payload, with all deviations. `moved`: the machine with its arm one deviation away, where the angles
-    /// are not measured. `open`: the content is not known; `rests`: the ground may carry a part of it.
-    fn answer(
-        &self,
-        machine: &Empty,
-        moved: &Empty,
-        payload: Quantity,
-        [open, rests]: [bool; 2],
-    ) -> Weighed {
+    /// are not measured. `open`: the content is not known.
+    fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
         let centre = machine.with(payload.value);
         // An emptied bucket does not identify the gain at the pressure of a load.
@@ -621,7 +616,7 @@ impl LiftWitness {
             },
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
-            rests,
+            rests: false,
             wrong: self.below.is_wrong() || changed > DOUBTED,
             silent: false,
         }

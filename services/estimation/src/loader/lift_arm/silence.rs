@@ -44,7 +44,7 @@ impl LiftWitness {
         );
         Some(Weighed {
             silent: true,
-            ..self.answer(&here, &there, payload, [true, false])
+            ..self.answer(&here, &there, payload, true)
         })
     }
 }
