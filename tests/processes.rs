@@ -123,7 +123,10 @@ fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
         "excavator --scenario cycle --duration 60".split(' '),
     );
     running.wait_for_services();
-    std::thread::sleep(Duration::from_secs(2));
+    // About two seconds of samples, however slow the host: 20 kB of schemas, then 90 kB a second.
+    wait_until("samples are recorded", Duration::from_secs(20), || {
+        std::fs::metadata(running.recording()).is_ok_and(|file| file.len() > 200_000)
+    });
     let domain = running.domain.clone();
     running.signal(Signal::TERM);
     let (output, folder) = running.wait();
