@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let all = ledger.all();
     println!(
-        "{} load(s), {:.0} +- {:.0} kg",
+        "loads: {}, {:.0} +- {:.0} kg",
         all.loads,
         all.kg,
         1.96 * all.std()

@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let word = if answer.flags.trusted() {
                 "trusted"
             } else {
-                "not trusted: no bucket was emptied, so its content is hardly known"
+                "not trusted: the interval is wide"
             };
             println!(
                 "{time:5.1} s  {:6.0} ± {half:4.0} kg m²  {word}",

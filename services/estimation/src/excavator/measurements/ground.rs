@@ -28,6 +28,7 @@ pub(in crate::excavator) const SWEEPING: f64 = 0.25;
 pub(in crate::excavator) struct Ground {
     touches: bool,
     digs: bool,
+    /// The arm has pulled the bucket in during a sweep.
     pulled: bool,
     smoothed: Option<[f64; 3]>,
     /// Since the bucket was last free: its highest place, the arm's stretch, the bucket's largest angle.

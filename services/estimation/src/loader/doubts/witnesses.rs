@@ -64,9 +64,8 @@ impl Witnesses {
         };
         answer.cg_distance = (1.0 - answer.cg_ratio.value) * settings.machine.wheelbase;
         answer.payload = Some(weighed.payload);
-        // Pressures show a load change directly, wheels only indirectly.
-        // A bucket in the ground fills, or lies there: nothing leaves that was carried.
-        answer.changing = weighed.carried.open && !weighed.rests;
+        // Pressures show a load change directly, wheels only indirectly. From a bucket on the ground, nothing leaves that was carried.
+        answer.changing = weighed.carried.open && !weighed.carried.rests;
         let limits = &settings.estimator;
         let (ratio, height) = (answer.cg_ratio, answer.cg_height);
         answer.converged_ratio = ratio.std <= limits.converged_ratio * ratio.value.abs();

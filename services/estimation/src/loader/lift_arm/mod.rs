@@ -159,6 +159,8 @@ pub(super) struct Carried {
     pub loading_std: [f64; 2],
     /// The content may be changing, or the ground may carry a part of it.
     pub open: bool,
+    /// The ground may carry a part of it.
+    pub rests: bool,
 }
 
 /// Estimate of a row from the pressures.
@@ -173,8 +175,6 @@ pub(super) struct Weighed {
     pub height: Quantity,
     /// Input to the slip-based filter.
     pub carried: Carried,
-    /// The ground may carry a part of it.
-    pub rests: bool,
     /// Standard deviation of the payload by an unknown place of the tilt cylinder; 0 where the bucket turn is stated [kg].
     pub undecided: f64,
     /// Standard deviation by the pressure's gain at a load, included in that of the payload [kg]. Only a weighed load identifies it.
@@ -446,9 +446,8 @@ impl LiftWitness {
         if !motion.open {
             self.below.see(shown, empty.most(), rests, dt);
         }
-        let mut answer = self.answer(&empty, &empty, payload, motion.open);
-        answer.rests = motion.held;
-        self.answer = Some(answer);
+        let answer = self.answer(&empty, &empty, payload, motion.open);
+        self.answer.insert(answer).carried.rests = motion.held;
     }
 
     /// Detects steps of the moment `pressed` by the pressures that no content makes. `rests`: the ground may carry a part of it; `pushes`:
@@ -613,10 +612,10 @@ impl LiftWitness {
                 },
                 loading_std: [widened.moved.ratio, widened.moved.height],
                 open,
+                rests: false,
             },
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
-            rests: false,
             wrong: self.below.is_wrong() || changed > DOUBTED,
             silent: false,
         }

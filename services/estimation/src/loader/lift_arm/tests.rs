@@ -386,7 +386,7 @@ fn a_bucket_that_turns_low_may_lie_on_the_ground_and_one_that_turns_high_may_not
     let turned = |lift: f64| {
         let work = [0.7, 0.7, -0.3].map(|bucket| Second(lift, bucket, 0.0, 0.0));
         let last = run(&work).last().copied().flatten().expect("fresh");
-        (last.carried.open, last.rests)
+        (last.carried.open, last.carried.rests)
     };
     assert_eq!(turned(-0.6), (true, true));
     assert_eq!(turned(0.3), (true, false));

@@ -168,6 +168,7 @@ mod tests {
             },
             loading_std: [0.02, 0.03],
             open: false,
+            rests: false,
         }
     }
 
