@@ -91,6 +91,8 @@ const SMOOTHING: f64 = 0.05;
 const CREEPING: f64 = 0.05;
 /// Time of creeping after which the bucket counts as digging, and for which the ground's force is constant [s].
 const CREPT: f64 = 0.3;
+/// Time within which an upper body that goes on accelerating reaches the velocity of a swing [s]: it sets off, and sweeps nothing.
+const SETS_OFF: f64 = 1.0;
 /// Time constant of the smoothed acceleration [s], twice that of the torque. The acceleration is that of the estimated velocity, since a
 /// torque on a held upper body accelerates nothing.
 const GAINS: f64 = 2.0 * SMOOTHING;
@@ -363,7 +365,8 @@ impl Working {
         if self.bucket.is_open() || self.bucket.is_settling() {
             self.ground.opens();
         }
-        if self.ground.is_pulled() {
+        let sets_off = velocity.abs() + SETS_OFF * self.gaining.abs() > SWEEPING;
+        if self.ground.is_pulled() && !sets_off {
             // The bucket fills while the upper body sweeps.
             return Content::Unknown;
         }
@@ -857,8 +860,8 @@ mod tests {
     fn a_content_is_unknown_where_the_arm_pulls_the_bucket_in_during_a_slow_sweep() {
         let settings = Settings::of(&Description::default());
         let known = 30.0 * 30.0;
-        // Variance of a content that was known before the arm moved by this angle [rad], at two swing velocities [rad/s].
-        let after = |arm: f64, velocities: [f64; 2]| {
+        // Variance of a content that was known before the arm moved by this angle [rad] in a second, at these swing velocities [rad/s].
+        let after = |arm: f64, velocity: fn(f64) -> f64| {
             let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
             let at = |share: f64, velocity: f64, working: &mut Working| {
                 let posture = [0.6, -1.8 + share * arm, -1.5];
@@ -875,25 +878,27 @@ mod tests {
                     seen: true,
                     ..Drive::default()
                 };
+                working.filter.set(W, velocity, 1e-4, &mut None);
                 working.step(&settings, &drive, Phase::Moving, &mut None);
             };
             (0..50).for_each(|_| at(0.0, 0.5, &mut working));
+            working.rest(0.0, 1e-6, &mut None);
+            (working.before, working.gaining) = (0.0, 0.0);
+            working.filter.set(M, 0.0, known, &mut None);
             for k in 0..100 {
-                let velocity = velocities[usize::from(k >= 20)];
-                if k == 0 || k == 20 {
-                    for (i, value, variance) in [(M, 0.0, known), (W, velocity, 1e-4)] {
-                        working.filter.set(i, value, variance, &mut None);
-                    }
-                }
-                at(f64::from(k) / 100.0, velocity, &mut working);
+                let time = f64::from(k) / 100.0;
+                at(time, velocity(time), &mut working);
             }
             working.filter.p[M][M]
         };
         let prior = settings.prior.payload_std * settings.prior.payload_std;
-        let swept = after(-0.3, [0.06, 0.15]);
+        let swept = after(-0.3, |time| if time < 0.2 { 0.06 } else { 0.15 });
         assert!(swept > 0.5 * prior, "{swept} {prior}");
-        assert!(after(0.3, [0.06, 0.15]) < 2.0 * known, "the arm stretches");
-        assert!(after(-0.3, [0.5, 0.5]) < 2.0 * known, "the machine swings");
+        let stretched = after(0.3, |time| if time < 0.2 { 0.06 } else { 0.15 });
+        assert!(stretched < 2.0 * known, "the arm stretches");
+        assert!(after(-0.3, |_| 0.5) < 2.0 * known, "the machine swings");
+        let sets_off = after(-0.3, |time| 0.02 + 0.4 * time);
+        assert!(sets_off < 2.0 * known, "the machine sets off");
     }
 
     #[test]
