@@ -379,6 +379,34 @@ fn a_stated_payload_is_added_to_the_empty_machine() {
 }
 
 #[test]
+fn a_first_mass_far_beyond_the_described_one_is_a_load() {
+    let mut description = Description::default();
+    description.machine.mass = 4600.0;
+    let settings = Settings::of(&description, Method::Full);
+    // Ratio after three rows with this mass.
+    let begins = |mass: f64| {
+        let mut estimator = CgEstimator::new(&settings, Method::Full, COLUMNS).unwrap();
+        for k in 0..3 {
+            let row = Sample {
+                mass: Some(mass),
+                ..cruise(f64::from(k) * 0.01)
+            };
+            estimator.step(&row);
+        }
+        estimator.last().cg_ratio
+    };
+    let (empty, loaded) = (begins(4600.0), begins(1.3 * 4600.0));
+    // Three quarters of the bucket's reach ahead of the front axle.
+    let at = 1.0 + 0.75 * settings.machine.bucket_reach / settings.machine.wheelbase;
+    let expected = (empty.value + 0.3 * at) / 1.3;
+    assert!((loaded.value - expected).abs() < 0.02, "{loaded:?}");
+    assert!(loaded.std < 1.2 * empty.std, "{loaded:?}");
+    // A heavier machine than described, or a small load: either.
+    let little = begins(1.07 * 4600.0);
+    assert!((little.value - empty.value).abs() < 0.01 && little.std > empty.std);
+}
+
+#[test]
 fn unusable_settings_are_named() {
     let refuse = |change: fn(&mut Settings), key: &str| {
         let mut settings = Settings::default();

@@ -177,7 +177,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Distance of a load ahead of the centre of gravity [wheelbases].
-    fn ahead(&self, settings: &Settings) -> f64 {
+    pub(super) fn ahead(&self, settings: &Settings) -> f64 {
         (1.0 + LOAD_ARM * self.reach(settings) - self.belief.state()[CG_RATIO]).abs()
     }
 

@@ -237,7 +237,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
             Tick::First => {
                 self.level(settings, sample, 0.0);
-                return self.first(sample);
+                return self.first(settings, sample);
             }
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),

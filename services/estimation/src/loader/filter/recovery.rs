@@ -8,6 +8,7 @@ use crate::loader::doubts::directions::Directions;
 use crate::loader::doubts::relearning::Relearning;
 use crate::loader::estimate::Status;
 use crate::loader::layout::{CENTRE, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::load::mass_step::is_load;
 use crate::loader::measurements::conditions::Conditions;
 use crate::loader::measurements::windup::Windup;
 use crate::loader::sample::Sample;
@@ -34,11 +35,13 @@ const EMPTY: f64 = 0.05;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Starts the filter with the first row that has a time.
-    pub(super) fn first(&mut self, sample: &Sample) -> RowReport<M> {
+    pub(super) fn first(&mut self, settings: &Settings, sample: &Sample) -> RowReport<M> {
         self.hold.advance(sample, false, false);
-        let stated = self.hold.mass / self.dynamics.empty_mass;
-        if (stated - 1.0).abs() < EMPTY {
+        let excess = self.hold.mass / self.dynamics.empty_mass - 1.0;
+        if excess.abs() < EMPTY {
             self.dynamics.empty_mass = self.hold.mass;
+        } else if settings.at_work() && settings.machine.mass != Settings::DEFAULT.machine.mass {
+            self.starts_loaded(settings, excess);
         }
         self.evidence.receive(sample);
         self.spade_force_x = sample.spade_force_x.unwrap_or(0.0);
@@ -49,6 +52,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         state[FRONT_WHEEL] = sample.front_wheel_speed.unwrap_or(rim);
         state[REAR_WHEEL] = sample.rear_wheel_speed.unwrap_or(rim);
         RowReport::without_update(Status::First, false)
+    }
+
+    /// Starts with a load where the first mass exceeds the described one by this share, and a load is the likelier cause.
+    fn starts_loaded(&mut self, settings: &Settings, excess: f64) {
+        let loaded = is_load(excess);
+        let moves = excess / (1.0 + excess) * self.ahead(settings);
+        if loaded > 0.5 {
+            self.load.starts(settings.machine.mass);
+            self.loosen_by(CG_RATIO, sqrt(1.0 - loaded) * moves);
+        } else {
+            self.loosen_by(CG_RATIO, sqrt(loaded) * moves);
+        }
     }
 
     /// Counts the row, and restarts a filter that has diverged.

@@ -13,9 +13,13 @@
 //! load is between the ground and above the machine, so h retains its value and its deviation grows. Where motion of the boom is not
 //! reported, the height of a loaded machine stays uncertain. When the mass returns to that of the empty machine, its centre of gravity is
 //! restored.
+//!
+//! A recording may begin with a load. Then the first mass exceeds the described one, and counts as a step from it ([`is_load`]).
+
+use core::f64::consts::TAU;
 
 use crate::loader::keys::Prior;
-use crate::math::sqrt;
+use crate::math::{exp, sqrt};
 
 /// Mean and standard deviation of the load's distance ahead of the front axle, in bucket reaches.
 const ARM: f64 = 0.75;
@@ -28,6 +32,28 @@ const LEAST_STEP: f64 = 0.01;
 const SETTLED: f64 = 1.0;
 /// Tolerance within which the mass is that of the empty machine, as a share.
 const SAME: f64 = 0.02;
+
+/// Standard deviation of the described mass, as a share: options, tyres, a full tank.
+const DESCRIBED_STD: f64 = 0.05;
+/// Largest load of a loader over its own mass.
+const LARGEST: f64 = 0.5;
+/// Share of the recordings that begin with a load.
+const BEGINS_LOADED: f64 = 0.3;
+
+/// Probability that a first mass, beyond the described one by this share of it, is that of a load and not of another description.
+///
+/// ```text
+/// q/(1 - q) = Q/(1 - Q) (1/.5)/N(x; 0, .05^2),   0 < x < .5,   Q = .3
+/// ```
+pub fn is_load(excess: f64) -> f64 {
+    if !(0.0..LARGEST).contains(&excess) {
+        return 0.0;
+    }
+    let z = excess / DESCRIBED_STD;
+    let described = exp(-0.5 * z * z) / (DESCRIBED_STD * sqrt(TAU));
+    let load = BEGINS_LOADED / LARGEST;
+    load / (load + (1.0 - BEGINS_LOADED) * described)
+}
 
 /// Centre of gravity of the empty machine: height, ratio, and their standard deviations.
 pub type Centre = [(f64, f64); 2];
@@ -69,6 +95,11 @@ pub struct Shift {
 }
 
 impl Load {
+    /// The machine starts with the load by which its first mass exceeds that of its description [kg]: the next row is a step from the latter.
+    pub fn starts(&mut self, described: f64) {
+        self.anchor = Some(described);
+    }
+
     /// Updates with the mass of a row, `dt` after the last; `centre`: present estimate of the centre of gravity.
     pub fn weigh(&mut self, mass: f64, centre: Centre, dt: f64) -> Option<Shift> {
         let anchor = *self.anchor.get_or_insert(mass);
