@@ -399,7 +399,7 @@ fn a_first_mass_far_beyond_the_described_one_is_a_load() {
     // Three quarters of the bucket's reach ahead of the front axle.
     let at = 1.0 + 0.75 * settings.machine.bucket_reach / settings.machine.wheelbase;
     let expected = (empty.value + 0.3 * at) / 1.3;
-    assert!((loaded.value - expected).abs() < 0.02, "{loaded:?}");
+    assert!((loaded.value - expected).abs() < 0.05, "{loaded:?}");
     assert!(loaded.std < 0.12, "{loaded:?} {empty:?}");
     // A heavier machine than described, or a small load: either.
     let little = begins(1.07 * 4600.0);
