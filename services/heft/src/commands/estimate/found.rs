@@ -27,8 +27,16 @@ struct HeadlineTally<E> {
 impl<E: Estimate> HeadlineTally<E> {
     /// Judgement of the most frequent kind of rows in motion without trust; `i`: index of the quantity among the headlines.
     fn main_doubt(&self, i: usize) -> Option<Judgement> {
-        let most = self.doubts.values().max_by_key(|(rows, _)| *rows);
-        most.map(|(_, latest)| latest.judgements().swap_remove(i))
+        // A reason is sufficient; without one the conditions that do not hold are reported.
+        let kind = |[reason, flags]: [u32; 2]| [reason, if reason == 0 { flags } else { 0 }];
+        let mut kinds = BTreeMap::<_, usize>::new();
+        for (&of, (rows, _)) in &self.doubts {
+            *kinds.entry(kind(of)).or_default() += rows;
+        }
+        let (most, _) = kinds.into_iter().max_by_key(|(_, rows)| *rows)?;
+        let alike = self.doubts.iter().filter(|(of, _)| kind(**of) == most);
+        let (_, (_, latest)) = alike.max_by_key(|(_, (rows, _))| *rows)?;
+        Some(latest.judgements().swap_remove(i))
     }
 }
 
@@ -79,14 +87,12 @@ impl<E: Estimate> InputSummary<E> {
                 tally.last = Some([time, p.value(estimate), p.std(estimate)]);
             } else if moves {
                 let codes = estimate.codes();
-                // A reason is sufficient; without one the conditions that do not hold are reported.
                 let all = E::CONDITIONS.iter().fold(0, |all, (_, bit)| all | bit);
-                let flags = if codes.reason == 0 {
-                    codes.flags & all
-                } else {
-                    0
-                };
-                let doubt = tally.doubts.entry([codes.reason, flags]);
+                let fresh = E::CONDITIONS.iter().find(|(name, _)| *name == "fresh");
+                // Without its inputs, an estimate is not doubted for what the machine is.
+                let stale = fresh.is_some_and(|(_, bit)| codes.flags & bit == 0);
+                let reason = if stale { 0 } else { codes.reason };
+                let doubt = tally.doubts.entry([reason, codes.flags & all]);
                 let (rows, latest) = doubt.or_insert((0, *estimate));
                 (*rows, *latest) = (*rows + 1, *estimate);
             }
