@@ -197,8 +197,10 @@ impl Content {
         self.odds(content) > 0.0
     }
 
-    /// Logarithm of the odds of a load against an empty bucket.
+    /// Logarithm of the odds of a load against an empty bucket. Less than the last rest is a smaller rest.
     fn odds(&self, content: Quantity) -> f64 {
+        let value = content.value.max(self.empty.value);
+        let content = Quantity { value, ..content };
         log_likelihood(content, self.any_load()) - log_likelihood(content, self.empty)
     }
 
@@ -347,4 +349,18 @@ impl Content {
 fn common(row: &Row, value: Quantity) -> f64 {
     let stated = row.common_std.filter(|common| common.is_finite());
     stated.unwrap_or(sqrt(COMMON) * value.std)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn less_than_the_last_rest_is_no_load() {
+        let mut content = Content::new(600.0);
+        let kg = |value, std| Quantity { value, std };
+        content.empty = kg(97.0, 18.0);
+        assert!(!content.is_likely(kg(7.0, 15.0)));
+        assert!(content.is_likely(kg(300.0, 30.0)));
+    }
 }
