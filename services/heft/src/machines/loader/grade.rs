@@ -34,8 +34,8 @@ const PERCENT: f64 = 100.0;
 /// Accumulates blocks of rows.
 #[derive(Default)]
 pub(super) struct Grade {
-    acceleration: Regression,
-    torque: Regression,
+    acceleration: Regression<4>,
+    torque: Regression<4>,
 }
 
 impl Grade {
@@ -55,7 +55,7 @@ impl Grade {
 
     /// Share of the measured slope that accelerometer or torques show, its tolerance factor, and the candidate units; none if undecided.
     fn share(&self) -> Option<(f64, f64, &'static [Unit])> {
-        let belongs = |r: &Regression, least: f64| r.correlation().abs() > least;
+        let belongs = |r: &Regression<4>, least: f64| r.correlation().abs() > least;
         if self.acceleration.rows >= ENOUGH && belongs(&self.acceleration, TOGETHER) {
             let [gain, share] = self.acceleration.coefficients();
             let share = share * gain.signum();

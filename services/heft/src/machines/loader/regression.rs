@@ -1,15 +1,23 @@
-//! A least-squares regression on three regressors over blocks.
+//! A least-squares regression over blocks. The last regressor is the one that matters.
 
-/// Sums of squares and products of three regressors and the response, and number of blocks.
-#[derive(Default)]
-pub(super) struct Regression {
-    sums: [[f64; 4]; 4],
+/// Sums of squares and products of `N - 1` regressors and the response, and number of blocks.
+pub(super) struct Regression<const N: usize> {
+    sums: [[f64; N]; N],
     pub(super) rows: f64,
 }
 
-impl Regression {
+impl<const N: usize> Default for Regression<N> {
+    fn default() -> Self {
+        Self {
+            sums: [[0.0; N]; N],
+            rows: 0.0,
+        }
+    }
+}
+
+impl<const N: usize> Regression<N> {
     /// Takes a block; one without a sensor (NaN) is skipped.
-    pub(super) fn see(&mut self, row: [f64; 4]) {
+    pub(super) fn see(&mut self, row: [f64; N]) {
         if !row.iter().all(|x| x.is_finite()) {
             return;
         }
@@ -19,11 +27,11 @@ impl Regression {
         self.rows += 1.0;
     }
 
-    /// The sums after elimination of the first two regressors.
-    fn eliminated(&self) -> [[f64; 4]; 4] {
+    /// The sums after elimination of all regressors but the last.
+    fn eliminated(&self) -> [[f64; N]; N] {
         let mut s = self.sums;
-        for pivot in 0..2 {
-            for row in pivot + 1..4 {
+        for pivot in 0..N - 2 {
+            for row in pivot + 1..N {
                 let share = s[row][pivot] / s[pivot][pivot];
                 let above = s[pivot];
                 let both = s[row].iter_mut().zip(above);
@@ -33,28 +41,31 @@ impl Regression {
         s
     }
 
+    /// Root of the mean square of the last regressor that the others leave.
+    pub(super) fn left(&self) -> f64 {
+        (self.eliminated()[N - 2][N - 2] / self.rows).sqrt()
+    }
+
+    /// Partial correlation of the last regressor with the response, given the others.
+    pub(super) fn correlation(&self) -> f64 {
+        let s = self.eliminated();
+        s[N - 2][N - 1] / (s[N - 2][N - 2] * s[N - 1][N - 1]).sqrt()
+    }
+
+    /// The last coefficient over its standard deviation.
+    pub(super) fn significance(&self) -> f64 {
+        let s = self.eliminated();
+        let [x, y] = [N - 2, N - 1];
+        let left = s[y][y] - s[x][y] * s[x][y] / s[x][x];
+        s[x][y] / (s[x][x] * left / (self.rows - y as f64)).sqrt()
+    }
+}
+
+impl Regression<4> {
     /// Coefficients of the second and the third regressor.
     pub(super) fn coefficients(&self) -> [f64; 2] {
         let s = self.eliminated();
         let third = s[2][3] / s[2][2];
         [(s[1][3] - s[1][2] * third) / s[1][1], third]
-    }
-
-    /// Root of the mean square of the third regressor that the first two leave.
-    pub(super) fn left(&self) -> f64 {
-        (self.eliminated()[2][2] / self.rows).sqrt()
-    }
-
-    /// Partial correlation of the third regressor with the response, given the first two.
-    pub(super) fn correlation(&self) -> f64 {
-        let s = self.eliminated();
-        s[2][3] / (s[2][2] * s[3][3]).sqrt()
-    }
-
-    /// The third coefficient over its standard deviation.
-    pub(super) fn significance(&self) -> f64 {
-        let s = self.eliminated();
-        let left = s[3][3] - s[2][3] * s[2][3] / s[2][2];
-        s[2][3] / (s[2][2] * left / (self.rows - 3.0)).sqrt()
     }
 }
