@@ -310,7 +310,7 @@ impl<L: Look> Doubts<L> {
     /// without any, on an input whose end is missing.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         lacks.remarks().for_each(|remark| eprintln!("{remark}"));
-        parts::is_undamaged(lacks)?;
+        parts::check_undamaged(lacks)?;
         let fault = time_fault(&self.times, self.rate)
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
@@ -318,7 +318,7 @@ impl<L: Look> Doubts<L> {
             .or_else(|| self.often_too_large());
         let Some(fault) = fault else {
             let time = |sample: &L::Sensors| Some(sample.stamp().time).filter(|t| t.is_finite());
-            return parts::has_end(lacks, || self.before.as_ref().and_then(time));
+            return parts::check_end(lacks, || self.before.as_ref().and_then(time));
         };
         lacks.cut_off.iter().for_each(|cut| eprintln!("{cut}"));
         Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
