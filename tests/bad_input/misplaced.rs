@@ -57,6 +57,23 @@ fn a_machine_by_an_option_that_the_command_lacks_gets_a_message_with_its_place()
 }
 
 #[test]
+fn an_output_that_the_command_lacks_gets_a_message_with_what_it_has() {
+    for (command, words) in [
+        (
+            "check",
+            "--print writes the machine file to standard output",
+        ),
+        ("weigh", "--json FILE writes the result"),
+        ("replay", "heft export writes the recording as tables"),
+    ] {
+        for option in ["-o", "--output"] {
+            let line = [command, "day 1.csv", option, "out.csv"];
+            said(&line, &["unexpected argument", words]);
+        }
+    }
+}
+
+#[test]
 fn a_folder_of_data_has_no_single_result() {
     let line = [
         "estimate",
