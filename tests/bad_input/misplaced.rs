@@ -74,6 +74,20 @@ fn an_output_that_the_command_lacks_gets_a_message_with_what_it_has() {
 }
 
 #[test]
+fn what_is_no_data_is_named_before_the_machine_that_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = path_in(folder.path(), "photo.jpg");
+    fs::write(&file, [0, 1, 2, 3, 4, 5, 6, 7].repeat(99)).expect("a file");
+    let out = folder.path().join("out.csv");
+    for command in ["loads", "estimate"] {
+        refused(&[command, &file], &["this is no text"], &out);
+    }
+    let table = path_in(folder.path(), "day.csv");
+    fs::write(&table, "t,speed\n0,1\n").expect("a file");
+    refused(&["loads", &table], &["the machine is not known"], &out);
+}
+
+#[test]
 fn a_folder_of_data_has_no_single_result() {
     let line = [
         "estimate",
