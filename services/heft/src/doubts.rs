@@ -279,8 +279,15 @@ impl<L: Look> Doubts<L> {
                 .zip(Some("as other signals have it where it is no measurement"));
             // Numbers without a unit are states, which repeat exactly.
             let ((value, rows), why) = far.or(shared).filter(|_| !field.unit.is_empty())?;
+            if self.look.as_ref().is_some_and(|look| look.is_measurement(field.name, value)) {
+                return None;
+            }
+            let or_empty = match field.name {
+                "mass" => "; if the empty machine weighs this, state machine.mass",
+                _ => "",
+            };
             Some(format!(
-                "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
+                "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there{or_empty}",
                 field.name, field.unit
             ))
         })
