@@ -174,12 +174,34 @@ fn a_table_may_have_a_hundred_thousand_columns() {
 }
 
 #[test]
+fn a_number_with_its_unit_or_with_marks_gets_a_message_with_its_own() {
+    for (cell, remedy) in [
+        ("12.5 kN", "its unit stands once"),
+        ("12,5%", "its unit stands once"),
+        ("12 500.0", "without marks between thousands"),
+        ("12,500.0", "without marks between thousands"),
+        ("fast", "leave the cell empty"),
+        ("9 lives", "leave the cell empty"),
+    ] {
+        let error = excavator(&format!("t;swing_velocity\n0.01;1.5\n0.02;{cell}\n"));
+        let error = error.expect_err(cell);
+        assert_eq!(error.what, format!("\"{cell}\" is no number"));
+        assert!(error.remedy.contains(remedy), "{error}");
+        assert!(!error.remedy.contains("separate the columns"), "{error}");
+    }
+}
+
+#[test]
 fn files_without_samples_are_refused() {
     for (text, what) in [
         ("", "the file is empty"),
         (" \n\n", "the file is empty"),
         ("t,swing_velocity\n", "the file has a header but no rows"),
         ("t,t,swing_velocity\n0,0,1\n", "two columns are called t"),
+        (
+            "0,0,1\n0.01,0,1\n",
+            "the table has no header: its first line holds numbers",
+        ),
         (
             "t,swing_velocity\n0,1\n1\n2,3\n",
             "the row has 1 cells, the header 2, separated by ','",
