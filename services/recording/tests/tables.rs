@@ -234,6 +234,9 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
     let whole = "t,swing_velocity\n0,1\n1,2\n";
     assert_eq!(read(whole.as_bytes()).expect("rows"), (2, None));
     assert_eq!(read(whole.trim_end().as_bytes()).expect("rows"), (2, None));
+    // The end of a text of DOS.
+    let of_dos = format!("{whole}\u{1a}");
+    assert_eq!(read(of_dos.as_bytes()).expect("rows"), (2, None));
     let wide = |text: &str| -> Vec<u8> {
         let text = format!("\u{feff}{text}");
         text.encode_utf16().flat_map(u16::to_le_bytes).collect()

@@ -73,6 +73,9 @@ enum Part {
     },
 }
 
+/// The character at the end of a text of DOS, Ctrl-Z.
+const END_OF_DOS: &[u8] = b"\x1a";
+
 /// Remedy for a file with zeros: a loss of power leaves blocks of them.
 const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
 
@@ -320,11 +323,14 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
-    /// Whether a line is no row: empty cells, as sheets fill their ends, the rule of a database, or a comment.
+    /// Whether a line is no row: empty cells, as sheets fill their ends, the rule of a database, the end of a file of DOS, or a comment.
     pub(crate) fn is_no_row(&self, record: &Record) -> bool {
         let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
         is_first_empty && record.iter().all(<[u8]>::is_empty)
-            || record.len() == 1 && record.get(0).is_some_and(is_rule)
+            || record.len() == 1
+                && record
+                    .get(0)
+                    .is_some_and(|cell| is_rule(cell) || cell == END_OF_DOS)
             || self.is_comment(record)
     }
 
