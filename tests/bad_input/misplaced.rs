@@ -74,6 +74,28 @@ fn an_output_that_the_command_lacks_gets_a_message_with_what_it_has() {
 }
 
 #[test]
+fn a_result_of_heft_is_named_as_one_where_samples_are_wanted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let estimates = path_in(folder.path(), "estimates.csv");
+    let machine = ["--machine", "excavator"];
+    let data = golden("machines/excavator_1_13t_level.csv");
+    let data = data.to_str().expect("a path");
+    let made = ["estimate", data, "-o", &estimates];
+    let made = run(&[&made[..], &machine].concat());
+    assert!(fs::exists(&estimates).expect("a folder"), "{}", both(&made));
+    let out = path_in(folder.path(), "out.csv");
+    for line in [
+        &["estimate", &estimates, "-o", &out][..],
+        &["loads", &estimates],
+        &["map", &estimates],
+    ] {
+        let line = [line, &machine].concat();
+        let words = ["this table is a result of heft", "the table of sensors"];
+        refused(&line, &words, &folder.path().join("out.csv"));
+    }
+}
+
+#[test]
 fn what_is_no_data_is_named_before_the_machine_that_is_missing() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = path_in(folder.path(), "photo.jpg");
