@@ -2,13 +2,24 @@
 //!
 //! Four rows a second of a table of 100 Hz, and at the end the last row that is trusted.
 
+use std::error::Error;
+use std::process::ExitCode;
+
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Settings, SwingEstimator};
 
 /// Number of rows per printed row.
 const EVERY: usize = 25;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    let Err(error) = run() else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error}");
+    ExitCode::FAILURE
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let default = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/tests/golden/excavator_input_base_case2.csv"

@@ -1,6 +1,8 @@
 //! A subscriber of a running pipeline: `heft run excavator --domain demo`, and in another terminal
 //! `cargo run --example live_subscriber demo`.
 
+use std::error::Error;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use messages::ExcavatorEstimate;
@@ -8,7 +10,15 @@ use messages::channels::EXCAVATOR_INERTIA_UKF;
 use messages::excavator_bits::TRUSTED;
 use runtime::{Domain, Ports};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    let Err(error) = run() else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error}");
+    ExitCode::FAILURE
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let Some(name) = std::env::args().nth(1) else {
         return Err("name the domain of a running pipeline".into());
     };

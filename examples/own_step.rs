@@ -3,6 +3,9 @@
 //! It estimates the torque per acceleration of a swing from the filtered motion. The same step
 //! could run as a process (`runtime::run_stage`); here it runs on a simulated excavator.
 
+use std::error::Error;
+use std::process::ExitCode;
+
 use messages::{ExcavatorEstimate, SwingMotion};
 use runtime::{Source, Step, answer};
 use steps::excavator::FilterStep;
@@ -30,7 +33,15 @@ impl Step for Crude {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    let Err(error) = run() else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error}");
+    ExitCode::FAILURE
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let run = sim::excavator::Run::new(sim::excavator::Scenario::Base);
     let mut machine = sensor::excavator::Simulator::new(&run)?;
     let mut filter = FilterStep::new(&config::Excavator::default())?;

@@ -57,6 +57,59 @@ fn a_machine_by_an_option_that_the_command_lacks_gets_a_message_with_its_place()
 }
 
 #[test]
+fn an_output_that_the_command_lacks_gets_a_message_with_what_it_has() {
+    for (command, words) in [
+        (
+            "check",
+            "--print writes the machine file to standard output",
+        ),
+        ("weigh", "--json FILE writes the result"),
+        ("replay", "heft export writes the recording as tables"),
+    ] {
+        for option in ["-o", "--output"] {
+            let line = [command, "day 1.csv", option, "out.csv"];
+            said(&line, &["unexpected argument", words]);
+        }
+    }
+}
+
+#[test]
+fn a_result_of_heft_is_named_as_one_where_samples_are_wanted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let estimates = path_in(folder.path(), "estimates.csv");
+    let machine = ["--machine", "excavator"];
+    let data = golden("machines/excavator_1_13t_level.csv");
+    let data = data.to_str().expect("a path");
+    let made = ["estimate", data, "-o", &estimates];
+    let made = run(&[&made[..], &machine].concat());
+    assert!(fs::exists(&estimates).expect("a folder"), "{}", both(&made));
+    let out = path_in(folder.path(), "out.csv");
+    for line in [
+        &["estimate", &estimates, "-o", &out][..],
+        &["loads", &estimates],
+        &["map", &estimates],
+    ] {
+        let line = [line, &machine].concat();
+        let words = ["this table is a result of heft", "the table of sensors"];
+        refused(&line, &words, &folder.path().join("out.csv"));
+    }
+}
+
+#[test]
+fn what_is_no_data_is_named_before_the_machine_that_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = path_in(folder.path(), "photo.jpg");
+    fs::write(&file, [0, 1, 2, 3, 4, 5, 6, 7].repeat(99)).expect("a file");
+    let out = folder.path().join("out.csv");
+    for command in ["loads", "estimate"] {
+        refused(&[command, &file], &["this is no text"], &out);
+    }
+    let table = path_in(folder.path(), "day.csv");
+    fs::write(&table, "t,speed\n0,1\n").expect("a file");
+    refused(&["loads", &table], &["the machine is not known"], &out);
+}
+
+#[test]
 fn a_folder_of_data_has_no_single_result() {
     let line = [
         "estimate",

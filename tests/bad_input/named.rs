@@ -267,6 +267,22 @@ fn a_mass_is_no_weight() {
 }
 
 #[test]
+fn a_centre_of_gravity_below_the_ground_is_a_pitch_of_the_wrong_sign() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = path_in(dir.path(), "scales.csv");
+    let weigh = |pitch: f64| {
+        let scales = format!("pitch,front_load,rear_load\n0,20000,26000\n{pitch},18000,28000\n");
+        fs::write(&file, scales).expect("writable");
+        run(&["weigh", &file])
+    };
+    let wrong = weigh(-0.2);
+    assert_eq!(wrong.status.code(), Some(2), "{}", both(&wrong));
+    says(&wrong, "0.49 m below the ground");
+    says(&wrong, "front up is positive");
+    says(&weigh(0.2), "height of the centre of gravity      0.49");
+}
+
+#[test]
 fn a_name_cannot_turn_the_words_around_it() {
     let dir = tempfile::tempdir().expect("a folder");
     let file = path_in(dir.path(), "day\u{202e}vsc.csv");

@@ -18,9 +18,19 @@ const ERROR: c_int = 3;
 
 type Log = Option<unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char)>;
 
+/// State of an instance in the standard's state machine.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    Instantiated,
+    Initialization,
+    Step,
+    Terminated,
+}
+
 /// The object behind an importer's handle.
 struct Instance {
     model: Box<dyn Model>,
+    state: State,
     log: Log,
     environment: *mut c_void,
     /// The warning on ignored inputs was given.
@@ -42,6 +52,28 @@ impl Instance {
                 &format!("values are ignored, as these are not set to true: {all}"),
             );
         }
+    }
+
+    /// Reports an error; false, for `fmi3Error`.
+    fn refuse(&self, message: &str) -> bool {
+        self.tell(ERROR, message);
+        false
+    }
+
+    /// Whether `function` may be called in this state; otherwise reports what to call first.
+    fn is_in(&self, state: State, function: &str) -> bool {
+        if self.state == state {
+            return true;
+        }
+        let first = match (self.state, state) {
+            (State::Terminated, _) => "after fmi3Terminate: call fmi3Reset",
+            (_, State::Instantiated) => "after the initialization: call fmi3Reset",
+            (_, State::Initialization) => {
+                "outside of the initialization: call fmi3EnterInitializationMode"
+            }
+            _ => "before the initialization has ended: call fmi3ExitInitializationMode",
+        };
+        self.refuse(&format!("{function} {first} first"))
     }
 
     fn tell(&self, status: c_int, message: &str) {
@@ -109,6 +141,7 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
     };
     let instance = Instance {
         model,
+        state: State::Instantiated,
         log,
         environment,
         is_warned: false,
@@ -125,15 +158,56 @@ unsafe extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
 }
 
 #[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3EnterInitializationMode(
+    instance: *mut c_void,
+    _tolerance_defined: bool,
+    _tolerance: f64,
+    start_time: f64,
+    _stop_time_defined: bool,
+    _stop_time: f64,
+) -> c_int {
+    // SAFETY: the importer's promise.
+    unsafe {
+        with(instance, |instance| {
+            let may = instance.is_in(State::Instantiated, "fmi3EnterInitializationMode");
+            if may {
+                instance.model.begin(start_time);
+                instance.state = State::Initialization;
+            }
+            may
+        })
+    }
+}
+
+#[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> c_int {
     // SAFETY: the importer's promise.
     unsafe {
-        with(instance, |instance| match instance.model.start() {
-            Ok(()) => true,
-            Err(what) => {
-                instance.tell(ERROR, &what);
-                false
+        with(instance, |instance| {
+            if !instance.is_in(State::Initialization, "fmi3ExitInitializationMode") {
+                return false;
             }
+            match instance.model.start() {
+                Ok(()) => {
+                    instance.state = State::Step;
+                    true
+                }
+                Err(what) => instance.refuse(&what),
+            }
+        })
+    }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> c_int {
+    // SAFETY: the importer's promise.
+    unsafe {
+        with(instance, |instance| {
+            let may = instance.is_in(State::Step, "fmi3Terminate");
+            if may {
+                instance.state = State::Terminated;
+            }
+            may
         })
     }
 }
@@ -144,6 +218,7 @@ unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> c_int {
     unsafe {
         with(instance, |instance| {
             instance.model.reset();
+            instance.state = State::Instantiated;
             true
         })
     }
@@ -168,15 +243,19 @@ unsafe extern "C" fn fmi3DoStep(
                     *flag = false;
                 }
             }
+            if !instance.is_in(State::Step, "fmi3DoStep") {
+                return false;
+            }
+            if !(time.is_finite() && length.is_finite() && length > 0.0) {
+                return instance.refuse(&format!(
+                    "fmi3DoStep at {time} s by {length} s: the time must be finite, the length finite and above 0"
+                ));
+            }
             if let Some(last) = last_time.as_mut() {
                 *last = time + length;
             }
             instance.warn();
-            let is_done = instance.model.step(time, length);
-            if !is_done {
-                instance.tell(ERROR, "a step before the initialization has ended: call fmi3ExitInitializationMode first");
-            }
-            is_done
+            instance.model.step(time, length)
         })
     }
 }
@@ -240,13 +319,13 @@ macro_rules! access {
             // SAFETY: the importer's promise; both arrays have `count` elements.
             unsafe {
                 with(instance, |instance| {
+                    if instance.state == State::Terminated {
+                        return instance.is_in(State::Step, stringify!($set));
+                    }
                     (0..count).all(|i| {
                         let (reference, value) = (references.add(i).read(), values.add(i).read());
-                        let is_set = instance.model.$write(reference, value);
-                        if !is_set {
-                            instance.tell(ERROR, &not_set(reference, &format!("{value:?}")));
-                        }
-                        is_set
+                        instance.model.$write(reference, value)
+                            || instance.refuse(&not_set(reference, &format!("{value:?}")))
                     })
                 })
             }
@@ -264,6 +343,9 @@ access!(
     set_enumeration
 );
 
+/// What `fmi3GetFMUState` saves.
+type Saved = (Box<dyn Model>, State);
+
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_void) -> c_int {
     if state.is_null() {
@@ -272,11 +354,12 @@ unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_v
     // SAFETY: the importer's promise; a state that it passes in is one of ours, or null.
     unsafe {
         with(instance, |instance| {
-            let old = state.read().cast::<Box<dyn Model>>();
+            let old = state.read().cast::<Saved>();
             if !old.is_null() {
                 drop(Box::from_raw(old));
             }
-            state.write(Box::into_raw(Box::new(instance.model.copy())).cast());
+            let saved: Saved = (instance.model.copy(), instance.state);
+            state.write(Box::into_raw(Box::new(saved)).cast());
             true
         })
     }
@@ -287,10 +370,10 @@ unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, state: *mut c_void) 
     // SAFETY: the importer's promise; the state is one of ours, or null.
     unsafe {
         with(instance, |instance| {
-            match state.cast::<Box<dyn Model>>().as_ref() {
-                Some(model) => instance.model = model.copy(),
-                None => return false,
-            }
+            let Some((model, state)) = state.cast::<Saved>().as_ref() else {
+                return false;
+            };
+            (instance.model, instance.state) = (model.copy(), *state);
             true
         })
     }
@@ -303,7 +386,7 @@ unsafe extern "C" fn fmi3FreeFMUState(_instance: *mut c_void, state: *mut *mut c
         if let Some(state) = state.as_mut()
             && !state.is_null()
         {
-            drop(Box::from_raw(state.cast::<Box<dyn Model>>()));
+            drop(Box::from_raw(state.cast::<Saved>()));
             *state = std::ptr::null_mut();
         }
     }
@@ -320,7 +403,7 @@ macro_rules! always {
     )*};
 }
 
-always!(OK; fmi3SetDebugLogging, fmi3EnterInitializationMode, fmi3Terminate);
+always!(OK; fmi3SetDebugLogging);
 
 always!(ERROR;
     fmi3EnterEventMode, fmi3EnterStepMode, fmi3EnterConfigurationMode, fmi3ExitConfigurationMode,
@@ -353,6 +436,7 @@ extern "C" fn fmi3InstantiateScheduledExecution() -> *mut c_void {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::reference::{INPUT, TIME};
 
     unsafe extern "C" fn keep(
         environment: *mut c_void,
@@ -371,33 +455,36 @@ mod tests {
             .push(text.to_string_lossy().into_owned());
     }
 
+    fn excavator(said: &mut Vec<String>) -> Instance {
+        Instance {
+            model: Box::new(Variables::<Excavator>::default()),
+            state: State::Instantiated,
+            log: Some(keep),
+            environment: std::ptr::from_mut(said).cast(),
+            is_warned: false,
+        }
+    }
+
+    /// A step of this length at this time.
+    ///
+    /// # Safety
+    /// That of [`fmi3DoStep`].
+    unsafe fn step(instance: *mut c_void, time: f64, length: f64) -> c_int {
+        let none = std::ptr::null_mut;
+        let last = std::ptr::null_mut();
+        // SAFETY: the caller's promise, and null pointers.
+        unsafe { fmi3DoStep(instance, time, length, true, none(), none(), none(), last) }
+    }
+
     #[test]
     fn what_is_refused_is_said() {
         let mut said = Vec::<String>::new();
-        let mut instance = Instance {
-            model: Box::new(Variables::<Excavator>::default()),
-            log: Some(keep),
-            environment: (&raw mut said).cast(),
-            is_warned: false,
-        };
+        let mut instance = excavator(&mut said);
         let handle: *mut c_void = (&raw mut instance).cast();
-        let none = std::ptr::null_mut;
         let mut value = 0.0;
         // SAFETY: the instance and each array live until the end of the test.
         unsafe {
-            assert_eq!(
-                fmi3DoStep(
-                    handle,
-                    0.0,
-                    0.01,
-                    true,
-                    none(),
-                    none(),
-                    none(),
-                    std::ptr::null_mut()
-                ),
-                ERROR
-            );
+            assert_eq!(step(handle, 0.0, 0.01), ERROR);
             assert_eq!(fmi3GetFloat64(handle, &123_456, 1, &mut value, 1), ERROR);
         }
         assert!(
@@ -409,5 +496,44 @@ mod tests {
                 "fmi3GetFloat64: no variable of this type has the value reference 123456"
             )
         );
+    }
+
+    #[test]
+    fn a_step_has_a_length_and_nothing_moves_after_the_end() {
+        let mut said = Vec::<String>::new();
+        let mut instance = excavator(&mut said);
+        let handle: *mut c_void = (&raw mut instance).cast();
+        let mut time = f64::NAN;
+        // SAFETY: the instance and each array live until the end of the test.
+        unsafe {
+            assert_eq!(fmi3Terminate(handle), ERROR);
+            assert_eq!(fmi3ExitInitializationMode(handle), ERROR);
+            let begin = || fmi3EnterInitializationMode(handle, false, 0.0, 5.0, false, 0.0);
+            assert_eq!([begin(), fmi3ExitInitializationMode(handle)], [OK; 2]);
+            assert_eq!(begin(), ERROR);
+            assert_eq!(fmi3GetFloat64(handle, &TIME, 1, &mut time, 1), OK);
+            assert_eq!(time.to_bits(), 5.0_f64.to_bits(), "the time of the start");
+            for length in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+                assert_eq!(step(handle, 5.0, length), ERROR, "{length}");
+            }
+            assert_eq!(step(handle, f64::NAN, 0.01), ERROR);
+            assert_eq!(step(handle, 5.0, 0.01), OK);
+            let mut before = std::ptr::null_mut();
+            assert_eq!(fmi3GetFMUState(handle, &mut before), OK);
+            assert_eq!([fmi3Terminate(handle), fmi3Terminate(handle)], [OK, ERROR]);
+            assert_eq!(step(handle, 5.01, 0.01), ERROR);
+            assert_eq!(fmi3SetFloat64(handle, &INPUT, 1, &0.0, 1), ERROR);
+            assert_eq!(begin(), ERROR);
+            // Results can still be read, and a saved state or a reset begins again.
+            assert_eq!(fmi3GetFloat64(handle, &TIME, 1, &mut time, 1), OK);
+            assert_eq!(fmi3SetFMUState(handle, before), OK);
+            assert_eq!(step(handle, 5.01, 0.01), OK);
+            assert_eq!(fmi3FreeFMUState(handle, &mut before), OK);
+            assert_eq!([fmi3Reset(handle), begin()], [OK; 2]);
+        }
+        assert_eq!(time.to_bits(), 5.01_f64.to_bits());
+        let says = |what: &str| said.iter().filter(|text| text.contains(what)).count();
+        assert_eq!(says("finite and above 0"), 5, "{said:?}");
+        assert_eq!(says("after fmi3Terminate: call fmi3Reset first"), 4);
     }
 }

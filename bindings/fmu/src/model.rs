@@ -48,6 +48,8 @@ pub trait Model {
     fn enumeration(&self, reference: u32) -> Option<i64>;
     /// Sets the method before the first step.
     fn set_enumeration(&mut self, reference: u32, value: i64) -> bool;
+    /// Sets the time at which the simulation begins \[s\].
+    fn begin(&mut self, time: f64);
     /// Makes the estimator from the parameters.
     ///
     /// # Errors
@@ -228,6 +230,10 @@ impl<M: Machine> Model for Variables<M> {
             }
             _ => false,
         }
+    }
+
+    fn begin(&mut self, time: f64) {
+        self.time = time;
     }
 
     fn start(&mut self) -> Result<(), String> {

@@ -2,11 +2,20 @@
 //! `cargo run -p estimation --example count_loads -- ESTIMATES.csv RATED_KG`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use estimation::Quantity;
 use estimation::loads::{Ledger, Load, Row, Settings, Stage};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    let Err(error) = run() else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error}");
+    ExitCode::FAILURE
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(file), Some(rated)) = (arguments.next(), arguments.next()) else {
         return Err("give a file and a rated payload".into());

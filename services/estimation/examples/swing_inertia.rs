@@ -1,6 +1,10 @@
 //! Swing inertia of an excavator that swings to and fro: `cargo run -p estimation --example swing_inertia`.
 //!
-//! The simulated machine is the described one with a load; a real one is read from its sensors, one row each.
+//! The simulated machine is the described one, and its load is stated. A real one is read from its sensors, one row each.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::process::ExitCode;
 
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
@@ -11,9 +15,20 @@ const PERIOD: f64 = 0.01;
 const POSTURE: [f64; 3] = [0.9, -1.6, -1.0];
 /// Load in the bucket [kg].
 const PAYLOAD: f64 = 300.0;
+/// Load that a scale shows, and its standard deviation [kg].
+const STATED: (f64, f64) = (290.0, 20.0);
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let description = Description::default();
+fn main() -> ExitCode {
+    let Err(error) = run() else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("{error}");
+    ExitCode::FAILURE
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let mut description = Description::default();
+    (description.prior.payload, description.prior.payload_std) = STATED;
     let settings = Settings::of(&description);
     let columns = Columns {
         velocity: true,
@@ -23,48 +38,42 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut estimator = SwingEstimator::new(&settings, Method::Auto, columns)?;
     let inertia = settings.geometry.inertia(POSTURE).with_payload(PAYLOAD);
-    let (damping, friction) = (
-        description.machine.nominal_damping,
-        description.machine.coulomb_friction,
-    );
+    let damping = description.machine.nominal_damping;
+    let friction = description.machine.coulomb_friction;
     let mut velocity: f64 = 0.0;
     for row in 0..6000_u32 {
         let time = f64::from(row) * PERIOD;
-        // Accelerates for a second, brakes for a second, rests for two; then in the opposite direction.
-        let phase = time % 8.0;
-        let torque = match phase {
-            p if p < 1.0 => 6000.0,
-            p if p < 2.0 => -6000.0 + 2.0 * (friction + damping * velocity),
-            p if p < 4.0 => 0.0,
-            p if p < 5.0 => -6000.0,
-            p if p < 6.0 => 6000.0 - 2.0 * (friction - damping * velocity),
-            _ => 0.0,
-        };
         let answer = estimator.step(&Sample {
             time,
             velocity: Some(velocity),
-            torque: Some(torque),
+            torque: Some(torque(time)),
             posture: POSTURE.map(Some),
             ..Sample::default()
         });
-        let moving = torque - damping * velocity - friction * velocity.signum();
-        let next = velocity + PERIOD * moving / inertia;
-        let rests = next * velocity < 0.0 || velocity == 0.0 && torque.abs() <= friction;
-        velocity = if rests { 0.0 } else { next };
-        // In the middle of braking.
-        if row % 400 == 150 {
+        // At the largest velocity of a swing.
+        if row % 600 == 150 {
             let half = estimation::HALF_WIDTH_95 * answer.inertia_std;
-            let word = if answer.flags.trusted() {
-                "trusted"
-            } else {
-                "not trusted: the interval is wide"
+            let word = match answer.flags.trusted() {
+                true => "trusted",
+                false => "not trusted",
             };
             println!(
                 "{time:5.1} s  {:6.0} ± {half:4.0} kg m²  {word}",
                 answer.inertia
             );
         }
+        // J w' = T - b w - T_f sgn(w), solved exactly for the mean torque of two rows.
+        let mean = 0.5 * (torque(time) + torque(time + PERIOD));
+        let direction = if velocity == 0.0 { mean } else { velocity }.signum();
+        let remaining = (-damping * PERIOD / inertia).exp();
+        let steady = (mean - friction * direction) / damping;
+        velocity = steady + (velocity - steady) * remaining;
     }
     println!("the truth is {inertia:.0} kg m²");
     Ok(())
+}
+
+/// Swing torque: three seconds in each direction [N m].
+fn torque(time: f64) -> f64 {
+    6000.0 * (TAU * time / 6.0).cos()
 }

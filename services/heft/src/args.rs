@@ -216,7 +216,11 @@ pub fn described(
     args: &DescriptionArgs,
     input: &Path,
 ) -> Result<Description, Failure> {
-    let is_recording = Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
+    let is_recording = match Kind::of(input) {
+        // The name of a machine would not make this input readable.
+        Err(error) if machine.is_none() && args.config.is_none() => return Err(error.into()),
+        kind => kind.is_ok_and(|kind| kind == Kind::Recording),
+    };
     let mut known = machine;
     if is_recording {
         let reader = Reader::open(input)?;

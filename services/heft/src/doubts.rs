@@ -279,8 +279,15 @@ impl<L: Look> Doubts<L> {
                 .zip(Some("as other signals have it where it is no measurement"));
             // Numbers without a unit are states, which repeat exactly.
             let ((value, rows), why) = far.or(shared).filter(|_| !field.unit.is_empty())?;
+            if self.look.as_ref().is_some_and(|look| look.is_measurement(field.name, value)) {
+                return None;
+            }
+            let or_empty = match field.name {
+                "mass" => "; if the empty machine weighs this, state machine.mass",
+                _ => "",
+            };
             Some(format!(
-                "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there",
+                "{} is {value} {} in {rows} rows, exactly and {why}: leave the cell empty if the sample is missing there{or_empty}",
                 field.name, field.unit
             ))
         })
@@ -310,7 +317,7 @@ impl<L: Look> Doubts<L> {
     /// without any, on an input whose end is missing.
     pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         lacks.remarks().for_each(|remark| eprintln!("{remark}"));
-        parts::is_undamaged(lacks)?;
+        parts::check_undamaged(lacks)?;
         let fault = time_fault(&self.times, self.rate)
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
@@ -318,7 +325,7 @@ impl<L: Look> Doubts<L> {
             .or_else(|| self.often_too_large());
         let Some(fault) = fault else {
             let time = |sample: &L::Sensors| Some(sample.stamp().time).filter(|t| t.is_finite());
-            return parts::has_end(lacks, || self.before.as_ref().and_then(time));
+            return parts::check_end(lacks, || self.before.as_ref().and_then(time));
         };
         lacks.cut_off.iter().for_each(|cut| eprintln!("{cut}"));
         Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))

@@ -104,6 +104,7 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
         if let Some(error) = paths.iter().find_map(|path| recording::foreign(path)) {
             return Err(error.into());
         }
+        paths.iter().try_for_each(|path| check_is_data(path))?;
         let places: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         let remedy = match tables {
             true => {
@@ -166,6 +167,18 @@ pub fn is_ours(path: &Path) -> bool {
         is_summary,
     ];
     begins(path, &ours)
+}
+
+/// Fails on a table written by heft, which holds no samples.
+pub fn check_is_data(path: &Path) -> Result<(), Failure> {
+    if !is_ours(path) {
+        return Ok(());
+    }
+    Err(Failure::input(
+        "this table is a result of heft",
+        path.display(),
+        "name the table of sensors that it was made from",
+    ))
 }
 
 /// Whether one of these recognizes the beginning of a file.

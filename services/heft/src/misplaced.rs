@@ -49,6 +49,13 @@ fn tip_of_output(error: &clap::Error) -> Option<&'static str> {
         () if of("serve") || of("tail") => {
             Some("it writes to standard output: end the command with > FILE")
         }
+        () if of("check") => {
+            Some("--print writes the machine file to standard output: end the command with > FILE")
+        }
+        () if of("weigh") => Some("--json FILE writes the result to a file"),
+        () if of("replay") => Some(
+            "it compares and writes no file: heft export writes the recording as tables, heft estimate new estimates",
+        ),
         () => None,
     }
 }

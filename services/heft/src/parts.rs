@@ -90,11 +90,11 @@ pub fn envelopes<'a>(
     channel.payload.visit(Read(reader, channel.name))
 }
 
-/// After a recording was read: an error that names the damage in it, or its missing end.
-pub fn is_whole(reader: &Reader) -> Result<(), Failure> {
+/// Fails on a recording that is damaged, or whose end is missing; called after it was read.
+pub fn check_whole(reader: &Reader) -> Result<(), Failure> {
     let lacks = reader.lacks();
-    is_undamaged(&lacks)?;
-    has_end(&lacks, || last_time(reader))
+    check_undamaged(&lacks)?;
+    check_end(&lacks, || last_time(reader))
 }
 
 /// Time of the last sample \[s\].
@@ -105,8 +105,8 @@ fn last_time(reader: &Reader) -> Option<f64> {
     times.filter(|time| time.is_finite()).reduce(f64::max)
 }
 
-/// An error that names the damage of an input, and its missing end.
-pub fn is_undamaged(lacks: &Lacks) -> Result<(), Failure> {
+/// Fails on a damaged input. The error names each place of the damage, and a missing end.
+pub fn check_undamaged(lacks: &Lacks) -> Result<(), Failure> {
     if lacks.damage.is_empty() {
         return Ok(());
     }
@@ -117,8 +117,8 @@ pub fn is_undamaged(lacks: &Lacks) -> Result<(), Failure> {
     )))
 }
 
-/// An error that says where an input ends too early: a logger was switched off, or a run was killed. `last`: time of the last row.
-pub fn has_end(lacks: &Lacks, last: impl FnOnce() -> Option<f64>) -> Result<(), Failure> {
+/// Fails on an input that ends too early, as after a logger was switched off or a run was killed. `last`: time of the last row.
+pub fn check_end(lacks: &Lacks, last: impl FnOnce() -> Option<f64>) -> Result<(), Failure> {
     let Some(cut) = &lacks.cut_off else {
         return Ok(());
     };
@@ -129,8 +129,8 @@ pub fn has_end(lacks: &Lacks, last: impl FnOnce() -> Option<f64>) -> Result<(), 
     )))
 }
 
-/// An error for a recording without samples and estimates, which has nothing to show.
-pub fn has_content(reader: &Reader) -> Result<(), Failure> {
+/// Fails on a recording without samples and estimates, which has nothing to show.
+pub fn check_content(reader: &Reader) -> Result<(), Failure> {
     let shows = |c: &Channel| matches!(c.payload.carries(), Carries::Sensors | Carries::Estimate);
     for channel in messages::channels::all().filter(|c| shows(c)) {
         if reader.channels().contains(&channel.name) && envelopes(reader, channel)?.next().is_some()

@@ -34,7 +34,7 @@ macro_rules! rows {
 }
 
 /// Foreign formats: first bytes, name, and how to convert them to a table.
-const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
+const FOREIGN: [(&[u8], &str, &str); 44] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
     b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
     b"PAR1", "a Parquet file", PYTHON;
@@ -70,6 +70,7 @@ const FOREIGN: [(&[u8], &str, &str); 43] = rows! {
     b"%PDF", "a PDF", EXPORT;
     b"{\\rtf", "a text of a word processor", EXPORT;
     b"<!DOCTYPE", PAGE, DOWNLOAD;
+    b"<!doctype", PAGE, DOWNLOAD;
     b"<html", PAGE, DOWNLOAD;
     b"<?xml", "XML", EXPORT;
     ZSTD, "packed by zstd", "unpack it: zstd -d FILE";
@@ -357,6 +358,7 @@ mod tests {
                 "can_logconvert",
             ),
             (b"\n<html>", "a page", "download"),
+            (b"<!doctype html>\n", "a page", "download"),
             (b"\xff\xfe\0\0t\0\0\0", "UTF-32", "iconv"),
             (b"{\"t\": 0}", "JSON", "CSV"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "Wireshark", "candump -L"),

@@ -357,9 +357,7 @@ fn head(
 ) -> Result<(Cells, Vec<String>), Error> {
     check_text(line, input)?;
     let mut cells = Cells::new(dialect);
-    let header = csv::header(cells.split(line), groups, dialect, input, || {
-        input.to_owned()
-    })?;
+    let header = csv::header(cells.split(line), groups, dialect, || input.to_owned())?;
     Ok((cells, header))
 }
 

@@ -174,12 +174,34 @@ fn a_table_may_have_a_hundred_thousand_columns() {
 }
 
 #[test]
+fn a_number_with_its_unit_or_with_marks_gets_a_message_with_its_own() {
+    for (cell, remedy) in [
+        ("12.5 kN", "its unit stands once"),
+        ("12,5%", "its unit stands once"),
+        ("12 500.0", "without marks between thousands"),
+        ("12,500.0", "without marks between thousands"),
+        ("fast", "leave the cell empty"),
+        ("9 lives", "leave the cell empty"),
+    ] {
+        let error = excavator(&format!("t;swing_velocity\n0.01;1.5\n0.02;{cell}\n"));
+        let error = error.expect_err(cell);
+        assert_eq!(error.what, format!("\"{cell}\" is no number"));
+        assert!(error.remedy.contains(remedy), "{error}");
+        assert!(!error.remedy.contains("separate the columns"), "{error}");
+    }
+}
+
+#[test]
 fn files_without_samples_are_refused() {
     for (text, what) in [
         ("", "the file is empty"),
         (" \n\n", "the file is empty"),
         ("t,swing_velocity\n", "the file has a header but no rows"),
         ("t,t,swing_velocity\n0,0,1\n", "two columns are called t"),
+        (
+            "0,0,1\n0.01,0,1\n",
+            "the table has no header: its first line holds numbers",
+        ),
         (
             "t,swing_velocity\n0,1\n1\n2,3\n",
             "the row has 1 cells, the header 2, separated by ','",
@@ -212,6 +234,9 @@ fn a_last_row_that_was_cut_off_is_left_out_and_named() {
     let whole = "t,swing_velocity\n0,1\n1,2\n";
     assert_eq!(read(whole.as_bytes()).expect("rows"), (2, None));
     assert_eq!(read(whole.trim_end().as_bytes()).expect("rows"), (2, None));
+    // The end of a text of DOS.
+    let of_dos = format!("{whole}\u{1a}");
+    assert_eq!(read(of_dos.as_bytes()).expect("rows"), (2, None));
     let wide = |text: &str| -> Vec<u8> {
         let text = format!("\u{feff}{text}");
         text.encode_utf16().flat_map(u16::to_le_bytes).collect()

@@ -187,7 +187,7 @@ impl Ledger {
     }
 
     /// A dumped or leaving load that is not in the sums yet.
-    fn unbooked(&self) -> Option<Load> {
+    pub(super) fn unbooked(&self) -> Option<Load> {
         let leaving = self.held.filter(|held| held.leaving.is_some());
         self.accounts
             .pending

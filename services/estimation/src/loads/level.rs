@@ -1,5 +1,7 @@
 //! Level: a content of the bucket that is constant for a while, and its best estimate.
 
+use core::f64::consts::TAU;
+
 use super::load::Weight;
 use super::row::{Row, Witness};
 use crate::Quantity;
@@ -14,8 +16,6 @@ const MORE_CERTAIN: f64 = 0.99;
 /// Standard deviation of two weighings of one content by one filter beside that of its estimates, as a share of the content: the angles
 /// of arm and bucket differ.
 const REPEATS: f64 = 0.04;
-/// Constant of the normal density that [`log_likelihood`] omits.
-const SQRT_2PI: f64 = 2.506_628_274_631_000_5;
 /// Averaging time of equally certain rows [s]: the first rows of a dump change the mean little.
 const MEAN: f64 = 1.0;
 
@@ -98,7 +98,8 @@ impl Level {
             std: norm(&[sqrt(gained), REPEATS * kg]),
         };
         let exact = Quantity { std: 0.0, ..value };
-        log_likelihood(exact, whole) < ln(SQRT_2PI / kg)
+        // The constant of the normal density, which the likelihood omits, is on the other side.
+        log_likelihood(exact, whole) < ln(sqrt(TAU) / kg)
     }
 
     /// Marks it as not weighed: without a better estimate it is an average load. The whole error is common to all loads.

@@ -48,7 +48,9 @@ impl LoadReport {
         let (now, truck) = (ledger.now(), ledger.truck());
         // A load that leaves may come back: it is not final. One that was carried and no longer is, is unknown.
         let carried = ledger.carried();
-        let load = carried.or(last.copied().filter(|load| load.stage != Stage::Carried));
+        // What stays in the bucket is weighed after the dump: until it is final, the ledger has it as the truck does.
+        let left = ledger.unbooked().or(last.copied());
+        let load = carried.or(left.filter(|load| load.stage != Stage::Carried));
         let flags = flags(load.as_ref(), carried.is_some(), &now, &truck);
         let load = load.unwrap_or_default();
         Self::at(&At {
@@ -112,14 +114,19 @@ mod tests {
             let value = if (200..500).contains(&i) { 900.0 } else { 20.0 };
             // No row weighs it in the last seconds.
             let payload = (i < 1000).then_some(Quantity { value, std: 20.0 });
+            let changing = (500..540).contains(&i);
             let row = Row {
                 time,
                 payload,
+                changing,
                 trusted: true,
                 ..Row::default()
             };
             last = ledger.step(&row).load.or(last);
             report = LoadReport::of(&ledger, last.as_ref());
+            if report.truck_loads == 1 {
+                assert_eq!(report.delivered, report.truck_mass, "at {time} s");
+            }
             if i == 450 {
                 let carried = bits::TRUSTED | bits::CARRIED | bits::WEIGHED | bits::HAS_TARGET;
                 assert_eq!((report.flags, report.load), (carried, 1));

@@ -70,6 +70,7 @@ fn of_one_input(options: &[String]) -> Failure {
 /// One input in this process.
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
+    crate::many::check_is_data(file)?;
     let description = described(args.machine, &args.with.description, file)?;
     let end = (machines::entry(description.machine()).estimate)(args, file, output, &description);
     // For an input that cannot be read no assumption is reported.

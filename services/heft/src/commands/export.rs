@@ -22,10 +22,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Failure> {
     crate::signals::leave_nothing()?;
     let folder = &args.output;
     let reader = parts::open(&args.file)?;
-    parts::has_content(&reader)?;
+    parts::check_content(&reader)?;
     std::fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
     for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());
     }
-    parts::is_whole(&reader)
+    parts::check_whole(&reader)
 }

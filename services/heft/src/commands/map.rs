@@ -31,13 +31,7 @@ pub struct MapArgs {
 
 /// `heft map`
 pub fn map(args: &MapArgs) -> Result<(), Failure> {
-    if many::is_ours(&args.file) {
-        return Err(Failure::input(
-            "this table is a result of heft",
-            args.file.display(),
-            "name the table of sensors that it was made from",
-        ));
-    }
+    many::check_is_data(&args.file)?;
     let suggestion = recording::suggest(&args.file, &dbc(args)?, args.machine)?;
     let text = &suggestion.text;
     match &args.output {

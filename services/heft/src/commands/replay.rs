@@ -92,7 +92,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
             None => format!("{different} estimates differ, though the same build made them"),
         }));
     }
-    parts::is_whole(&reader)?;
+    parts::check_whole(&reader)?;
     if args.verify && unknown > 0 {
         return Err(Failure::answer_is_no(format!(
             "{unknown} of {answers} estimates were not checked; all others are identical\n  where: {}\n  \

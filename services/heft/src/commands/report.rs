@@ -90,19 +90,19 @@ fn each(args: &ReportArgs) -> Result<(), Failure> {
 
 fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
     let reader = parts::open(file)?;
-    parts::has_content(&reader)?;
+    parts::check_content(&reader)?;
     let first = reader.files().next().unwrap_or(file);
     let page = output.map_or_else(|| first.with_extension("html"), PathBuf::from);
     write(&reader, &page)?;
     println!("{}", page.display());
-    parts::is_whole(&reader)
+    parts::check_whole(&reader)
 }
 
 /// Compares recordings of the same machine on a page beside the first of them.
 fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure> {
     let readers = files.iter().map(|file| parts::open(file));
     let readers = readers.collect::<Result<Vec<_>, _>>()?;
-    readers.iter().try_for_each(parts::has_content)?;
+    readers.iter().try_for_each(parts::check_content)?;
     are_of_one_machine(files, &readers)?;
     let mut runs = Vec::new();
     for (name, reader) in names(files).into_iter().zip(&readers) {
@@ -113,7 +113,7 @@ fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure>
     let page = output.map_or_else(|| first.with_file_name("compared.html"), PathBuf::from);
     put(&view::compared(&runs), &page, &inputs)?;
     println!("{}", page.display());
-    readers.iter().try_for_each(parts::is_whole)
+    readers.iter().try_for_each(parts::check_whole)
 }
 
 /// Refuses recordings of different machines.

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use config::{Description, Tables};
-use estimation::GRAVITY;
-use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
+use estimation::{GRAVITY, HALF_WIDTH_95, Quantity};
 use messages::Machine;
 
 use crate::args::{DescriptionArgs, description, states};
@@ -21,7 +20,7 @@ pub const SCALE_STD: f64 = 0.005;
 /// `heft weigh`
 #[derive(Debug, Args)]
 pub struct WeighArgs {
-    /// CSV with the columns pitch, in rad, front_load and rear_load, in N
+    /// CSV with the columns pitch, in rad, front up positive, front_load and rear_load, in N
     pub file: PathBuf,
     /// What is known of the loader
     #[command(flatten)]
@@ -110,6 +109,17 @@ pub fn reference(file: &Path, described: &config::Loader) -> Result<Reference, F
             ),
             file.display(),
             "give newtons (kg times 9.81); or state the mass of your machine: --set machine.mass=KG",
+        ));
+    }
+    let below = |height: Quantity| height.value + HALF_WIDTH_95 * height.std < 0.0;
+    if let Some(height) = reference.cg_height.filter(|height| below(*height)) {
+        return Err(Failure::input(
+            format!(
+                "by these weights the centre of gravity lies {:.2} m below the ground",
+                -height.value
+            ),
+            file.display(),
+            "give pitch its sign: front up is positive, and makes the front axle lighter; or exchange front_load and rear_load",
         ));
     }
     Ok(reference)

@@ -14,6 +14,7 @@ use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
 use crate::time::{self, Dates};
+use crate::unit;
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -71,6 +72,9 @@ enum Part {
         conversion: Conversion,
     },
 }
+
+/// The character at the end of a text of DOS, Ctrl-Z.
+const END_OF_DOS: &[u8] = b"\x1a";
 
 /// Remedy for a file with zeros: a loss of power leaves blocks of them.
 const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
@@ -139,16 +143,20 @@ impl NoNumber {
             () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
                 "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
             }
-            () if self.text.contains(',') => {
-                "write it with a decimal point and without marks between thousands, or separate the columns by ;"
+            () if has_unit(&self.text) => {
+                "write the number alone; its unit stands once, in a row below the names, or in a signal map (unit = ...)"
+            }
+            () if self.text.contains(',') || is_in_groups(&self.text) => {
+                "write it with a decimal point and without marks between thousands"
             }
             () => {
                 "write a number, or leave the cell empty where the sample is missing; delete the line if it is no sample"
             }
         };
-        let what = match is_ambiguous {
-            true => "may begin with its day or with its month",
-            false => "is no number",
+        let what = match () {
+            () if is_ambiguous => "may begin with its day or with its month",
+            () if self.is_time && self.text.contains(':') => "is no time",
+            () => "is no number",
         };
         Error::new(
             format!("\"{}\" {what}", self.text),
@@ -156,6 +164,21 @@ impl NoNumber {
             remedy,
         )
     }
+}
+
+/// Whether a unit follows the number, as in `12.5 kN`.
+fn has_unit(text: &str) -> bool {
+    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    number.replace(',', ".").parse::<f64>().is_ok() && unit::guess(&text[number.len()..]).is_some()
+}
+
+/// Whether blanks part the digits, as in `12 500.0`.
+fn is_in_groups(text: &str) -> bool {
+    let mut groups = text.trim_start_matches(['-', '+']).split(' ');
+    let is_number = |group: &str| {
+        group.starts_with(|c: char| c.is_ascii_digit()) && group.parse::<f64>().is_ok()
+    };
+    text.contains(' ') && groups.all(is_number)
 }
 
 /// Whether a time ends with the name of its zone, such as CET.
@@ -300,11 +323,14 @@ impl<S: Sensors> Columns<S> {
         &self.header
     }
 
-    /// Whether a line is no row: empty cells, as sheets fill their ends, the rule of a database, or a comment.
+    /// Whether a line is no row: empty cells, as sheets fill their ends, the rule of a database, the end of a file of DOS, or a comment.
     pub(crate) fn is_no_row(&self, record: &Record) -> bool {
         let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
         is_first_empty && record.iter().all(<[u8]>::is_empty)
-            || record.len() == 1 && record.get(0).is_some_and(is_rule)
+            || record.len() == 1
+                && record
+                    .get(0)
+                    .is_some_and(|cell| is_rule(cell) || cell == END_OF_DOS)
             || self.is_comment(record)
     }
 

@@ -15,7 +15,6 @@ pub(crate) fn header(
     record: &Record,
     above: &[String],
     dialect: Dialect,
-    file: &str,
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
     let header = unambiguous(record.iter().map(dialect::name).collect(), above);
@@ -30,7 +29,6 @@ pub(crate) fn header(
             "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)",
         ));
     }
-    check_names(&header, file)?;
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
     if record.iter().all(is_number) {
         return Err(Error::new(
@@ -39,6 +37,7 @@ pub(crate) fn header(
             "write a line with the names of the columns above them",
         ));
     }
+    check_names(&header, &place())?;
     Ok(header)
 }
 
@@ -95,7 +94,7 @@ pub(crate) fn check_units<S: Sensors>(
 }
 
 /// Refuses repeated names.
-fn check_names(names: &[String], file: &str) -> Result<(), Error> {
+fn check_names(names: &[String], place: &str) -> Result<(), Error> {
     let mut seen = HashSet::new();
     for (i, name) in names.iter().enumerate() {
         if !name.is_empty() && !seen.insert(name) {
@@ -107,7 +106,7 @@ fn check_names(names: &[String], file: &str) -> Result<(), Error> {
             };
             return Err(Error::new(
                 format!("two columns are called {name}"),
-                format!("{file}:1, column {}", i + 1),
+                format!("{place}, column {}", i + 1),
                 remedy,
             ));
         }

@@ -163,13 +163,7 @@ impl Table {
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
-        let mut header = header(
-            records.record(),
-            &self.above,
-            self.dialect,
-            &self.file,
-            place,
-        )?;
+        let mut header = header(records.record(), &self.above, self.dialect, place)?;
         if self.has_row_names {
             header.insert(0, String::new());
         }

@@ -558,14 +558,6 @@ fn dot_pairs(a: &[f64], b: &[f64]) -> f64 {
     sums[0] + sums[1] + rest
 }
 
-pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..N {
-        sum += a[i] * b[i];
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

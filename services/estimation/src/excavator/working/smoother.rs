@@ -13,9 +13,10 @@
 
 use super::super::geometry::Inertia;
 use super::super::size::Sticking;
-use super::filter::{Filter, N, Vector, dot};
+use super::filter::{Filter, N, Vector};
 use super::trail::{Act, Trail};
 use crate::excavator::state::State;
+use crate::linear::dot;
 use crate::math::sqrt;
 use crate::{HALF_WIDTH_95, Quantity};
 

@@ -15,6 +15,10 @@ pub trait Look: Sized {
     fn largest(described: &Self::Described, signal: &str) -> Option<f64>;
     /// Takes a sample.
     fn add(&mut self, sample: &Self::Sensors);
+    /// Whether a value that repeats exactly, far from all others of its signal, is a measurement and no mark of a missing sample.
+    fn is_measurement(&self, _signal: &str, _value: f64) -> bool {
+        false
+    }
     /// Why data and description cannot be of one machine, with the remedy.
     fn fault(&self) -> Option<String> {
         None

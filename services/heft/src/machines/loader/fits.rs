@@ -21,6 +21,8 @@ const DRIVES: f64 = 1.0;
 /// Pounds in a kilogram, and largest mass with load over the empty machine's: a load of half the mass exceeds any rated payload.
 const POUNDS: f64 = 2.204_62;
 const LADEN: f64 = 1.6;
+/// Largest difference of the measured empty machine from its stated mass, as a share.
+const EMPTY: f64 = 0.2;
 /// Largest angle of a lift arm, up or down \[rad\]: -.7 to .8 was recorded.
 const LIFTS: f64 = 1.0;
 
@@ -175,6 +177,10 @@ impl Look for Fits {
         }
     }
 
+    fn is_measurement(&self, signal: &str, value: f64) -> bool {
+        signal == "mass" && (value - self.mass).abs() < EMPTY * self.mass
+    }
+
     fn fault(&self) -> Option<String> {
         let columns = self.angles.fault().or_else(|| self.cylinder.fault());
         let columns = columns.or_else(|| self.torques.fault());
@@ -304,5 +310,34 @@ mod tests {
             );
         }
         assert_eq!(Fits::of(&config::Loader::default()).slope_unit(), None);
+    }
+
+    #[test]
+    fn an_empty_machine_that_always_weighs_the_same_is_no_mark_of_missing_samples() {
+        let said = |often: f64| {
+            let loader = config::Description::default_of(messages::Machine::Loader);
+            let mut doubts = crate::doubts::Doubts::<Fits>::of(&loader);
+            for k in 0..1000 {
+                let loaded = 21_000.0 + f64::from(k);
+                let sample = LoaderSensors {
+                    mass: if k % 3 == 0 { loaded } else { often },
+                    valid: messages::loader_bits::MASS,
+                    ..LoaderSensors::default()
+                };
+                doubts.add(&sample, false);
+            }
+            let words = doubts.words().join("\n");
+            words.contains("mass is").then_some(words)
+        };
+        let stated = config::Loader::default().machine.mass;
+        assert_eq!([stated, 1.1 * stated].map(said), [None, None]);
+        for often in [0.0, 17_760.0] {
+            let words = said(often).expect("a remark");
+            assert!(
+                words.contains(&format!("mass is {often} kg in 666 rows")),
+                "{words}"
+            );
+            assert!(words.contains("state machine.mass"), "{words}");
+        }
     }
 }
