@@ -142,7 +142,8 @@ mod tests {
         }
         let none = inertia(0).judgements().swap_remove(0);
         let distinct: std::collections::HashSet<_> = none.reasons.iter().collect();
-        assert_eq!(distinct.len(), 5);
+        // Where measurements are missing, a slow swing is no reason beside that.
+        assert_eq!(distinct.len(), 4);
     }
 
     /// The rows of a table in docs/reasons.md are these reasons, each with its remedy.
