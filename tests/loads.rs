@@ -437,19 +437,49 @@ fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_
 
 /// A table with a number added to a column from a time on.
 fn shifted(text: &str, column: &str, by: f64, from: f64) -> String {
+    changed(text, column, from, |value| value + by)
+}
+
+/// The table with the values of a column changed from this time on \[s\].
+fn changed(text: &str, column: &str, from: f64, mut change: impl FnMut(f64) -> f64) -> String {
     let header = text.lines().next().expect("a header");
     let at = |name: &str| header.split(',').position(|n| n == name);
     let (t, at) = (at("t").expect("a time"), at(column).expect("the column"));
-    let row = |row: &str| {
+    let mut row = |row: &str| {
         let mut cells: Vec<_> = row.split(',').map(str::to_owned).collect();
         if cells[t].parse().is_ok_and(|time: f64| time >= from) {
             let value: f64 = cells[at].parse().expect("a number");
-            cells[at] = (value + by).to_string();
+            cells[at] = change(value).to_string();
         }
         cells.join(",") + "\n"
     };
     let rows: String = text.lines().skip(1).map(row).collect();
     format!("{header}\n{rows}")
+}
+
+#[test]
+fn loads_that_nothing_weighed_do_not_end_an_outage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [out, table] = ["run", "t.csv"].map(|n| common::path_in(folder.path(), n));
+    let run_it = "run excavator --scenario cycle --duration 120 --pace max --no-report --quiet";
+    let out_of = ["--without", "pressure", "--out", &out];
+    run_ok(&[&words(run_it)[..], &out_of].concat());
+    run_ok(&["export", &out, "-o", &out]);
+    let text = std::fs::read_to_string(format!("{out}/excavator_sensors.csv")).expect("a table");
+    let mut first = None;
+    let frozen = changed(&text, "swing_torque", 50.0, |torque| {
+        *first.get_or_insert(torque)
+    });
+    for (text, status) in [(text, 0), (frozen, 1)] {
+        std::fs::write(&table, text).expect("a table");
+        let output = run(&["loads", &table, "--machine", "excavator"]);
+        let said = both(&output);
+        assert_eq!(output.status.code(), Some(status), "{said}");
+        assert_eq!(said.contains("  nothing  "), status == 1, "{said}");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        let named = said.contains("no load was weighed, because a sensor repeats one value");
+        assert_eq!(named, status == 1, "{said}");
+    }
 }
 
 #[test]

@@ -330,11 +330,13 @@ impl LoadCounter {
     fn row(&mut self, row: &Row, fault: Option<u32>) -> Events {
         let events = self.ledger.step(row);
         let dumped = events.load.filter(|load| load.dumped.is_some());
+        // A load that nothing weighed shows no working sensor.
+        let weighed = dumped.filter(|load| load.witness != Witness::Nothing);
         self.outages.see(&Watched {
             time: row.time,
             moves: row.moves(),
             trusted: row.trusted,
-            dumped: dumped.map(|load| load.number),
+            dumped: weighed.map(|load| load.number),
             fault,
         });
         self.note(events)
