@@ -445,7 +445,7 @@ fn changed(text: &str, column: &str, from: f64, mut change: impl FnMut(f64) -> f
     let header = text.lines().next().expect("a header");
     let at = |name: &str| header.split(',').position(|n| n == name);
     let (t, at) = (at("t").expect("a time"), at(column).expect("the column"));
-    let mut row = |row: &str| {
+    let row = |row: &str| {
         let mut cells: Vec<_> = row.split(',').map(str::to_owned).collect();
         if cells[t].parse().is_ok_and(|time: f64| time >= from) {
             let value: f64 = cells[at].parse().expect("a number");
