@@ -2,8 +2,10 @@
 
 mod excavator_common;
 
+use estimation::excavator::keys::Description;
 use estimation::excavator::{
-    Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings, SwingEstimator, Variant,
+    Columns, Estimate, Method, MotionFilter, Reason, Regression, Sample, Settings, SwingEstimator,
+    Variant,
 };
 use excavator_common::{COLUMNS, Table, golden_settings, samples};
 
@@ -312,6 +314,25 @@ fn what_no_upper_body_and_no_drive_can_do_is_as_if_it_were_missing() {
             }
         }
     }
+}
+
+#[test]
+fn where_the_velocity_is_missing_no_constant_of_the_machine_is_the_reason() {
+    let settings = Settings::of(&Description::default());
+    // The torque has an offset, which seems friction. The velocity ends after so many rows.
+    let last = |rows: usize| {
+        let mut estimator = SwingEstimator::new(&settings, Method::Auto, COLUMNS).unwrap();
+        let answers = base().into_iter().enumerate().map(|(k, mut row)| {
+            row.torque = row.torque.map(|torque| torque + 1250.0);
+            row.velocity = row.velocity.filter(|_| k < rows);
+            estimator.step(&row)
+        });
+        let last = answers.last().expect("rows");
+        (last.flags.fresh, last.reason)
+    };
+    let rows = base().len();
+    assert_eq!(last(rows), (true, Reason::Friction));
+    assert_eq!(last(rows - 50), (false, Reason::None));
 }
 
 #[test]

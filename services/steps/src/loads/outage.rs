@@ -1,8 +1,8 @@
 //! Stretches of work in which a fault of a sensor left no load weighed: loads may be missing in the sum.
 //!
 //! A stretch has neither a trusted row nor a weighed load that was dumped, and a trusted row or the recording ends it: where such a load
-//! ends it, loads are still weighed. It counts if the machine moved, if one fault was the reason for half of it or more, and if it is longer than loads take
-//! to come.
+//! ends it, loads are still weighed. It counts if the machine moved, if one fault was the reason for half of it or more, and if it is
+//! longer than loads take to come.
 
 use estimation::{excavator, loader};
 use messages::{Machine, excavator_bits};
@@ -81,12 +81,9 @@ const FAULTS: [excavator::Reason; 8] = {
 pub(super) fn fault(machine: Machine, reason: u32, flags: u32) -> Option<u32> {
     match machine {
         Machine::Excavator => {
-            use excavator::Reason as R;
-            let found = R::of(reason);
+            let found = excavator::Reason::of(reason);
+            let is_fault = FAULTS.contains(&found);
             let is_missing = flags & excavator_bits::FRESH == 0;
-            // Where inputs are missing, no constant of the machine is the cause.
-            let is_constant = matches!(found, R::Gain | R::Delay | R::Offset);
-            let is_fault = FAULTS.contains(&found) && !(is_missing && is_constant);
             is_fault.then_some(reason).or(is_missing.then_some(MISSING))
         }
         Machine::Loader => {
@@ -335,9 +332,6 @@ mod tests {
         let content = excavator::Reason::Content.code();
         assert_eq!(fault(Machine::Excavator, content, fresh), None);
         assert_eq!(fault(Machine::Excavator, content, 0), Some(MISSING));
-        let delay = excavator::Reason::Delay.code();
-        assert_eq!(fault(Machine::Excavator, delay, fresh), Some(delay));
-        assert_eq!(fault(Machine::Excavator, delay, 0), Some(MISSING));
         let load = loader::Reason::Load.code();
         assert_eq!(fault(Machine::Loader, load, 0), None);
     }

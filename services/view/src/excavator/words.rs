@@ -107,26 +107,8 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
             percent(e)
         ));
     }
-    if has(bits::FRESH) || !is_constant(e.reason) {
-        reasons.extend(cause(e));
-    }
+    reasons.extend(cause(e));
     reasons
-}
-
-/// Whether a reason names a constant of the machine. It is no cause where measurements are missing.
-fn is_constant(reason: u32) -> bool {
-    const CONSTANTS: [&str; 8] = [
-        "slope",
-        "losses",
-        "friction",
-        "gain",
-        "delay",
-        "offset",
-        "damping",
-        "attachment",
-    ];
-    let name = EXCAVATOR_REASONS.get(reason as usize);
-    name.is_some_and(|(name, _)| CONSTANTS.contains(name))
 }
 
 /// The deviation of the machine from its description.
@@ -212,7 +194,6 @@ fn advice(reason: u32, flags: u32) -> &'static str {
         .is_some_and(|(name, _)| *name == "method");
     if !has(bits::FRESH) {
         of_reason
-            .filter(|_| !is_constant(reason))
             .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
     } else if !has(bits::EXCITED) && !needs_another_method {
         "swing faster than 6 degrees a second (0.1 rad/s)"
@@ -239,13 +220,5 @@ mod tests {
         let advised = |name| advice(code(name).expect("a reason") as u32, bits::FRESH);
         assert!(advised("method").contains("heft calibrate"));
         assert!(advised("slope").contains("swing faster"));
-    }
-
-    #[test]
-    fn where_measurements_are_missing_no_constant_of_the_machine_is_the_cause() {
-        let code = |name| EXCAVATOR_REASONS.iter().position(|(n, _)| *n == name);
-        let stale = |name| advice(code(name).expect("a reason") as u32, bits::EXCITED);
-        assert!(stale("delay").contains("an input is missing"));
-        assert!(stale("frozen").contains("check the sensor and its cable"));
     }
 }

@@ -66,6 +66,8 @@ impl SwingEstimator {
                 Reason::Frozen
             } else if self.screen.has_jumped() {
                 Reason::Jump
+            } else if !r.fresh && state.reason.is_constant() {
+                Reason::None
             } else {
                 state.reason
             },

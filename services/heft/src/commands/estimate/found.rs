@@ -88,11 +88,7 @@ impl<E: Estimate> InputSummary<E> {
             } else if moves {
                 let codes = estimate.codes();
                 let all = E::CONDITIONS.iter().fold(0, |all, (_, bit)| all | bit);
-                let fresh = E::CONDITIONS.iter().find(|(name, _)| *name == "fresh");
-                // Without its inputs, an estimate is not doubted for what the machine is.
-                let stale = fresh.is_some_and(|(_, bit)| codes.flags & bit == 0);
-                let reason = if stale { 0 } else { codes.reason };
-                let doubt = tally.doubts.entry([reason, codes.flags & all]);
+                let doubt = tally.doubts.entry([codes.reason, codes.flags & all]);
                 let (rows, latest) = doubt.or_insert((0, *estimate));
                 (*rows, *latest) = (*rows + 1, *estimate);
             }
