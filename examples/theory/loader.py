@@ -204,34 +204,98 @@ class Peak:
         return self.value
 
 
+class Gain:
+    """(5): force on the body over that of the torques, by blocks in which the ground does not resist."""
+
+    def __init__(self):
+        self.x, self.p = [1.0, 0.2, 0.0], [[0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 1e-12 + 0.06**2]]
+        self.sums, self.time, self.waiting = [0.0] * 3, 0.0, [None] * 5
+
+    def step(self, felt, pull, v, counts, dt):
+        if not counts:
+            self.sums, self.time = [0.0] * 3, 0.0
+            return
+        self.sums = [s + a * dt for s, a in zip(self.sums, (felt, pull, 1.0 if v >= 0 else -1.0))]
+        self.time += dt
+        if self.time < 0.2 - dt / 2:
+            return
+        block = [s / self.time for s in self.sums]
+        self.sums, self.time = [0.0] * 3, 0.0
+        _, left, _, variance = self.expects(block)
+        if abs(left) > 0.15 + 2 * math.sqrt(variance):
+            if left < 0 <= v < 3:
+                self.waiting = [None] * 5
+                return
+            self.p[0][0] = max(self.p[0][0], 0.01)
+        if self.waiting[0]:
+            self.take(self.waiting[0])
+        self.waiting = [*self.waiting[1:], block]
+
+    def expects(self, block):
+        """Regressor, innovation, covariance with the states, and variance."""
+        by = [block[1], -block[2], 1.0]
+        column = [dot(row, by) for row in self.p]
+        return by, block[0] - dot(self.x, by), column, dot(column, by) + 1.5 * 0.05**2
+
+    def take(self, block):
+        for i, walk in enumerate((0.001, 0.01, 0.01)):
+            self.p[i][i] += walk**2 * 0.2
+        _, left, column, variance = self.expects(block)
+        if abs(left) <= 0.4:
+            self.x = [x + c / variance * left for x, c in zip(self.x, column)]
+            self.p = [[self.p[i][j] - column[i] / variance * column[j] for j in range(3)] for i in range(3)]
+
+
+class SlipNoise:
+    """(10): noise of a slip speed, from the Allan variance of its innovations."""
+
+    def __init__(self):
+        self.square, self.blocks = 0.004**2, 2.0
+        self.interrupt()
+
+    def interrupt(self):
+        self.sum, self.time, self.last = 0.0, 0.0, None
+
+    def step(self, value, dt):
+        self.sum += value * dt
+        self.time += dt
+        if self.time < 0.25 - dt / 2:
+            return
+        mean, last = self.sum / self.time, self.last
+        self.sum, self.time, self.last = 0.0, 0.0, mean
+        if last is not None:
+            self.blocks = min(self.blocks + 1, 80.0)
+            self.square += (min(0.5 * (mean - last) ** 2, 9 * self.square) - self.square) / self.blocks
+
+    def std(self, dt):
+        return math.sqrt(self.square * max(0.25 / dt, 1.0))
+
+
 class Forces:
     """(5): specific force that the torques do not explain."""
 
     def __init__(self, machine):
         self.machine, self.brake, self.force = machine, 0.0, Peak()
-        self.sums, self.fast = [1.0, 1.0], 0.0
+        self.gain, self.fast, self.beyond = Gain(), 0.0, 0.0
         self.short = self.long = 0.0
         self.square, self.time = 0.15**2, 2.0
         self.braking, self.slip = False, 0.0
 
-    def step(self, v, stiffness, u, felt, is_weighed, dt):
+    def step(self, v, stiffness, u, felt, dt):
         machine, keys = self.machine, self.machine.m
         mass = machine.mass + 2 * keys["axle_inertia"] / keys["wheel_radius"] ** 2
         pull = (u["T_f"] + u["T_r"]) / (keys["wheel_radius"] * mass)
         rolling = keys["rolling_resistance"] * math.tanh(v / 0.05) * machine.mass * G
         needed = felt + (rolling + u["F_x"]) / mass
         alone, fast = u["F_x"] == 0, abs(v) > 0.5
-        if alone and (fast or not is_weighed) and pull * v > 0 and abs(pull) < 5 and abs(needed) < 5:
-            kept = 1 - min(pull**2 * dt / 10, 1)
-            self.sums = [kept * s + q * pull * dt for s, q in zip(self.sums, (needed, pull))]
-        gain = min(max(self.sums[0] / self.sums[1], 0.75), 1.33)
-        left = needed - gain * pull
+        left = needed - min(max(self.gain.x[0], 0.75), 1.33) * pull
         self.shake(min(max(left, -1.0), 1.0), alone and fast, dt)
+        self.gain.step(felt, pull, v, alone and fast and pull * v > 0 and abs(pull) < 5 and abs(felt) < 5, dt)
         self.fast += min(dt / 0.05, 1) * (left - self.fast)
-        beyond = max(abs(self.fast) - 0.05 - 0.05 * abs(felt), 0.0)
-        self.brake = 0.25 if beyond > 0.15 and self.fast * v < 0 else self.brake - dt
+        self.beyond = max(abs(self.fast) - 0.05 - 0.05 * abs(felt), 0.0)
+        self.brake = 0.25 if self.beyond > 0.15 and self.fast * v < 0 else self.brake - dt
         self.braking = self.brake > dt / 2
-        self.slip = 4 * self.force.step(beyond, dt) / (G * stiffness)
+        self.slip = 4 * self.force.step(self.beyond, dt) / (G * stiffness)
 
     def shake(self, left, counts, dt):
         """(5): what lies between 1 and 5 Hz is the accelerometer's."""
@@ -276,6 +340,7 @@ class Wheels:
         self.machine, self.lagged, self.last = machine, [0.0, 0.0], [None, None]
         self.quantum, self.sums = [math.inf, math.inf], [16 * 0.12**2, 16.0]
         self.torques, self.rates = None, [0.0, 0.0]
+        self.common, self.apart = SlipNoise(), SlipNoise()
 
     def see_steps(self, speeds):
         for i, speed in enumerate(speeds):
@@ -303,7 +368,7 @@ class Wheels:
             by_slip, lag = rate * torque * q, e["c_t"] * (torque - self.lagged[i]) * q
             quantum = self.quantum[i] if math.isfinite(self.quantum[i]) else 0.0
             sensor = self.machine.s["wheel_speed_std"] ** 2 + quantum**2 / 12
-            variance = sensor + rate**2 * (ripple**2 + lag**2)
+            variance = sensor + (self.apart.std(dt) / r) ** 2 / 2 + rate**2 * (ripple**2 + lag**2)
             self.rows.append((by_slip, variance))
             std = math.sqrt(variance + counted * by_slip**2)
             stds.append(max(std, rate * 0.3) if is_held else std)
@@ -439,7 +504,7 @@ class Estimator:
         self.slope.step(rim, measured[3], now["th"], dt)
         u = {key: 0.5 * (old[key] + now[key]) for key in now}
         measured[3] = 0.5 * (self.measured(before)[3] + measured[3])
-        self.forces.step(self.filter.x[V], self.filter.x[K], u, measured[3], "mass" in row, dt)
+        self.forces.step(self.filter.x[V], self.filter.x[K], u, measured[3], dt)
         self.update(u, measured, dt)
 
     def step_of_paper(self, u, measured, dt):
@@ -477,12 +542,13 @@ class Estimator:
         if ends and machine.e["reopen"] > 0:
             walks[H], walks[LAM] = (machine.e["reopen"] * machine.std[i] for i in (H, LAM))
         walks[B] = max(walks[B], self.slope.walk(dt))
+        walks[FX] = max(walks[FX], machine.mass * self.forces.beyond * math.sqrt(2 * dt / 0.25))
         return [a**2 + b**2 for a, b in zip(walks, self.more)]
 
     def update(self, u, measured, dt):
         machine, f, wheels, forces = self.machine, self.filter, self.wheels, self.forces
         before, radius, gate = f.x[:], machine.m["wheel_radius"], machine.e["gate"]
-        e_variance = f.p[E][E]
+        variances = [f.p[i][i] for i in range(machine.n)]
         moved, by = f.ahead(u, dt)
         v = moved[V]
         is_held, ends = self.conditions(v, u["F_x"] + before[FX], dt)
@@ -491,7 +557,8 @@ class Estimator:
         wheels.see_steps(measured[WF : WR + 1])
         by_wheel = wheels.std(v, before[K], u, is_held, dt)
         disturbed = forces.slip * abs(v) / radius
-        std = [machine.s["speed_std"], *(math.hypot(a, disturbed) for a in by_wheel), forces.acceleration_std()]
+        std = [max(machine.s["speed_std"], wheels.common.std(dt)), *(math.hypot(a, disturbed) for a in by_wheel)]
+        std.append(forces.acceleration_std())
         y, cross, own = f.predict(moved, by, u, dt, noise)
         predicted = [math.sqrt(own[j][j]) for j in range(4)]
         # (8)
@@ -509,13 +576,22 @@ class Estimator:
         std = [b + abs(a) / gate if c > gate else b for a, b, c in zip(innovation, std, far)]
         if accepted[WF] and accepted[WR] and not is_held:
             wheels.learn([innovation[i] for i in WHEELS], [predicted[i] for i in WHEELS], dt)
+            rims = [radius * innovation[i] for i in WHEELS]
+            wheels.common.step(0.5 * (rims[0] + rims[1]) - innovation[V], dt)
+            wheels.apart.step(rims[0] - rims[1], dt)
             self.lag.step(measured[WF] - measured[WR], v, before[V], u, dt)
         else:
             self.lag.time = 0.0
+            wheels.common.interrupt()
+            wheels.apart.interrupt()
         f.update(innovation, std, accepted, cross, own)
         for i, (least, most) in machine.bounds.items():
             f.x[i] = min(max(f.x[i], least), most)
-        self.open(v, before[E], e_variance, dt)
+        self.open(v, before[E], variances[E], dt)
+        if forces.braking:
+            for i in (K, H, LAM, DF, DR):
+                lost = math.sqrt(max(variances[i] + noise[i] - f.p[i][i], 0.0))
+                f.x[i], self.more[i] = before[i], math.hypot(self.more[i], lost)
 
     def open(self, v, e, e_variance, dt):
         """(11): what the next step may change more than usual."""

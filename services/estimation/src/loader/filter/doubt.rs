@@ -5,7 +5,7 @@ use crate::Quantity;
 use crate::keys::Range;
 use crate::loader::floors::{Learns, RATIO_PER_SENSITIVITY, ratio_with_floors};
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
-use crate::loader::load::axle_torque::RatioAway;
+use crate::loader::load::axle_torque::{self, RatioAway};
 use crate::loader::load::mass_step::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
 use crate::loader::settings::Settings;
@@ -89,12 +89,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.belief.state()[SLIP_STIFFNESS],
             (prior.slip_stiffness, prior.slip_stiffness_std),
         );
-        let (axle_torque, by_axle_torque) = self.disturbance.mass.axle_torque.judge(&RatioAway {
-            ratio: self.belief.state()[CG_RATIO],
-            expected: expected[1].0,
-            std: ratio_std,
-            torque_std: settings.sensors.torque_gain_std,
-        });
+        let (axle_torque, by_axle_torque) = axle_torque::judge(
+            self.disturbance.gain.found(),
+            &RatioAway {
+                ratio: self.belief.state()[CG_RATIO],
+                expected: expected[1].0,
+                std: ratio_std,
+                torque_std: settings.sensors.torque_gain_std,
+                untold_load: !self.disturbance.states_mass && !self.known_load.is_some(),
+            },
+        );
         let locked = self.coupling.locked();
         let lighter = self.disturbance.mass.lighter();
         let signs = Signs {
@@ -244,7 +248,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Locked
         } else if signs.radius {
             Reason::Radius
-        } else if self.disturbance.gain.misfits() || signs.lighter > 0.0 || signs.axle_torque {
+        } else if signs.lighter > 0.0 || signs.axle_torque {
             Reason::Torque
         } else if signs.late {
             Reason::Latency

@@ -95,6 +95,24 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         .state()
     }
 
+    /// Values and variances of the states.
+    pub(super) fn parameters(&self) -> [(f64, f64); N] {
+        core::array::from_fn(|i| (self.belief.state()[i], self.belief.variance(i)))
+    }
+
+    /// Keeps what only the wheels show, in a row in which they carry no information.
+    pub(super) fn hold_parameters(&mut self, held: &[(f64, f64); N], process_std: &[f64; N]) {
+        let radii = const { Layout::of(N) }.radii.into_iter().flatten();
+        for i in [SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO]
+            .into_iter()
+            .chain(radii)
+        {
+            let more = self.loosened[i];
+            self.consider(i, held[i], process_std[i]);
+            self.loosen_by(i, more);
+        }
+    }
+
     /// Makes state `i` a consider parameter: it retains value and variance of before the row, with its process noise. The variance
     /// that the row took from it returns with the noise of the next step. The updates of the other states account for its variance.
     fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
@@ -140,6 +158,22 @@ mod tests {
     use super::*;
     use crate::ekf::Ekf;
     use crate::loader::Method;
+
+    #[test]
+    fn a_row_in_which_the_wheels_carry_no_information_leaves_the_parameters() {
+        let mut filter = CgFilter::<9, 3, Ekf<9, 3>>::new(&Settings::DEFAULT, Method::FullEkf);
+        let held = filter.parameters();
+        let (ratio, variance) = held[CG_RATIO];
+        // The row has moved the ratio and taken three quarters of its variance.
+        filter
+            .belief
+            .separate(&[(CG_RATIO, 0.5 * sqrt(variance))], &[0.0; 9]);
+        filter.belief.state_mut()[CG_RATIO] += 0.1;
+        filter.hold_parameters(&held, &[0.0; 9]);
+        assert_eq!(filter.belief.state()[CG_RATIO], ratio);
+        let returns = filter.loosened[CG_RATIO];
+        assert!((returns * returns - 0.75 * variance).abs() < 1e-12);
+    }
 
     /// Standard deviation by which a ratio that moves by .2, after it was known once, opens the radii.
     fn opened<const N: usize, const M: usize>() -> f64

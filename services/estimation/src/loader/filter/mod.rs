@@ -37,6 +37,7 @@ use super::load::known_load::KnownLoad;
 use super::load::mass_step::Load;
 use super::measurements::conditions::Digging;
 use super::measurements::quantisation::Quantisation;
+use super::measurements::slip_noise::SlipNoise;
 use super::measurements::slope::SlopeError;
 use super::measurements::wheel_lag::WheelLag;
 use super::measurements::wheel_noise::WheelNoise;
@@ -84,6 +85,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     digging: Digging,
     wheel_noise: WheelNoise,
     wheel_lag: WheelLag,
+    /// Of both wheels against the speed, and of front against rear wheel.
+    slip_noise: [SlipNoise; 2],
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
@@ -143,6 +146,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             digging: Digging::default(),
             wheel_noise: WheelNoise::default(),
             wheel_lag: Self::wheel_lag(settings),
+            slip_noise: [SlipNoise::default(); 2],
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),

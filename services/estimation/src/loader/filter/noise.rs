@@ -10,6 +10,9 @@ use crate::loader::physics::cg_model::CgModel;
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
+/// Correlation time of a force that the torques do not explain [s]: a bucket enters a pile.
+const FORCE_TIME: f64 = 0.25;
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Process noise of a step, by state: random walks, and what was loosened.
     pub(super) fn process_std(
@@ -56,6 +59,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if settings.protected() && !self.known_load.is_some() {
             self.free_centre(settings, &mut std, conditions, boom_moving, scale);
         }
+        if settings.at_work() {
+            self.follow_force(&mut std, dt);
+        }
         std[SPEED] = std[SPEED].max(self.dynamics.gravity * settings.sensors.slope_std * dt);
         if let Some(bias) = const { Layout::of(N) }.slope_bias
             && settings.at_work()
@@ -63,6 +69,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             std[bias] = std[bias].max(self.slope_error.walk(dt));
         }
         std
+    }
+
+    /// Lets the force on the bucket, or the speed where it is no state, follow a force that the torques do not explain.
+    fn follow_force(&self, std: &mut [f64; N], dt: f64) {
+        let walk = self.effect.excess * sqrt(2.0 * dt / FORCE_TIME);
+        let (state, walk) = match const { Layout::of(N) }.spade_force {
+            Some(force) => (force, self.dynamics.mass * walk),
+            None => (SPEED, FORCE_TIME * walk),
+        };
+        std[state] = std[state].max(walk);
     }
 
     /// Opens height and ratio of a machine with an unknown load: the boom moves, or the bucket was dug full.
@@ -121,6 +137,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
+    /// Noise of either wheel by motions of the axles against each other [rad/s].
+    fn axles_move(&self, settings: &Settings, dt: f64) -> f64 {
+        if settings.at_work() {
+            self.slip_noise[1].std(dt) * core::f64::consts::FRAC_1_SQRT_2
+                / self.dynamics.wheel_radius
+        } else {
+            0.0
+        }
+    }
+
     /// Noise of a row's measurements; that of the wheels includes slips, tyres and disturbances.
     pub(super) fn measurement_std(
         &mut self,
@@ -134,6 +160,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             machine: &model.dynamics,
             inputs: &model.inputs,
             sensor_std: self.wheel_sensor_std(settings),
+            moving_std: self.axles_move(settings, model.dt),
             weak: conditions.frozen,
             learns_ripple: settings.at_work(),
             dt: model.dt,
@@ -145,6 +172,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             state[SLIP_STIFFNESS],
         );
         if settings.at_work() {
+            std[SPEED] = std[SPEED].max(self.slip_noise[0].std(model.dt));
             let disturbed = self.disturbed_slip(state[SPEED]);
             for i in [FRONT_WHEEL, REAR_WHEEL] {
                 std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);

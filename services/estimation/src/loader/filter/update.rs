@@ -6,6 +6,7 @@ use super::{Belief, CgFilter};
 use crate::loader::input::inputs::StepInputs;
 use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 use crate::loader::measurements::conditions::Conditions;
+use crate::loader::measurements::slip_noise::SlipNoise;
 use crate::loader::physics::cg_model::CgModel;
 use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
@@ -31,6 +32,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> RowReport<M> {
         let mut ahead = self.belief.ahead(model);
         let (before, sensitivity) = (self.before(), self.sensitivity());
+        let held = (settings.at_work() && self.effect.braking).then(|| self.parameters());
         let state = *B::state_ahead(&ahead);
         let conditions = self.conditions(settings, &state, step, model.dt);
         let process_std = self.process_std(settings, &conditions, sample.boom_moving, model.dt);
@@ -62,6 +64,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.learn_from_wheels(settings, &seen, &expected, model);
         } else {
             self.wheel_lag.interrupt();
+            self.slip_noise.iter_mut().for_each(SlipNoise::interrupt);
         }
         let nis = self
             .belief
@@ -70,6 +73,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.learn_under_load(before.ratio_variance + walked);
         self.clamp(settings);
         self.loosen(settings, sensitivity, &process_std, state[SPEED], model.dt);
+        if let Some(held) = held {
+            self.hold_parameters(&held, &process_std);
+        }
         RowReport {
             nis,
             frozen: conditions.frozen,

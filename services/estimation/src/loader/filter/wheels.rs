@@ -52,6 +52,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
         let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
         self.wheel_noise.see(&settings.estimator, wheels, model.dt);
+        self.see_slip_noise(seen, model.dt);
         self.see_lag(seen, model);
         let slip = self.slip(seen, model);
         let disagrees = self
@@ -76,6 +77,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             noise: seen.noise[0] + seen.noise[1],
             dt: model.dt,
         });
+    }
+
+    /// Updates the noise of the slips. Brakes and turns carry no information about it.
+    fn see_slip_noise(&mut self, seen: &Seen<N, M>, dt: f64) {
+        let radius = self.dynamics.wheel_radius;
+        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL].map(|i| radius * seen.innovation[i]);
+        let common = 0.5 * (front + rear) - seen.innovation[SPEED];
+        let turns = self.effect.turn * seen.state[SPEED].abs();
+        for (noise, value) in self.slip_noise.iter_mut().zip([common, front - rear]) {
+            if self.effect.braking || turns > noise.std(dt) || !value.is_finite() {
+                noise.interrupt();
+            } else {
+                noise.see(value, dt);
+            }
+        }
     }
 
     /// Updates the lag between both wheel speeds. Braking carries no information about it, bending less.

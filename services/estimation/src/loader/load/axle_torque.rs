@@ -6,10 +6,13 @@
 //!
 //! ```text
 //! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2),   s^2 = .02^2 + .01^2 + sigma_T^2/2
+//! H_l:      kappa - 1 ~ U(-1/3, 0), a load that nobody reports, prior odds 1 to H_0 where no mass is reported
 //! H_f, H_r: kappa - 1 = g/2 + .., lam - lam_0 = -+ lam (1 - lam) g + .., g ~ N(0, c^2): the true torque over the measured one, minus 1
 //! ```
 
-use super::inertia::Force;
+use core::f64::consts::TAU;
+
+use crate::Quantity;
 use crate::math::{exp, norm, sqrt};
 use crate::mixture::spread;
 
@@ -20,26 +23,10 @@ const OFF: f64 = 0.2;
 /// Standard deviations of kappa by the tolerances of mass and rolling radius; those of the torques are stated.
 const MASS_TOLERANCE: f64 = 0.02;
 const RADIUS_TOLERANCE: f64 = 0.01;
-/// Random walk of kappa [1/sqrt(s)], of the resistance and of the accelerometer's zero [m/s^2/sqrt(s)]: kappa, a property of gears, motors
-/// and the empty machine, walks 3 % in a quarter of an hour.
-const WALK: [f64; 3] = [0.001, 0.01, 0.01];
+/// Largest unreported load, as a share of the loaded machine.
+const LARGEST_LOAD: f64 = 1.0 / 3.0;
 /// Limit of the logarithm of the likelihood ratio, against overflow.
 const MAX_LOG_RATIO: f64 = 50.0;
-
-/// Estimate of kappa from all driving so far.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct AxleTorque {
-    force: Force,
-}
-
-impl Default for AxleTorque {
-    fn default() -> Self {
-        let mut force = Force::default();
-        force.open_zero();
-        Self { force }
-    }
-}
 
 /// Estimated ratio lam, its prior lam_0, and the standard deviation p of their difference.
 #[derive(Clone, Copy, Debug)]
@@ -49,45 +36,50 @@ pub struct RatioAway {
     pub std: f64,
     /// Tolerance of the torque of an axle, as a share.
     pub torque_std: f64,
+    /// No mass with its load is reported.
+    pub untold_load: bool,
 }
 
-impl AxleTorque {
-    /// Updates with smoothed acceleration, force over mass and direction of a row in which the torques drive, `dt` after the last.
-    pub fn see(&mut self, signals: [f64; 3], dt: f64) {
-        self.force.walk(&WALK, dt);
-        self.force.see(signals, dt);
+/// Probability that one axle's torque is off, and the standard deviation that this adds to the ratio.
+pub fn judge(found: Quantity, away: &RatioAway) -> (f64, f64) {
+    let kappa = found.value - 1.0;
+    let torques = core::f64::consts::FRAC_1_SQRT_2 * away.torque_std;
+    let usual = norm(&[MASS_TOLERANCE, RADIUS_TOLERANCE, torques]);
+    let kappa_variance = usual * usual + found.std * found.std;
+    let by_axle = away.ratio * (1.0 - away.ratio);
+    let weights = [0.5 / kappa_variance, by_axle / (away.std * away.std)];
+    let information = weights[0] * 0.5 + weights[1] * by_axle;
+    let left = 1.0 / (1.0 / (OFF * OFF) + information);
+    let by_gain = weights[0] * kappa;
+    let by_ratio = weights[1] * (away.ratio - away.expected);
+    let (mut total, mut squares) = (0.0, 0.0);
+    for shown in [by_gain - by_ratio, by_gain + by_ratio] {
+        let square = left * shown * shown;
+        let odds = exp((0.5 * square).min(MAX_LOG_RATIO));
+        total += odds;
+        squares += odds * square;
     }
+    let std = by_axle * sqrt(left);
+    let off = std * sqrt(squares / total);
+    let often = OFTEN * total * sqrt(left) / OFF;
+    let load = if away.untold_load {
+        odds_of_load(kappa, kappa_variance)
+    } else {
+        0.0
+    };
+    let other = (1.0 - 2.0 * OFTEN) * (1.0 + load);
+    let probability = often / (other + often);
+    (probability, spread(probability, off, std))
+}
 
-    /// Widens kappa: the mass has changed by a load that was not reported.
-    pub fn load_stepped(&mut self) {
-        self.force.open_gain();
+/// Likelihood ratio of an unreported load to H_0, by kappa - 1 and its variance.
+fn odds_of_load(kappa: f64, variance: f64) -> f64 {
+    if !(-LARGEST_LOAD..0.0).contains(&kappa) {
+        return 0.0;
     }
-
-    /// Probability that one axle's torque is off, and the standard deviation that this adds to the ratio.
-    pub fn judge(&self, away: &RatioAway) -> (f64, f64) {
-        let kappa = self.force.state[0] - 1.0;
-        let torques = core::f64::consts::FRAC_1_SQRT_2 * away.torque_std;
-        let usual = norm(&[MASS_TOLERANCE, RADIUS_TOLERANCE, torques]);
-        let kappa_variance = usual * usual + self.force.covariance[0][0];
-        let by_axle = away.ratio * (1.0 - away.ratio);
-        let weights = [0.5 / kappa_variance, by_axle / (away.std * away.std)];
-        let information = weights[0] * 0.5 + weights[1] * by_axle;
-        let left = 1.0 / (1.0 / (OFF * OFF) + information);
-        let by_gain = weights[0] * kappa;
-        let by_ratio = weights[1] * (away.ratio - away.expected);
-        let (mut total, mut squares) = (0.0, 0.0);
-        for shown in [by_gain - by_ratio, by_gain + by_ratio] {
-            let square = left * shown * shown;
-            let odds = exp((0.5 * square).min(MAX_LOG_RATIO));
-            total += odds;
-            squares += odds * square;
-        }
-        let std = by_axle * sqrt(left);
-        let off = std * sqrt(squares / total);
-        let often = OFTEN * total * sqrt(left) / OFF;
-        let probability = often / (1.0 - 2.0 * OFTEN + often);
-        (probability, spread(probability, off, std))
-    }
+    let square = kappa * kappa / variance;
+    let likelihood = exp((0.5 * square).min(MAX_LOG_RATIO));
+    likelihood * sqrt(TAU * variance) / LARGEST_LOAD
 }
 
 #[cfg(test)]
@@ -99,17 +91,24 @@ mod tests {
         stated(kappa, ratio_away, 0.005)
     }
 
-    /// The same with torques of this tolerance.
+    /// The same with torques of this tolerance, of a machine whose mass is reported.
     fn stated(kappa: f64, ratio_away: f64, torque_std: f64) -> (f64, f64) {
-        let mut axles = AxleTorque::default();
-        axles.force.state[0] = kappa;
-        axles.force.covariance[0][0] = 4e-4;
-        axles.judge(&RatioAway {
+        with_load(kappa, ratio_away, torque_std, false)
+    }
+
+    fn with_load(kappa: f64, ratio_away: f64, torque_std: f64, untold_load: bool) -> (f64, f64) {
+        let found = Quantity {
+            value: kappa,
+            std: 0.02,
+        };
+        let away = RatioAway {
             ratio: 0.45 + ratio_away,
             expected: 0.45,
             std: 0.06,
             torque_std,
-        })
+            untold_load,
+        };
+        judge(found, &away)
     }
 
     #[test]
@@ -135,17 +134,10 @@ mod tests {
     }
 
     #[test]
-    fn driving_identifies_kappa_and_an_unreported_load_widens_it() {
-        let mut axles = AxleTorque::default();
-        for k in 0..6000 {
-            let t = f64::from(k) * 0.01;
-            let pull = f64::sin(0.8 * t) + 0.2;
-            axles.see([1.1 * pull - 0.2, pull, 1.0], 0.01);
-        }
-        let variance = |axles: &AxleTorque| axles.force.covariance[0][0];
-        assert!((axles.force.state[0] - 1.1).abs() < 0.01);
-        assert!(variance(&axles) < 0.03 * 0.03, "{}", variance(&axles));
-        axles.load_stepped();
-        assert!(variance(&axles) >= 0.1 * 0.1);
+    fn a_machine_that_seems_heavier_may_carry_a_load_that_nobody_reports_and_one_that_seems_lighter_not()
+     {
+        let [heavier, lighter] = [0.85, 1.15].map(|kappa| with_load(kappa, 0.0, 0.005, true).0);
+        assert!(heavier < 0.35, "{heavier}");
+        assert_eq!(lighter, judged(1.15, 0.0).0);
     }
 }

@@ -70,9 +70,9 @@ impl Force {
         }
     }
 
-    /// Adds the initial variance to that of kappa.
-    pub fn open_gain(&mut self) {
-        self.covariance[0][0] += START[0] * START[0];
+    /// Raises the variance of kappa to the initial one.
+    pub fn reopen_gain(&mut self) {
+        self.covariance[0][0] = self.covariance[0][0].max(START[0] * START[0]);
     }
 
     /// Adds the prior variance to that of z.
@@ -82,15 +82,25 @@ impl Force {
 
     /// Updates with smoothed acceleration, force over mass and direction, `dt` after the last. Returns innovation and its variance. An
     /// innovation beyond `LARGEST` changes no state.
-    pub fn see(&mut self, [acceleration, pull, direction]: [f64; 3], dt: f64) -> [f64; 2] {
+    pub fn see(&mut self, signals: [f64; 3], dt: f64) -> [f64; 2] {
+        let found = self.measure(&signals, dt);
+        if found.innovation.abs() <= LARGEST {
+            found.take(&mut self.state, &mut self.covariance);
+        }
+        [found.innovation, found.variance]
+    }
+
+    /// Innovation of a row and its variance, without an update.
+    pub fn expects(&self, signals: &[f64; 3], dt: f64) -> [f64; 2] {
+        let found = self.measure(signals, dt);
+        [found.innovation, found.variance]
+    }
+
+    fn measure(&self, &[acceleration, pull, direction]: &[f64; 3], dt: f64) -> Measurement<STATES> {
         let by = [pull, -direction, 1.0];
         let noise = NOISE * NOISE * (TOGETHER / dt).max(1.0);
         let innovation = acceleration - dot(&self.state, &by);
-        let found = Measurement::of(&self.covariance, &by, innovation, noise);
-        if innovation.abs() <= LARGEST {
-            found.take(&mut self.state, &mut self.covariance);
-        }
-        [innovation, found.variance]
+        Measurement::of(&self.covariance, &by, innovation, noise)
     }
 }
 

@@ -3,7 +3,6 @@
 //! It uses all rows, and those in which the torques drive. Unreported brakes make the machine look lighter while it brakes, and have no
 //! effect while it drives.
 
-use super::axle_torque::AxleTorque;
 use super::inertia::{Inertia, Push};
 use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
 
@@ -20,7 +19,6 @@ pub struct StatedMass {
     /// Estimates by all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
-    pub axle_torque: AxleTorque,
     unreported_load: UnreportedLoad,
 }
 
@@ -53,14 +51,8 @@ impl StatedMass {
         }
         let drives = kind.tells && kind.drives;
         self.driven.see(row, drives, true, dt);
-        if drives {
-            self.axle_torque.see(self.driven.signals(), dt);
-        }
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(row, kind.tells, lighter, dt);
-        if self.inertia.stepped() {
-            self.axle_torque.load_stepped();
-        }
         if self.is_weighed || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
