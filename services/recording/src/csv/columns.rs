@@ -77,7 +77,7 @@ enum Part {
 const END_OF_DOS: &[u8] = b"\x1a";
 
 /// Remedy for a file with zeros: a loss of power leaves blocks of them.
-const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
+pub(crate) const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
 
 /// A cell that contains text instead of a number.
 #[derive(Debug)]
@@ -97,7 +97,10 @@ pub(crate) struct NoNumber {
 impl NoNumber {
     /// The text in a cell of this column.
     pub(super) fn of(cell: &[u8], column: &str, header: &[String], is_time: bool) -> Self {
-        let text = dialect::text(cell);
+        let mut text: Vec<char> = dialect::text(cell).chars().collect();
+        // A block of zeros is shown as one.
+        text.dedup_by(|b, a| (*b, *a) == ('\0', '\0'));
+        let text: String = text.into_iter().collect();
         let name = text.trim_start_matches('\u{feff}');
         Self {
             is_header: header.iter().any(|column| column == name),
@@ -334,6 +337,12 @@ impl<S: Sensors> Columns<S> {
             || self.is_comment(record)
     }
 
+    /// Whether a line is a block of zeros.
+    pub(crate) fn is_hole(record: &Record) -> bool {
+        let mut bytes = record.iter().flatten().peekable();
+        bytes.peek().is_some() && bytes.all(|b| *b == 0)
+    }
+
     /// Whether a line is a comment: another number of cells than the header, or no number.
     fn is_comment(&self, record: &Record) -> bool {
         let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(f64::is_finite);
@@ -363,8 +372,14 @@ impl<S: Sensors> Columns<S> {
             return self.another_machine(record);
         }
         let separator = char::from(self.dialect.separator).escape_default();
+        let s = if cells == 1 { "" } else { "s" };
         let what =
-            format!("the row has {cells} cells, the header {width}, separated by '{separator}'");
+            format!("the row has {cells} cell{s}, the header {width}, separated by '{separator}'");
+        let mut ends = record.iter();
+        if let Some(end) = ends.find_map(|cell| self.dialect.other_line_end(cell)) {
+            let what = format!("{what}: it goes on behind {end}, which ends no line here");
+            return Some((what, dialect::LINE_ENDS));
+        }
         let remedy = match (record.iter().any(|cell| cell.contains(&0)), self.dialect) {
             (true, _) => ZEROS,
             (_, Dialect { separator: b',' }) if has_more => {
