@@ -52,15 +52,6 @@ pub struct LoadsArgs {
     pub report: Option<PathBuf>,
 }
 
-/// A number above 0.
-pub fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
-    let number = number.ok_or_else(|| "this is no number".to_owned())?;
-    (number > 0.0)
-        .then_some(number)
-        .ok_or_else(|| "it is above 0".to_owned())
-}
-
 /// `heft loads`
 pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
     let inputs = many::inputs(&args.files, true)?;
