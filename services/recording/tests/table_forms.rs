@@ -187,7 +187,7 @@ fn what_is_no_table_is_named_as_what_it_is() {
 #[test]
 fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_reports_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    let whole = packed(&format!("{HEADER}\n{}\n", rows().join("\n")));
+    let whole = packed(format!("{HEADER}\n{}\n", rows().join("\n")));
     let path = written(folder.path(), "cut.csv.gz", &whole[..whole.len() / 2]);
     let samples = recording::open::<ExcavatorSensors>(&path, None).expect("a table");
     let count = samples.rows().expect("rows").count();

@@ -208,15 +208,19 @@ pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
     }
 }
 
-/// The name of a column, without invisible characters: byte order marks, marks of direction, soft hyphens, zeros that fill it up.
+/// The name of a column, without invisible characters: byte order marks, marks of direction, soft hyphens, and zeros around it.
 pub(crate) fn name(bytes: &[u8]) -> String {
     let unseen = |c: char| {
         matches!(
             c,
-            '\0' | '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}'
+            '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}'
         )
     };
-    text(bytes).replace(unseen, "").trim().to_owned()
+    let fills = |c: char| c == '\0' || c.is_whitespace();
+    text(bytes)
+        .replace(unseen, "")
+        .trim_matches(fills)
+        .to_owned()
 }
 
 /// A text that is UTF-8, or else Latin-1.
