@@ -112,6 +112,11 @@ impl Kind {
         Self::by_ending(path)
     }
 
+    /// Whether the name is that of a recording.
+    pub fn is_recording(path: &Path) -> bool {
+        Self::by_name(path) == Some(Self::Recording)
+    }
+
     fn by_ending(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_string_lossy().to_lowercase();
         match ending.as_str() {

@@ -81,7 +81,7 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
     let same = identity(args, &description, map);
     let parts = recording::Reader::open(input)
         .ok()
-        .filter(|_| is_recording(input));
+        .filter(|_| recording::Kind::is_recording(input));
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
     sources.extend(map);
@@ -97,10 +97,6 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
 /// The map of an input; a recording of heft needs none.
 fn map<'a>(args: &'a EstimateArgs, input: &Path) -> Option<&'a Path> {
     args.with.map.as_deref().filter(|_| !is_of_heft(input))
-}
-
-fn is_recording(input: &Path) -> bool {
-    recording::Kind::by_name(input) == Some(recording::Kind::Recording)
 }
 
 fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> Vec<OsString> {
