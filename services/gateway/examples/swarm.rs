@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let numbers = args.iter().skip(1).take(3).map(|a| a.parse::<f64>());
     let numbers: Vec<f64> = numbers.flatten().filter(|number| *number > 0.0).collect();
-    let (Some(router), [machines, hz, seconds]) = (args.first(), numbers[..]) else {
+    let (Some(router), &[machines, hz, seconds]) = (args.first(), &numbers[..]) else {
         eprintln!("usage: swarm ROUTER MACHINES HZ SECONDS [gateways]");
         return ExitCode::from(2);
     };
