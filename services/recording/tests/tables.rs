@@ -481,7 +481,7 @@ fn an_unfinished_output_leaves_nothing_behind_and_an_unwritable_one_is_an_error(
         assert!(
             written
                 .and_then(|()| full.finish())
-                .is_err_and(|e| e.is_disk_full())
+                .is_err_and(|e| e.remedy.contains("make room"))
         );
     }
 }
