@@ -35,7 +35,7 @@ impl Turned {
     pub(super) fn see(&mut self, sample: &Sample) {
         let begin = *self.begin.get_or_insert(sample.time);
         if !(0.0..PART).contains(&(sample.time - begin)) {
-            self.compare(begin);
+            self.end_part(begin);
             self.part = [self.geometry; 2].map(Plausible::new);
             self.begin = Some(sample.time);
         }
@@ -48,24 +48,34 @@ impl Turned {
         self.part[1].push(&negated);
     }
 
-    /// Compares the signs of the part that began then with those before it.
-    fn compare(&mut self, begin: f64) {
+    /// Whether the signs of the present part are right, if it shows that.
+    fn verdict(&self) -> Option<bool> {
         let is_refused = |part: &Plausible| part.mismatch() == Some(Mismatch::Sign);
-        let refused = self.part.each_ref().map(is_refused);
-        let is_right = match refused {
-            [false, true] => true,
-            [true, false] => false,
-            _ => return,
-        };
-        let before = self.is_right.replace(is_right);
-        if before.is_some_and(|before| before != is_right) {
+        match self.part.each_ref().map(is_refused) {
+            [false, true] => Some(true),
+            [true, false] => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Whether the signs of the present part differ from those before it.
+    fn differs(&self) -> bool {
+        let now_and_before = self.verdict().zip(self.is_right);
+        now_and_before.is_some_and(|(now, before)| now != before)
+    }
+
+    /// Ends the part that began then.
+    fn end_part(&mut self, begin: f64) {
+        if self.differs() {
             self.changed.get_or_insert(begin);
         }
+        self.is_right = self.verdict().or(self.is_right);
     }
 
     /// The fault of signs that change.
     pub(super) fn fault(&self) -> Option<String> {
-        let time = self.changed?;
+        let last = self.begin.filter(|_| self.differs());
+        let time = self.changed.or(last)?;
         Some(format!(
             "swing_velocity or swing_torque changes its sign at about t = {time:.0} s: torque and acceleration agree on one side of it only\n  \
              what to do: divide the recording there, and write `sign = -1` for the wrong column in a signal map of that part"
@@ -81,9 +91,7 @@ mod tests {
     fn said(sign: impl Fn(f64) -> f64) -> Option<String> {
         let geometry = Geometry::of(&config::Excavator::default());
         let posture = [0.8, -1.4, -0.6];
-        let inertia = geometry
-            .inertia(posture.map(estimation::excavator::joint))
-            .empty;
+        let inertia = geometry.inertia(posture).empty;
         let mut turned = Turned::new(geometry);
         for k in 0..12_000 {
             let time = f64::from(k) / 100.0;
@@ -92,7 +100,7 @@ mod tests {
                 time,
                 velocity: Some(sign(time) * velocity),
                 torque: Some(inertia * gain + 600.0 * velocity),
-                posture: posture.map(|angle| Some(estimation::excavator::joint(angle))),
+                posture: posture.map(Some),
                 ..Sample::default()
             });
         }
@@ -103,10 +111,10 @@ mod tests {
     fn a_sign_that_changes_within_a_recording_is_named_with_its_time() {
         // The same sign everywhere is another fault, if it is wrong.
         assert_eq!([said(|_| 1.0), said(|_| -1.0)], [None, None]);
-        let words = said(|time| if time < 50.0 { 1.0 } else { -1.0 }).unwrap_or_default();
-        assert!(
-            words.contains("changes its sign at about t = 60 s"),
-            "{words}"
-        );
+        for (changes, part) in [(50.0, 60), (91.0, 90)] {
+            let words = said(|time| if time < changes { 1.0 } else { -1.0 }).unwrap_or_default();
+            let time = format!("changes its sign at about t = {part} s");
+            assert!(words.contains(&time), "{words}");
+        }
     }
 }
