@@ -20,6 +20,9 @@ use runtime::{Domain, Ports, Sink, now_ns};
 /// Time of the first samples [s].
 const WAIT: f64 = 6.0;
 
+const USAGE: &str =
+    "usage: stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]";
+
 fn main() -> ExitCode {
     let (named, args): (Vec<String>, Vec<String>) =
         std::env::args().partition(|a| a.starts_with("samples="));
@@ -28,9 +31,7 @@ fn main() -> ExitCode {
     let mut rows = rows.into_iter().flatten();
     let number = |i: usize| args.get(i).and_then(|a| a.parse::<f64>().ok());
     let (Some(rate), Some(seconds)) = (number(3), number(4)) else {
-        eprintln!(
-            "usage: stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]"
-        );
+        eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
     let run = gateway::wall_ms() + u64::from(std::process::id());
