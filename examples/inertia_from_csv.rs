@@ -16,7 +16,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     };
     eprintln!("{error}");
-    ExitCode::FAILURE
+    ExitCode::from(2)
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

@@ -15,12 +15,12 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     };
     eprintln!("{error}");
-    ExitCode::FAILURE
+    ExitCode::from(2)
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
     let Some(name) = std::env::args().nth(1) else {
-        return Err("name the domain of a running pipeline".into());
+        return Err("usage: live_subscriber DOMAIN, that of a running pipeline".into());
     };
     Domain::new(&name)?.enter()?;
     let channel = &EXCAVATOR_INERTIA_UKF;

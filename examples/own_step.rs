@@ -4,7 +4,6 @@
 //! could run as a process (`runtime::run_stage`); here it runs on a simulated excavator.
 
 use std::error::Error;
-use std::process::ExitCode;
 
 use messages::{ExcavatorEstimate, SwingMotion};
 use runtime::{Source, Step, answer};
@@ -33,15 +32,7 @@ impl Step for Crude {
     }
 }
 
-fn main() -> ExitCode {
-    let Err(error) = run() else {
-        return ExitCode::SUCCESS;
-    };
-    eprintln!("{error}");
-    ExitCode::FAILURE
-}
-
-fn run() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let run = sim::excavator::Run::new(sim::excavator::Scenario::Base);
     let mut machine = sensor::excavator::Simulator::new(&run)?;
     let mut filter = FilterStep::new(&config::Excavator::default())?;

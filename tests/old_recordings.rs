@@ -10,11 +10,10 @@ use std::fmt;
 
 use common::both;
 use config::Description;
-use messages::{
-    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message,
-};
+use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
 use recording::{Reader, Sensors};
 use statistics::judge::is_wrong;
+use steps::chain::{chain, last_answer};
 use steps::stages::Pipeline;
 use view::estimate::Estimate;
 
@@ -155,17 +154,10 @@ fn replayed<S: Sensors, E: Estimate<Truth = S::Truth>>(name: &str, all: &mut All
     let pipeline = Pipeline::of(S::MACHINE);
     let methods = pipeline.stages.iter().flat_map(|stage| stage.methods());
     for method in methods.copied() {
-        let rows = pipeline.way_to(pipeline.with_method(method).expect("a stage"));
-        let mut way = Vec::new();
-        for row in rows {
-            let mine = row.methods().iter().find(|name| **name == method);
-            let step = row.start(&description, mine.copied().unwrap_or_default());
-            way.push(step.expect("a step"));
-        }
+        let mut chain = chain(&description, method).expect("steps");
         for sample in reader.stream::<S>(S::SENSORS.name).expect("samples") {
             let truth = truths.get(&sample.stamp().sequence);
-            let first: Envelope = sample.envelope();
-            let last = way.iter_mut().try_fold(first, |m, step| step.answer(&m));
+            let last = last_answer(&mut chain, sample.envelope());
             let last = last.expect("an answer");
             let estimate = E::inside(&last).expect("an estimate");
             for p in E::headlines() {

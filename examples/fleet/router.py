@@ -6,6 +6,9 @@
 `heft fleet router --zenoh-config router.json5` and `zenohd -c router.json5` both take it.
 """
 import json, os, sys
+if len(sys.argv) < 3:
+    print("usage: router.py FOLDER_OF_KEYS SITE MACHINE...", file=sys.stderr)
+    sys.exit(2)
 folder, site, machines = sys.argv[1], sys.argv[2], sys.argv[3:]
 rules, subjects, policies = [], [], []
 

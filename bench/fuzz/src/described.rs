@@ -3,7 +3,8 @@
 use config::Description;
 use messages::channels::Visitor;
 use messages::{Envelope, Machine, Message, Receiver, channels};
-use steps::stages::{AnyStep, Pipeline};
+use steps::chain::{Chain, chain};
+use steps::stages::Pipeline;
 
 use crate::recorded::{Wild, assert_finite};
 
@@ -46,19 +47,19 @@ fn answer(description: &Description, samples: &Wild) {
         .collect();
     for stage in pipeline.stages {
         for method in stage.methods() {
-            let rows = pipeline.way_to(stage).into_iter();
-            let way: Result<Vec<_>, _> = rows.map(|row| row.start(description, method)).collect();
-            let Ok(mut way) = way else { continue };
+            let Ok(mut chain) = chain(description, method) else {
+                continue;
+            };
             for sample in &samples {
-                follow(&mut way, *sample);
+                follow(&mut chain, *sample);
             }
         }
     }
 }
 
 /// Passes a sample through the steps. All answers must be finite.
-fn follow(way: &mut [Box<dyn AnyStep>], mut message: Envelope) {
-    for step in way {
+fn follow(chain: &mut Chain, mut message: Envelope) {
+    for (_, step) in chain {
         let Some(answer) = step.answer(&message) else {
             return;
         };

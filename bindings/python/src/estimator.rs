@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 use recording::frame::Cell;
+use steps::chain::{Chain, chain, last_answer, method};
 
-use crate::kind::{AnyFeed, Stages, answer, kind, method, way};
+use crate::kind::{AnyFeed, kind};
 use crate::{described, machine, refused};
 
 /// Steps through samples as they come; wrapped by `heft.Estimator`.
@@ -25,7 +26,7 @@ pub struct Estimator {
 
 struct State {
     feed: Box<dyn AnyFeed>,
-    way: Stages,
+    chain: Chain,
 }
 
 /// First bytes of a state: the version that wrote it.
@@ -45,7 +46,7 @@ impl Estimator {
         asked: Option<&str>,
     ) -> PyResult<Self> {
         let description = described(machine(kind_of)?, text, &settings)?;
-        let method = method(&description, asked).to_owned();
+        let method = method(description.machine(), asked).to_owned();
         let mut names = vec!["t"];
         names.extend(
             signals
@@ -54,14 +55,14 @@ impl Estimator {
                 .filter(|name| *name != "t"),
         );
         let feed = kind(&description).feed(&names)?;
-        let way = way(&description, &method)?;
+        let chain = chain(&description, &method).map_err(refused)?;
         feed.check(&description, &method)?;
         Ok(Self {
             signals: names
                 .iter()
                 .map(|name| PyString::intern(py, name).unbind())
                 .collect(),
-            state: Mutex::new(State { feed, way }),
+            state: Mutex::new(State { feed, chain }),
             description,
             method,
         })
@@ -94,8 +95,8 @@ impl Estimator {
         let mut cells = Vec::with_capacity(32);
         {
             let mut state = self.held(py);
-            let State { feed, way } = &mut *state;
-            let estimate = answer(way, feed.sample(&row));
+            let State { feed, chain } = &mut *state;
+            let estimate = last_answer(chain, feed.sample(&row));
             let estimate =
                 estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
             feed.cells(&estimate, &mut |cell| cells.push(cell));
@@ -123,7 +124,7 @@ impl Estimator {
             put(&mut bytes, text.as_bytes());
         }
         bytes.extend(state.feed.count().to_le_bytes());
-        for step in &state.way {
+        for (_, step) in &state.chain {
             put(&mut bytes, &saved(step.as_ref())?);
         }
         let sum = fnv64(&bytes).to_le_bytes();
@@ -159,7 +160,7 @@ impl Estimator {
         {
             let mut state = new.held(py);
             state.feed.go_on_from(u64::from_le_bytes(*count));
-            for step in &mut state.way {
+            for (_, step) in &mut state.chain {
                 let bytes = take(&mut rest).ok_or_else(foreign)?;
                 if !step.restore(bytes) {
                     return Err(foreign());

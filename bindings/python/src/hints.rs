@@ -20,7 +20,7 @@ pub struct Hints {
 /// Compares data and machine.
 enum Plausible {
     Excavator(Together<ExcavatorSensors>, Box<excavator::Plausible>),
-    Loader(Together<LoaderSensors>, loader::Plausible),
+    Loader(Together<LoaderSensors>, Box<loader::Plausible>),
 }
 
 /// Numbers that are larger than any measurement: they count as missing.
@@ -65,7 +65,7 @@ impl Hints {
             }
             Description::Loader(d) => {
                 let plausible = loader::Plausible::new(d.machine.mass, d.machine.wheel_radius);
-                Plausible::Loader(Together::default(), plausible)
+                Plausible::Loader(Together::default(), Box::new(plausible))
             }
         };
         let large = match description {

@@ -8,7 +8,7 @@ use pyo3::PyResult;
 use recording::csv::Estimate;
 use recording::frame::{self, Cell, Cells, Feed, NamedColumn, Table};
 use recording::{Lacks, Map, Sensors};
-use steps::stages::{AnyStep, Pipeline};
+use steps::chain::{chain, last_answer, method};
 
 use crate::hints::Hints;
 use crate::refused;
@@ -24,9 +24,6 @@ pub struct Estimates {
     /// Warnings on the data.
     pub hints: Vec<String>,
 }
-
-/// The stages up to an estimate.
-pub type Stages = Vec<Box<dyn AnyStep>>;
 
 /// A machine.
 pub trait Kind: Sync {
@@ -81,31 +78,6 @@ macro_rules! kinds {
 
 messages::machines!(kinds);
 
-/// The requested method, or the default one.
-pub fn method<'a>(description: &Description, asked: Option<&'a str>) -> &'a str {
-    let pipeline = Pipeline::of(description.machine());
-    let main = pipeline
-        .stage(pipeline.main)
-        .and_then(|s| s.methods().first().copied());
-    asked.or(main).unwrap_or_default()
-}
-
-/// Builds the stages up to the estimate of a method.
-pub fn way(description: &Description, method: &str) -> PyResult<Stages> {
-    let pipeline = Pipeline::of(description.machine());
-    let stage = pipeline.with_method(method);
-    let stage = stage.ok_or_else(|| refused(pipeline.unknown(method)))?;
-    let rows = pipeline.way_to(stage).into_iter();
-    rows.map(|row| row.start(description, method).map_err(refused))
-        .collect()
-}
-
-/// The answer of the last stage.
-pub fn answer(way: &mut Stages, sample: Envelope) -> Option<Envelope> {
-    way.iter_mut()
-        .try_fold(sample, |message, step| step.answer(&message))
-}
-
 /// Refuses samples that the method cannot use.
 fn check<S: Message>(description: &Description, method: &str, first: &S) -> PyResult<()> {
     match description {
@@ -124,8 +96,8 @@ fn run<S: Message, T, E: Estimate>(
     rows: impl Iterator<Item = (S, T)>,
     room: usize,
 ) -> PyResult<Estimates> {
-    let method = method(description, asked);
-    let mut way = way(description, method)?;
+    let method = method(description.machine(), asked);
+    let mut chain = chain(description, method).map_err(refused)?;
     let mut table = Table::<E>::with_capacity(room);
     let mut hints = Hints::new(description);
     let mut count = 0;
@@ -136,7 +108,7 @@ fn run<S: Message, T, E: Estimate>(
         count += 1;
         let sample = sample.envelope();
         hints.add(&sample);
-        if let Some(estimate) = answer(&mut way, sample).as_ref().and_then(E::inside) {
+        if let Some(estimate) = last_answer(&mut chain, sample).as_ref().and_then(E::inside) {
             table.push(estimate);
         }
     }

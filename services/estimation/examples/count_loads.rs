@@ -12,21 +12,22 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     };
     eprintln!("{error}");
-    ExitCode::FAILURE
+    ExitCode::from(2)
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(file), Some(rated)) = (arguments.next(), arguments.next()) else {
-        return Err("give a file and a rated payload".into());
+        return Err("usage: count_loads ESTIMATES.csv RATED_KG".into());
     };
-    let text = std::fs::read_to_string(file)?;
+    let text = std::fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?;
+    let rated = rated.parse().map_err(|e| format!("{rated}: {e}"))?;
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let mut ledger = Ledger::new(Settings::with_rated(rated.parse()?));
+    let mut ledger = Ledger::new(Settings::with_rated(rated));
     let report = |load: Option<Load>| {
         if let Some(load) = load.filter(|l| l.stage == Stage::Settled) {
-            print(&load);
+            println!("{}", line_of(&load));
         }
     };
     for line in lines {
@@ -46,15 +47,6 @@ fn run() -> Result<(), Box<dyn Error>> {
             ..Row::default()
         });
         report(events.load);
-        if std::env::var("NOW").is_ok() {
-            let now = ledger.now();
-            println!("now {} {} {}", number("t").unwrap_or(0.0), now.kg, now.std);
-        }
-        if std::env::var("ALL").is_ok()
-            && let Some(load) = events.load
-        {
-            println!("{:8.2} {}", number("t").unwrap_or(0.0), line_of(&load));
-        }
     }
     report(ledger.finish().load);
     if let Some(load) = ledger.carried() {
@@ -83,8 +75,4 @@ fn line_of(load: &Load) -> String {
         load.carry_back.std,
         load.trusted
     )
-}
-
-fn print(load: &Load) {
-    println!("{}", line_of(load));
 }

@@ -4,7 +4,6 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::process::ExitCode;
 
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
@@ -18,15 +17,7 @@ const PAYLOAD: f64 = 300.0;
 /// Load that a scale shows, and its standard deviation [kg].
 const STATED: (f64, f64) = (290.0, 20.0);
 
-fn main() -> ExitCode {
-    let Err(error) = run() else {
-        return ExitCode::SUCCESS;
-    };
-    eprintln!("{error}");
-    ExitCode::FAILURE
-}
-
-fn run() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let mut description = Description::default();
     (description.prior.payload, description.prior.payload_std) = STATED;
     let settings = Settings::of(&description);

@@ -4,6 +4,7 @@
 //! `stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]`: those of a file are sent from the
 //! [`WAIT`]th second on, when the subscribers are connected.
 
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use logger::{Limits, Logger};
@@ -19,15 +20,21 @@ use runtime::{Domain, Ports, Sink, now_ns};
 /// Time of the first samples [s].
 const WAIT: f64 = 6.0;
 
-fn main() {
+const USAGE: &str =
+    "usage: stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]";
+
+fn main() -> ExitCode {
     let (named, args): (Vec<String>, Vec<String>) =
         std::env::args().partition(|a| a.starts_with("samples="));
     let file = named.first().and_then(|a| a.strip_prefix("samples="));
     let rows = file.map(|f| recording::load::<ExcavatorSensors>(f, None).expect("samples"));
     let mut rows = rows.into_iter().flatten();
     let number = |i: usize| args.get(i).and_then(|a| a.parse::<f64>().ok());
+    let (Some(rate), Some(seconds)) = (number(3), number(4)) else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
     let run = gateway::wall_ms() + u64::from(std::process::id());
-    let (rate, seconds) = (number(3).expect("a rate"), number(4).expect("seconds"));
     let owner = Domain::new(&args[1])
         .and_then(|d| d.take())
         .expect("a free domain");
@@ -94,6 +101,7 @@ fn main() {
         }
     }
     drop(logger);
+    ExitCode::SUCCESS
 }
 
 /// An estimate that is trusted in every second half of 10 s, with a swing of 3 s in every 10 s.

@@ -6,6 +6,7 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use gateway::downsample::streams;
@@ -24,20 +25,25 @@ use zenoh_ext::AdvancedPublisher;
 
 const STREAM: &str = "estimate/inertia_ukf";
 
-fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let number = |i: usize| {
-        args.get(i)
-            .and_then(|a| a.parse::<f64>().ok())
-            .expect("a number")
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let numbers = args.iter().skip(1).take(3).map(|a| a.parse::<f64>());
+    let numbers: Vec<f64> = numbers.flatten().filter(|number| *number > 0.0).collect();
+    let (Some(router), &[machines, hz, seconds]) = (args.first(), &numbers[..]) else {
+        eprintln!("usage: swarm ROUTER MACHINES HZ SECONDS [gateways]");
+        return ExitCode::from(2);
     };
-    let (machines, hz, seconds) = (number(2) as usize, number(3), number(4));
     let link = LinkArgs {
-        connect: args[1].clone(),
+        connect: router.clone(),
         zenoh_config: None,
     };
-    let alone = args.get(5).is_some_and(|a| a == "gateways");
-    let open = |publishes: &[&str]| client(&link, publishes).expect("a session");
+    simulate(&link, machines as usize, [hz, seconds], &args[4..]);
+    ExitCode::SUCCESS
+}
+
+fn simulate(link: &LinkArgs, machines: usize, [hz, seconds]: [f64; 2], more: &[String]) {
+    let alone = more.first().is_some_and(|a| a == "gateways");
+    let open = |publishes: &[&str]| client(link, publishes).expect("a session");
     let shared = (!alone).then(|| open(&["heft/v1/swarm/**"]));
     std::thread::sleep(Duration::from_secs(1));
     let began = Instant::now();

@@ -11,6 +11,23 @@ mod links;
 mod python;
 mod serve;
 
+/// The examples of this crate, called without what they need.
+#[test]
+fn an_example_without_arguments_says_how_it_is_called() {
+    for (example, args) in [
+        ("swarm", &[][..]),
+        ("swarm", &["here", "two"]),
+        ("stand_in", &[]),
+    ] {
+        let program = common::beside(&format!("examples/{example}"));
+        let output = std::process::Command::new(program).args(args).output();
+        let output = output.expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.starts_with(&format!("usage: {example} ")), "{said}");
+        assert_eq!(output.status.code(), Some(2), "{said}");
+    }
+}
+
 /// A test file that is not a module here would not be compiled.
 #[test]
 fn every_file_of_tests_is_in_this_program() {

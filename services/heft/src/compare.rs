@@ -55,6 +55,21 @@ pub struct Compared {
     pub ahead: usize,
 }
 
+impl Compared {
+    /// Answers that differ.
+    pub fn different(&self) -> usize {
+        self.answers - self.identical - self.unknown - self.ahead
+    }
+
+    /// Adds the counts of another stage.
+    pub fn add(&mut self, other: &Self) {
+        self.answers += other.answers;
+        self.identical += other.identical;
+        self.unknown += other.unknown;
+        self.ahead += other.ahead;
+    }
+}
+
 /// Recorded states of one stage, in the order of their places.
 struct States<I: Iterator<Item = Snapshot>> {
     rest: Peekable<I>,

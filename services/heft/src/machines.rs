@@ -13,6 +13,7 @@ use messages::{Envelope, Machine, Message};
 use recording::Sensors;
 use recording::csv::{self, EstimateRows};
 use runtime::{Source, Worker};
+use steps::chain::{chain, last_answer, method};
 use view::estimate::Estimate;
 
 use crate::args::EstimationArgs;
@@ -26,7 +27,6 @@ use crate::plan::Plan;
 use crate::serve::{self, Common, Form, Input, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
-use crate::way::{method, way};
 
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
@@ -230,16 +230,14 @@ fn follow<M: MachineKind>(
     see: See<'_>,
 ) -> Result<(), Failure> {
     let (samples, method) = opened::<M>(with, file, description)?;
-    let mut stages = way(description, method)?;
+    let mut chain = chain(description, method)?;
     let map = sources::map(with.map.as_deref())?;
     let mut doubts = Doubts::<M::Look>::of(description).mapped(map);
     for (sample, truth) in samples.rows()? {
         see(&truth.envelope());
-        let mut message = Some(sample.envelope());
-        message.iter().for_each(&mut *see);
-        for (_, step) in &mut stages {
-            message = message.and_then(|m| step.answer(&m));
-        }
+        let message = sample.envelope();
+        see(&message);
+        let message = last_answer(&mut chain, message);
         message.iter().for_each(&mut *see);
         let estimate = message.as_ref().and_then(M::Estimate::inside);
         doubts.add(&sample, estimate.is_some_and(csv::Estimate::is_refused));

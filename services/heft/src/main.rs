@@ -47,7 +47,6 @@ mod supervisor;
 mod tally;
 mod target;
 mod watch;
-mod way;
 
 use std::process::ExitCode;
 

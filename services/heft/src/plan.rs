@@ -61,8 +61,6 @@ pub struct Plan {
     pub restored: Option<String>,
     /// The fleet that it belongs to.
     pub fleet: Option<Fleet>,
-    /// When the run began [ms since 1970], by the machine's clock.
-    pub begun_ms: u64,
     /// Identity among the runs of its machine, for the fleet.
     #[serde(flatten)]
     pub run: FleetRun,

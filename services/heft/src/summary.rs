@@ -10,7 +10,7 @@ use view::words::{verdict, wrapped};
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::page;
-use crate::tally::Tally;
+use crate::tally::{Scored, Tally};
 use crate::watch::Watch;
 
 /// Columns that every terminal has.
@@ -149,7 +149,9 @@ fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
 /// them never was trusted.
 pub fn trust_age(watch: &Watch) -> Option<f64> {
     let headline = watch.headline();
-    let ages: Option<Vec<f64>> = headline.map(|s| Some(s.time - s.last_trusted?.0)).collect();
+    let ages: Option<Vec<f64>> = headline
+        .map(|s| Some(s.latest.time - s.last_trusted?.time))
+        .collect();
     ages?.into_iter().reduce(f64::max)
 }
 
@@ -204,7 +206,13 @@ fn tally_lines(tally: &Tally) -> Vec<String> {
     let share = 100.0 * tally.trusted_count as f64 / tally.seen.max(1) as f64;
     match tally.last_trusted {
         None => lines.push(format!("{name}: never trusted in {} estimates", tally.seen)),
-        Some((time, value, std, truth)) => {
+        Some(Scored {
+            time,
+            value,
+            std,
+            truth,
+            ..
+        }) => {
             let truth = truth.map_or(String::new(), |t| {
                 format!(
                     ", truth {}, error {:+.1} %",

@@ -5,14 +5,12 @@ use statistics::judge::is_covered;
 
 use crate::quantity::Quantity;
 
-/// Running scores of one estimated quantity.
-#[derive(Debug, Clone, Copy)]
-pub struct Tally {
-    /// The quantity.
-    pub quantity: Quantity,
-    /// Time of the latest estimate \[s\].
+/// The value of a quantity in one estimate.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Scored {
+    /// Time \[s\].
     pub time: f64,
-    /// Latest value.
+    /// The value.
     pub value: f64,
     /// Its standard deviation.
     pub std: f64,
@@ -20,6 +18,17 @@ pub struct Tally {
     pub trusted: bool,
     /// Truth at the same sample.
     pub truth: Option<f64>,
+}
+
+/// Running scores of one estimated quantity.
+#[derive(Debug, Clone, Copy)]
+pub struct Tally {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The latest estimate.
+    pub latest: Scored,
+    /// The latest trusted estimate.
+    pub last_trusted: Option<Scored>,
     /// Estimates seen.
     pub seen: u64,
     /// Trusted ones among them.
@@ -32,36 +41,30 @@ pub struct Tally {
     pub worst: f64,
     /// Sum of squared errors of trusted estimates [%^2].
     pub squares: f64,
-    /// Latest trusted estimate: time, value, standard deviation, truth.
-    pub last_trusted: Option<(f64, f64, f64, Option<f64>)>,
 }
 
 impl Tally {
     pub fn new(quantity: Quantity) -> Self {
         Self {
             quantity,
-            time: 0.0,
-            value: 0.0,
-            std: 0.0,
-            trusted: false,
-            truth: None,
+            latest: Scored::default(),
+            last_trusted: None,
             seen: 0,
             trusted_count: 0,
             scored: 0,
             covered: 0,
             worst: 0.0,
             squares: 0.0,
-            last_trusted: None,
         }
     }
 
     /// Text for the live line.
     pub fn short(&self) -> String {
-        let q = self.quantity;
-        let truth = self.truth.map_or(String::new(), |t| {
-            format!(" (true {})", q.number(t, self.std))
+        let (q, latest) = (self.quantity, self.latest);
+        let truth = latest.truth.map_or(String::new(), |t| {
+            format!(" (true {})", q.number(t, latest.std))
         });
-        let verdict = if self.trusted {
+        let verdict = if latest.trusted {
             "trusted"
         } else {
             "not trusted"
@@ -69,20 +72,20 @@ impl Tally {
         format!(
             "{} {}{truth} {verdict}",
             q.short(),
-            q.text(self.value, self.std)
+            q.text(latest.value, latest.std)
         )
     }
 
-    pub fn add(&mut self, time: f64, value: f64, std: f64, trusted: bool, truth: Option<f64>) {
-        (self.time, self.value, self.std) = (time, value, std);
-        (self.trusted, self.truth) = (trusted, truth);
+    pub fn add(&mut self, estimate: Scored) {
+        self.latest = estimate;
         self.seen += 1;
-        if !trusted {
+        if !estimate.trusted {
             return;
         }
         self.trusted_count += 1;
-        self.last_trusted = Some((time, value, std, truth));
-        if let Some(truth) = truth.filter(|t| *t != 0.0) {
+        self.last_trusted = Some(estimate);
+        let Scored { value, std, .. } = estimate;
+        if let Some(truth) = estimate.truth.filter(|t| *t != 0.0) {
             let error = 100.0 * (value / truth - 1.0);
             self.scored += 1;
             self.covered += u64::from(is_covered(value, std, truth));

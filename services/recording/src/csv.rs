@@ -12,7 +12,7 @@ mod read;
 
 pub(crate) use cells::Cells;
 pub use columns::label;
-pub(crate) use columns::{Columns, listed, misread};
+pub(crate) use columns::{Columns, ZEROS, listed, misread};
 pub(crate) use dialect::Dialect;
 pub(crate) use dialect::name;
 pub use estimate::{Cell, Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};

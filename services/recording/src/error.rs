@@ -79,15 +79,6 @@ impl Error {
             _ => "check the name and the folder",
         }
     }
-
-    /// Whether the disk is full.
-    pub fn is_disk_full(&self) -> bool {
-        use io::ErrorKind as Kind;
-        matches!(
-            self.io,
-            Some(Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge)
-        )
-    }
 }
 
 impl fmt::Display for Error {

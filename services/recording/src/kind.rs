@@ -34,7 +34,7 @@ macro_rules! rows {
 }
 
 /// Foreign formats: first bytes, name, and how to convert them to a table.
-const FOREIGN: [(&[u8], &str, &str); 44] = rows! {
+const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
     b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
     b"PAR1", "a Parquet file", PYTHON;
@@ -46,6 +46,9 @@ const FOREIGN: [(&[u8], &str, &str); 44] = rows! {
     b"\x80\x05\x95", "a pickle of Python", PYTHON;
     b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON;
     MATLAB, "a MATLAB file", "write a table: writetable(T, 'data.csv')";
+    b"TDSh", "the index of a TDMS file of LabVIEW", "export the file itself (.tdms) as CSV";
+    b"CDF\x01", "a netCDF file", PYTHON;
+    b"CDF\x02", "a netCDF file", PYTHON;
     b"TDSm", "a TDMS file of LabVIEW", EXPORT;
     b"ULog", "a log of PX4 (ULog)", EXPORT;
     b"MDF ", "an MDF file",
@@ -109,6 +112,11 @@ impl Kind {
         Self::by_ending(path)
     }
 
+    /// Whether the name is that of a recording.
+    pub fn is_recording(path: &Path) -> bool {
+        Self::by_name(path) == Some(Self::Recording)
+    }
+
     fn by_ending(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_string_lossy().to_lowercase();
         match ending.as_str() {
@@ -134,6 +142,13 @@ impl Kind {
         if head.starts_with(MCAP) {
             return Ok(Self::Recording);
         }
+        if !head.is_empty() && head.iter().all(|b| *b == 0) {
+            return Err(Error::new(
+                "the file holds bytes of zero instead of data",
+                path.display().to_string(),
+                "take another copy of it, if there is one: its writer reserved the room and wrote nothing, or the disk lost it",
+            ));
+        }
         if named == Some(Self::Recording) {
             return Ok(Self::Recording);
         }
@@ -146,7 +161,11 @@ impl Kind {
         }
         let head = wide::head(head);
         if is_no_text(&head) {
-            return Err(no_text(place()));
+            let text: Vec<u8> = head.iter().copied().filter(|b| *b != 0).collect();
+            return Err(match is_no_text(&text) {
+                true => no_text(place()),
+                false => Error::new("bytes of zero stand among the text", place(), csv::ZEROS),
+            });
         }
         let text = head.trim_ascii_start();
         if text.starts_with(b"{") || text.starts_with(b"[{") {
@@ -192,6 +211,12 @@ fn begin_of(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(head)
 }
 
+/// The remedy for a tar archive, which is recognized by the bytes behind the name of its first file.
+pub(crate) fn of_tar(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let is_tar = head.get(257..262) == Some(b"ustar");
+    is_tar.then_some(("a tar archive", "unpack it: tar -xf FILE"))
+}
+
 /// The error for a foreign format, by its first bytes. Files of MATLAB 4 are recognized by their name only.
 fn of_others(head: &[u8], path: &Path) -> Option<Error> {
     let begin = behind_comments(head);
@@ -201,11 +226,13 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
         // A table may also begin with a date.
         is_so && !(*magic == DATE && is_parted(begin)) || is_matlab && *magic == MATLAB
     };
-    let (_, what, remedy) = FOREIGN.iter().find(is_foreign)?;
+    let known = FOREIGN.iter().find(is_foreign);
+    let known = known.map(|(_, what, remedy)| (*what, *remedy));
+    let (what, remedy) = known.or_else(|| of_tar(head))?;
     Some(Error::new(
         format!("this is {what}, which heft does not read as data"),
         path.display().to_string(),
-        *remedy,
+        remedy,
     ))
 }
 

@@ -3,6 +3,7 @@
 
 mod absolute;
 mod languages;
+mod log;
 pub(crate) mod names;
 pub(crate) mod ports;
 mod sizes;
@@ -10,24 +11,18 @@ pub(crate) mod suggestion;
 pub(crate) mod table;
 
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use messages::Machine;
 
-use crate::can::dbc::Dbc;
-use crate::can::{self, LeftOut, Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind, Quoted, foreign, packed, parts, steers};
-use names::{fitting, quoted, wanted};
-use ports::ports;
+use crate::{Error, Kind, Quoted, foreign, parts, steers};
+use names::wanted;
 pub use sizes::LARGEST_PRESSURES;
 pub use suggestion::Suggestion;
-use suggestion::{LINKS, missing};
 pub use table::STEEPEST;
 
 /// A first map for the table, CAN log or foreign MCAP file `path`; a log needs its DBC files. Without
@@ -124,7 +119,7 @@ macro_rules! guesses {
         fn guess(machine: Machine, path: &Path, file: &Foreign) -> Result<Suggestion, Error> {
             match (machine, file) {
                 $( (Machine::$machine, Foreign::Table) => table::suggest::<messages::$sensors>(path),
-                (Machine::$machine, Foreign::Log(dbc)) => log::<messages::$sensors>(path, dbc),
+                (Machine::$machine, Foreign::Log(dbc)) => log::suggest::<messages::$sensors>(path, dbc),
                 (Machine::$machine, Foreign::Topics(reader)) => Ok(list::map::<messages::$sensors>(path, reader)), )*
             }
         }
@@ -145,140 +140,6 @@ fn opening<S: Sensors>(path: &Path) -> String {
         "# A first signal map of {file} for the {machine}, guessed: read every line.\n# Then: heft estimate {} --machine {machine} --map THIS_FILE -o out.csv\n",
         Quoted(&file)
     )
-}
-
-/// Number of frames in a log by identifier and whether it is extended.
-type Frames = BTreeMap<(u32, bool), u32>;
-
-fn frames(path: &Path) -> Result<Frames, Error> {
-    let failed = |e| Error::system("read the CAN log", path, &e);
-    let log = BufReader::new(packed::open(path).map_err(failed)?);
-    let (mut counts, mut left_out) = (BTreeMap::new(), LeftOut::default());
-    for (number, line) in (1..).zip(log.split(b'\n')) {
-        let line = match line {
-            Err(e) if !counts.is_empty() && e.kind() == ErrorKind::UnexpectedEof => break,
-            line => line.map_err(failed)?,
-        };
-        let text = can::text(&line);
-        let mut said = parse(&text);
-        if let Some(Line::Frame { frame, timed }) = &mut said {
-            // A map needs no times.
-            *timed = true;
-            *counts.entry((frame.id, frame.extended)).or_insert(0_u32) += 1;
-        }
-        left_out.count(said.as_ref(), number, &text);
-    }
-    if !counts.is_empty() {
-        left_out.judge(&path.display().to_string())?;
-    }
-    if counts.is_empty() {
-        return Err(Error::new(
-            "there is no frame in the file",
-            path.display().to_string(),
-            "give a log of candump -L, or of candump -ta with its times",
-        ));
-    }
-    Ok(counts)
-}
-
-/// The signals of a DBC that a log carries: name as "Message.Signal", unit, frames.
-fn present(counts: &Frames, dbc: &[PathBuf]) -> Result<Vec<(String, String, u32)>, Error> {
-    let mut present = Vec::new();
-    for file in dbc {
-        for message in Dbc::open(file)?.messages {
-            let matching = counts
-                .iter()
-                .filter(|((id, x), _)| message.matches(*id, *x));
-            let count: u32 = matching.map(|(_, n)| n).sum();
-            for signal in message.signals.iter().filter(|_| count > 0) {
-                let name = format!("{}.{}", message.name, signal.name);
-                present.push((name, signal.unit.clone(), count));
-            }
-        }
-    }
-    Ok(present)
-}
-
-/// A map for a CAN log.
-fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
-    if dbc.is_empty() {
-        return Err(Error::new(
-            "a CAN log says nothing without the DBC file that describes it",
-            path.display().to_string(),
-            "give one with --dbc",
-        ));
-    }
-    let present = present(&frames(path)?, dbc)?;
-    let mut out = opening::<S>(path);
-    let files = dbc.iter().map(|f| quoted(&f.display().to_string()));
-    let files: Vec<String> = files.collect();
-    let _ = writeln!(
-        out,
-        "\n[can]\ndbc = [{}]  # paths beside this map",
-        files.join(", ")
-    );
-    let _ = writeln!(
-        out,
-        "rate = 100  # rows a second\nhold = 0.5  # older values are missing [s]\n\n[can.signals]"
-    );
-    let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
-    let (mut found, mut taken) = (Vec::new(), Vec::new());
-    let mut links = [const { None }; LINKS.len()];
-    let place = |name: &str| {
-        let (message, own) = name.split_once('.').unwrap_or((name, ""));
-        format!("message = {}, signal = {}", quoted(message), quoted(own))
-    };
-    for signal in wanted::<S>().into_iter().filter(|signal| signal != "t") {
-        let Some(at) = fitting(&signal, &names, &taken) else {
-            continue;
-        };
-        taken.push(at);
-        let (name, unit, count) = &present[at];
-        let unit = if unit.is_empty() {
-            "no unit: taken as SI".into()
-        } else {
-            format!("unit {} by the DBC", shown(unit))
-        };
-        let place = place(name);
-        let link = LINKS.iter().position(|link| *link == signal);
-        let before = link.and_then(|at| links[at.checked_sub(1)?].as_ref());
-        let _ = match before.filter(|_| absolute::by_name(name)) {
-            Some(before) => writeln!(
-                out,
-                "{signal} = {{ terms = [{{ {place} }}, {{ {before}, sign = -1 }}] }}  # {}: less the link before; {count} frames; {unit}",
-                absolute::BY_NAME
-            ),
-            None => writeln!(
-                out,
-                "{signal} = {{ {place} }}  # by its name; {count} frames; {unit}"
-            ),
-        };
-        if let Some(at) = link {
-            links[at] = Some(place);
-        }
-        found.push(signal);
-    }
-    out += &ports::<S>((&names, &taken, &found), |at, sign| {
-        format!("{{ {}{sign} }}", place(names[at]))
-    });
-    let missing = missing::<S>(&found);
-    let blank = |_: &str| "{ message = \"...\", signal = \"...\" }".to_owned();
-    out += &lacking::<S>(&found, &missing, blank);
-    let unseen = if present.is_empty() {
-        "; no message of the DBC is in the log".to_owned()
-    } else {
-        format!(": {}", shown(&names.join(", ")))
-    };
-    let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
-    Ok(Suggestion {
-        text: out,
-        missing,
-        unknown: Vec::new(),
-        of_second: Vec::new(),
-        of_others: Vec::new(),
-        links: suggestion::links(&found),
-        found: found.len(),
-    })
 }
 
 /// The missing signals: lines to be filled in for the required ones, with the text of `blank` after each name, and the rest by name.

@@ -32,9 +32,9 @@ fn read(path: &Path) -> Result<Vec<f64>, Error> {
     Ok(samples.iter().map(|(s, _)| s.swing_torque).collect())
 }
 
-fn packed(text: &str) -> Vec<u8> {
+fn packed(text: impl AsRef<[u8]>) -> Vec<u8> {
     let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-    out.write_all(text.as_bytes()).expect("memory");
+    out.write_all(text.as_ref()).expect("memory");
     out.finish().expect("memory")
 }
 
@@ -139,6 +139,14 @@ fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
 fn what_is_no_table_is_named_as_what_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let plain = format!("{HEADER}\n{}\n", rows().join("\n"));
+    let mut tar = b"data.csv".to_vec();
+    tar.resize(257, 0);
+    tar.extend(b"ustar\0");
+    tar.extend(plain.bytes());
+    // A changed byte makes rows that are none.
+    let mut torn = packed(&plain);
+    let middle = torn.len() / 2;
+    torn[middle] ^= 0xff;
     for (content, what, remedy) in [
         (b"t\0\x01\x02;\0\xff\n1;2\n".to_vec(), "no text", ".csv"),
         (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
@@ -155,6 +163,10 @@ fn what_is_no_table_is_named_as_what_it_is() {
             "iconv -f GB18030",
         ),
         (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
+        (tar.clone(), "a tar archive", "tar -xf"),
+        (packed(&tar), "a packed tar archive", "tar -xf"),
+        (b"CDF\x01\0\0".to_vec(), "a netCDF file", "Python"),
+        (torn, "corrupt", "get the file anew"),
         (
             format!("# {}\n{plain}", "x".repeat(400_000)).into_bytes(),
             "does not begin with a table",
@@ -175,7 +187,7 @@ fn what_is_no_table_is_named_as_what_it_is() {
 #[test]
 fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_reports_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    let whole = packed(&format!("{HEADER}\n{}\n", rows().join("\n")));
+    let whole = packed(format!("{HEADER}\n{}\n", rows().join("\n")));
     let path = written(folder.path(), "cut.csv.gz", &whole[..whole.len() / 2]);
     let samples = recording::open::<ExcavatorSensors>(&path, None).expect("a table");
     let count = samples.rows().expect("rows").count();

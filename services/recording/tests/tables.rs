@@ -204,7 +204,7 @@ fn files_without_samples_are_refused() {
         ),
         (
             "t,swing_velocity\n0,1\n1\n2,3\n",
-            "the row has 1 cells, the header 2, separated by ','",
+            "the row has 1 cell, the header 2, separated by ','",
         ),
         (
             "t,swing_velocity\n0,1,5\n",
@@ -220,6 +220,83 @@ fn files_without_samples_are_refused() {
         read::<ExcavatorSensors>(path, None).is_err(),
         "no text at all"
     );
+}
+
+#[test]
+fn line_ends_of_other_programs_and_blocks_of_zeros_are_named() {
+    let row = |k: u32| format!("{k},0.5{}", "0".repeat(30));
+    let rows: Vec<String> = (0..5).map(row).collect();
+    let table = format!("t,swing_velocity\n{}\n", rows.join("\n"));
+    let zeros = "\0".repeat(200_000);
+    let read = |text: &str| {
+        let (_dir, path) = file(text.as_bytes());
+        let samples = open::<ExcavatorSensors>(&path, None)?;
+        let rows = samples.rows()?.count();
+        samples.check()?;
+        Ok::<_, Error>((rows, samples.lacks().cut_off.unwrap_or_default()))
+    };
+    for (end, name) in [
+        ("\u{85}", "NEL (U+0085)"),
+        ("\u{2028}", "a line separator (U+2028)"),
+        ("\u{2029}", "(U+2029)"),
+        ("\u{b}", "a vertical tab"),
+        ("\u{1e}", "a record separator"),
+        ("\0", "a byte of zero"),
+    ] {
+        let all = table.replace('\n', end);
+        let first = table.replacen('\n', end, 1);
+        let one = table.replacen("\n2", &format!("{end}2"), 1);
+        for (text, line) in [(all, ":1"), (first, ":1"), (one, ":3")] {
+            let error = read(&text).expect_err(name);
+            assert!(error.what.contains(name), "{error}");
+            assert!(error.place.ends_with(line), "{text:?}: {error}");
+            assert!(error.remedy.contains("(LF)"), "{error}");
+        }
+    }
+    for padded in [
+        format!("{table}\0"),
+        format!("{table}{zeros}"),
+        format!("{table}{zeros}\n{zeros}\n\n"),
+    ] {
+        let (count, said) = read(&padded).expect("rows");
+        assert_eq!(count, 5);
+        assert!(said.contains("data.csv:7: the file ends in bytes of zero"));
+    }
+    for (text, what, place) in [
+        (zeros.clone(), "instead of data", "data.csv"),
+        (format!("{zeros}{table}"), "instead of data", "data.csv"),
+        (format!("\0\0\0\0{table}"), "bytes that are no text", ":1"),
+        (
+            table.replace('\n', "\0\0\0\n"),
+            "among the text",
+            "data.csv",
+        ),
+        (
+            format!("t,swing_velocity\n{zeros}"),
+            "instead of rows",
+            ":2",
+        ),
+        (format!("{table}{zeros}\n{table}"), "instead of rows", ":7"),
+        (format!("{table}{zeros}9,0.5\n"), "instead of rows", ":7"),
+        (
+            format!("{table}\0\09,0.5\n"),
+            "is no number",
+            ":7, column t",
+        ),
+    ] {
+        let error = read(&text).expect_err(what);
+        assert!(error.what.contains(what), "{error}");
+        assert!(error.place.ends_with(place), "{error}");
+    }
+}
+
+#[test]
+fn a_row_longer_than_any_is_named_with_its_line() {
+    let wide = format!("t,swing_velocity\n0,1\n1,1{}\n", ",0".repeat(3_000_000));
+    let error = excavator(&wide).expect_err("too long");
+    assert!(error.what.contains("a row is longer than 4 MB"), "{error}");
+    assert!(error.place.ends_with(":3"), "{error}");
+    assert!(error.remedy.contains("leave out columns"), "{error}");
 }
 
 #[test]
@@ -404,7 +481,7 @@ fn an_unfinished_output_leaves_nothing_behind_and_an_unwritable_one_is_an_error(
         assert!(
             written
                 .and_then(|()| full.finish())
-                .is_err_and(|e| e.is_disk_full())
+                .is_err_and(|e| e.remedy.contains("make room"))
         );
     }
 }

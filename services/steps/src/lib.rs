@@ -12,6 +12,7 @@
 //! | `pipeline` | the machine's processes: its rows of the table in [`stages`] |
 
 mod bits;
+pub mod chain;
 mod error;
 pub mod excavator;
 mod idle;

@@ -277,12 +277,12 @@ impl Pipeline {
     }
 
     /// Rows that a sample passes up to the output of a stage, that stage last.
-    pub fn way_to(&self, stage: &'static Stage) -> Vec<&'static dyn Row> {
+    pub fn path_to(&self, stage: &'static Stage) -> Vec<&'static dyn Row> {
         let Some(row) = stage.row() else {
             return Vec::new();
         };
         let writer = self.writer(row.input());
-        let mut path = writer.map_or_else(Vec::new, |writer| self.way_to(writer));
+        let mut path = writer.map_or_else(Vec::new, |writer| self.path_to(writer));
         path.push(row);
         path
     }

@@ -155,11 +155,15 @@ fn a_method_goes_to_the_process_that_offers_it_and_the_others_keep_their_own() {
 }
 
 #[test]
-fn a_sample_passes_the_filter_on_its_way_to_the_regression_only() {
+fn a_sample_passes_the_filter_on_its_path_to_the_regression_only() {
     let pipeline = Pipeline::of(Machine::Excavator);
     let hops = |process| -> Vec<Hop> {
         let stage = pipeline.stage(process).expect("a process");
-        pipeline.way_to(stage).iter().map(|row| row.hop()).collect()
+        pipeline
+            .path_to(stage)
+            .iter()
+            .map(|row| row.hop())
+            .collect()
     };
     assert_eq!(hops("rls"), [Hop::Filter, Hop::Estimate]);
     assert_eq!(hops("ukf"), [Hop::Estimate]);

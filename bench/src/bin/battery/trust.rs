@@ -9,11 +9,12 @@
 use std::fmt;
 
 use config::Description;
-use messages::{Envelope, Machine, Message, Value};
+use messages::{Machine, Message, Value};
 use recording::Sensors;
 use runtime::Source;
 use sheet::Quantity;
 use statistics::judge::{FAR, is_covered, is_wrong};
+use steps::chain::{chain, last_answer};
 use steps::stages::Pipeline;
 use view::estimate::{Estimate, Parameter};
 
@@ -388,17 +389,8 @@ impl Cell {
         }
         let mut description = Description::default_of(self.machine);
         description.set_all(stated).map_err(|e| e.to_string())?;
-        let pipeline = Pipeline::of(self.machine);
-        let stage = pipeline.with_method(self.method).ok_or("no such method")?;
-        let mut chain = Vec::new();
-        for row in pipeline.way_to(stage) {
-            let method = if row.methods().contains(&self.method) {
-                self.method
-            } else {
-                ""
-            };
-            chain.push(row.start(&description, method).map_err(|e| e.to_string())?);
-        }
+        let chain = chain(&description, self.method);
+        let mut chain = chain.map_err(|e| e.to_string())?;
         let parameter =
             |q: &'static Quantity| Some((q, E::PARAMETERS.iter().find(|p| p.key == q.name)?));
         let judged: Vec<_> = judged(self.machine).filter_map(parameter).collect();
@@ -407,10 +399,8 @@ impl Cell {
         let full = loads.fold(0.0, f64::max);
         let mut shares = vec![Share::default(); judged.len()];
         for (sample, truth) in &series {
-            let mut message: Envelope = sample.envelope();
-            for step in &mut chain {
-                message = step.answer(&message).ok_or("a step of another message")?;
-            }
+            let message = last_answer(&mut chain, sample.envelope());
+            let message = message.ok_or("a step of another message")?;
             if sample.stamp().time >= from {
                 let estimate = E::inside(&message).ok_or("no estimate of this machine")?;
                 for (share, (quantity, parameter)) in shares.iter_mut().zip(&judged) {

@@ -7,10 +7,10 @@ use estimation::Quantity;
 
 use super::drive::Drive;
 use super::guess::Guess;
-use super::known::{MASS_STD, described, mark, parameters, way_scatter};
+use super::known::{MASS_STD, described, mark, parameters, path_scatter};
+use super::out_and_back::OutAndBack;
 use super::residuals;
 use super::role::{Role, StatedLoad};
-use super::way::Way;
 use crate::model::{Innovation, Model};
 use crate::parameter::Parameter;
 
@@ -37,7 +37,7 @@ pub struct Drives {
     /// The parameters.
     pub parameters: Vec<Parameter>,
     /// The paths that were driven out and back.
-    pub ways: Vec<Way>,
+    pub paths: Vec<OutAndBack>,
     /// Stretches, followed by sections of paths.
     blocks: Vec<Block>,
     /// Values that no parameter changes.
@@ -67,7 +67,7 @@ impl Drives {
             loads,
             roles,
             parameters,
-            ways: Vec::new(),
+            paths: Vec::new(),
             blocks,
             fixed: described(d),
         }
@@ -95,22 +95,22 @@ impl Drives {
     ///
     /// # Errors
     /// Explains why they are not the same path out and back.
-    pub fn join(&mut self, recordings: [usize; 2], values: &[f64]) -> Result<&Way, String> {
+    pub fn join(&mut self, recordings: [usize; 2], values: &[f64]) -> Result<&OutAndBack, String> {
         let guess = self.guess(recordings[0], values);
-        let way = Way::new(&self.drives, recordings, &guess)?;
-        let number = self.ways.len();
-        let sections = 0..way.sections.len();
+        let path = OutAndBack::new(&self.drives, recordings, &guess)?;
+        let number = self.paths.len();
+        let sections = 0..path.sections.len();
         self.blocks
             .extend(sections.map(|k| Block::Section(number, k)));
-        if self.index(Role::WayScatter).is_none() {
-            self.roles.push(Role::WayScatter);
-            self.parameters.push(way_scatter());
+        if self.index(Role::PathScatter).is_none() {
+            self.roles.push(Role::PathScatter);
+            self.parameters.push(path_scatter());
         }
         let [there, back] = recordings.map(|r| self.drives[r].name.as_str());
         self.parameters.push(mark(there, back));
         self.roles.push(Role::Mark(number));
-        self.ways.push(way);
-        Ok(&self.ways[number])
+        self.paths.push(path);
+        Ok(&self.paths[number])
     }
 
     /// Sum of the axle torques that would lift the described machine vertically [N m].
@@ -159,7 +159,7 @@ impl Drives {
                 Role::SpeedScatter => g.scatter.speed = value,
                 Role::ForceScatter => g.scatter.force = value,
                 Role::MotionScatter => g.scatter.motion = value,
-                Role::WayScatter => g.scatter.way = value,
+                Role::PathScatter => g.scatter.path = value,
                 Role::Mass(l) if *l == load => g.mass = value,
                 Role::Ratio(l) if *l == load => g.ratio = value,
                 Role::Height(l) if *l == load => g.height = value,
@@ -190,18 +190,18 @@ impl Model for Drives {
     fn recording(&self, block: usize) -> usize {
         match self.blocks[block] {
             Block::Stretch(recording, _) => recording,
-            Block::Section(way, _) => self.ways[way].recordings[0],
+            Block::Section(path, _) => self.paths[path].recordings[0],
         }
     }
 
     fn acts(&self, parameter: usize, block: usize) -> bool {
         let role = self.roles[parameter];
         match self.blocks[block] {
-            Block::Section(way, _) => role.is_of_slope() || role == Role::Mark(way),
+            Block::Section(path, _) => role.is_of_slope() || role == Role::Mark(path),
             Block::Stretch(recording, _) => {
                 let load = self.load_of[recording];
-                let of_way = matches!(role, Role::WayScatter | Role::Mark(_));
-                !of_way && role.load().is_none_or(|l| l == load || l == 0)
+                let of_path = matches!(role, Role::PathScatter | Role::Mark(_));
+                !of_path && role.load().is_none_or(|l| l == load || l == 0)
             }
         }
     }
@@ -213,11 +213,11 @@ impl Model for Drives {
                 let guess = self.guess(recording, values);
                 residuals::residuals(drive, &drive.blocks[number], &guess, out);
             }
-            Block::Section(way, number) => {
-                let ahead = self.index(Role::Mark(way)).map_or(0.0, |i| values[i]);
-                let way = &self.ways[way];
-                let guesses = way.recordings.map(|r| self.guess(r, values));
-                out.push(way.residual(&self.drives, number, &guesses, ahead));
+            Block::Section(path, number) => {
+                let ahead = self.index(Role::Mark(path)).map_or(0.0, |i| values[i]);
+                let path = &self.paths[path];
+                let guesses = path.recordings.map(|r| self.guess(r, values));
+                out.push(path.residual(&self.drives, number, &guesses, ahead));
             }
         }
     }

@@ -88,5 +88,5 @@ pub struct Scatter {
     /// Between the change of the wheels' speed from window to window and the specific force along the slope [m/s].
     pub motion: f64,
     /// Between the slopes of a section out and back [rad].
-    pub way: f64,
+    pub path: f64,
 }

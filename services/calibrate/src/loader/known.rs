@@ -31,7 +31,7 @@ const SCATTER: Scatter = Scatter {
     speed: 3e-3,
     force: 0.01,
     motion: 5e-3,
-    way: 1e-3,
+    path: 1e-3,
 };
 
 /// Values that no recording changes, and initial values of the others.
@@ -69,12 +69,12 @@ pub fn described(d: &Description) -> Guess {
 }
 
 /// Scatter of the slopes out and back.
-pub fn way_scatter() -> Parameter {
+pub fn path_scatter() -> Parameter {
     Parameter::noise(
         "scatter of the way",
         "the scatter of the slopes out and back",
         "rad",
-        SCATTER.way,
+        SCATTER.path,
         SCATTER_STD,
     )
 }

@@ -35,7 +35,7 @@ pub fn guess() -> Guess {
             speed: 4e-3,
             force: 0.01,
             motion: 5e-3,
-            way: 1e-3,
+            path: 1e-3,
         },
     }
 }

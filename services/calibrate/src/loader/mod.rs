@@ -12,12 +12,12 @@ mod lift_tests;
 #[cfg(test)]
 mod made;
 mod noise;
+mod out_and_back;
 mod residuals;
 mod result;
 mod role;
 #[cfg(test)]
 mod tests;
-mod way;
 mod wheels;
 mod words;
 
@@ -63,7 +63,7 @@ pub struct Options<'a> {
     /// Axle weights of the described machine.
     pub weighed: StatedLoad,
     /// Pairs of recordings of the same path, out and back with the machine turned round.
-    pub ways: &'a [[usize; 2]],
+    pub out_and_back: &'a [[usize; 2]],
     /// Whether profiles of the likelihood are computed; they take as long as the rest.
     pub slices: bool,
     /// Keys to identify; `None`: the usual ones.
@@ -80,7 +80,7 @@ impl<'a> Options<'a> {
         Self {
             description,
             weighed: StatedLoad::default(),
-            ways: &[],
+            out_and_back: &[],
             slices: false,
             free: None,
             stop: &UNSTOPPED,
@@ -194,39 +194,50 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
             .collect(),
     };
     if outcome.faults.is_empty() && !numbers.is_empty() {
-        let driven = |way: &[usize; 2]| {
+        let driven = |pair: &[usize; 2]| {
             let at = |file: usize| numbers.iter().position(|i| *i == file);
-            Some([at(way[0])?, at(way[1])?])
+            Some([at(pair[0])?, at(pair[1])?])
         };
-        let ways: Vec<[usize; 2]> = options.ways.iter().filter_map(driven).collect();
+        let pairs: Vec<[usize; 2]> = options.out_and_back.iter().filter_map(driven).collect();
         find(
             &mut outcome,
             &Options {
-                ways: &ways,
+                out_and_back: &pairs,
                 ..*options
             },
         );
     }
-    let mut linked = Pen::new(options.description.clone());
-    if let Some(turn) = outcome.turn {
-        lift::write_turn(turn, &mut linked);
-    }
     // Not where only some keys are requested.
-    if options.free.is_none()
-        && let Some(learnt) = lift::learn(&linked.description, inputs)
-    {
-        let words = learnt.as_ref().map_or_else(String::clone, lift::words);
-        if numbers.is_empty() && learnt.is_err() {
-            outcome.faults.push(words);
-        } else {
-            outcome.remarks.push(words);
-        }
-        outcome.lift = learnt.ok();
+    if options.free.is_none() {
+        learn_lift(
+            &mut outcome,
+            options.description,
+            inputs,
+            numbers.is_empty(),
+        );
     }
     if numbers.is_empty() && outcome.lift.is_some() {
         outcome.remarks.push(words::ONLY_LIFTS.into());
     }
     Ok(outcome)
+}
+
+/// The parameters of the lift cylinders; that they cannot be found is a fault where nothing else is calibrated.
+fn learn_lift(outcome: &mut Outcome, description: &Description, inputs: &[Input], is_all: bool) {
+    let mut linked = Pen::new(description.clone());
+    if let Some(turn) = outcome.turn {
+        lift::write_turn(turn, &mut linked);
+    }
+    let Some(learnt) = lift::learn(&linked.description, inputs) else {
+        return;
+    };
+    let words = learnt.as_ref().map_or_else(String::clone, lift::words);
+    if is_all && learnt.is_err() {
+        outcome.faults.push(words);
+    } else {
+        outcome.remarks.push(words);
+    }
+    outcome.lift = learnt.ok();
 }
 
 /// Parameters that are held: those that are not requested, except the noises. A free nuisance parameter would absorb errors of
@@ -269,16 +280,16 @@ fn whole<'a>(
 }
 
 /// Matches the stated paths, and adds remarks on the result; returns whether there is one.
-fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
+fn join(outcome: &mut Outcome, place: &[f64], pairs: &[[usize; 2]]) -> bool {
     let drives = &mut outcome.drives;
     let values = values(drives, place);
-    for &recordings in ways {
+    for &recordings in pairs {
         let [there, back] = recordings.map(|r| drives.drives[r].name.clone());
         outcome.remarks.push(match drives.join(recordings, &values) {
-            Ok(way) => format!(
+            Ok(path) => format!(
                 "{there} and {back} go the same way: over {:.0} m their slopes mirror each other (correlation {:.2})",
-                way.length(),
-                way.correlation
+                path.length(),
+                path.correlation
             ),
             Err(why) => format!(
                 "{there} and {back} were stated as an out-and-back run, but are not used as such: {why}"
@@ -286,7 +297,7 @@ fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
         });
     }
     outcome.fixed.resize(drives.roles.len(), false);
-    !drives.ways.is_empty()
+    !drives.paths.is_empty()
 }
 
 /// Texts about undetermined directions: those that matter, and the others.
@@ -317,7 +328,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
     let begin: Vec<f64> = drives.roles.iter().map(large).collect();
     let first = whole(drives, &all(drives), &outcome.fixed, options).run(&begin);
     // The sensitivity of the slope sensor must be known before its slopes are compared.
-    let joined = join(outcome, &first.place, options.ways);
+    let joined = join(outcome, &first.place, options.out_and_back);
     let drives = &outcome.drives;
     let all = all(drives);
     let task = whole(drives, &all, &outcome.fixed, options);

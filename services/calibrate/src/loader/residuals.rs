@@ -16,7 +16,7 @@
 //! | change of u from second to second - integral of a - g sin th | z - g b, delay of the slope sensor, its sensitivity to acceleration |
 //!
 //! Driving forward alone therefore leaves one sum of the zeros z and b and of the rolling resistance c undetermined. It retains the
-//! width of their priors, unless the machine also drives in reverse, or the same path out and back ([`super::way`]).
+//! width of their priors, unless the machine also drives in reverse, or the same path out and back ([`super::out_and_back`]).
 //!
 //! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps turn all of it into noise of a few hertz. A filter
 //! that treats every row as white noise around this model is overconfident in wrong values. Means of all signals over half a second

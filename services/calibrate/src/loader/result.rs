@@ -111,7 +111,7 @@ impl Outcome {
             | Role::SpeedScatter
             | Role::ForceScatter
             | Role::MotionScatter
-            | Role::WayScatter
+            | Role::PathScatter
             | Role::Mark(_)
             | Role::Reach(_)
             | Role::Lift(_) => return,

@@ -49,7 +49,7 @@ pub enum Role {
     /// Scatter of the motion.
     MotionScatter,
     /// Scatter of the slopes out and back.
-    WayScatter,
+    PathScatter,
     /// Remaining offset between the marks of a path.
     Mark(usize),
     /// Mass with a load.
@@ -79,19 +79,19 @@ impl Role {
 
     /// Whether it is a noise.
     pub fn is_noise(self) -> bool {
-        use Role::{ForceScatter, MotionScatter, SpeedScatter, WayScatter, WheelScatter};
+        use Role::{ForceScatter, MotionScatter, PathScatter, SpeedScatter, WheelScatter};
         matches!(
             self,
-            WheelScatter | SpeedScatter | ForceScatter | MotionScatter | WayScatter
+            WheelScatter | SpeedScatter | ForceScatter | MotionScatter | PathScatter
         )
     }
 
     /// Whether it acts on the slope residuals of a path.
     pub(super) fn is_of_slope(self) -> bool {
-        use Role::{AccelerationOffset, SlopeBias, SlopeDelay, SlopeFollows, WayScatter};
+        use Role::{AccelerationOffset, PathScatter, SlopeBias, SlopeDelay, SlopeFollows};
         matches!(
             self,
-            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | WayScatter
+            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | PathScatter
         )
     }
 

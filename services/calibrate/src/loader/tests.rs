@@ -171,11 +171,11 @@ fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
     ]
 }
 
-fn run_with_way(inputs: &[Input]) -> Outcome {
+fn run_out_and_back(inputs: &[Input]) -> Outcome {
     let description = Description::default();
     let options = Options {
         weighed: SCALES,
-        ways: &[[0, 1]],
+        out_and_back: &[[0, 1]],
         ..Options::of(&description)
     };
     calibrate(inputs, &options).expect("keys")
@@ -211,7 +211,7 @@ fn driving_forward_alone_leaves_the_zeros_open_and_reports_it() {
 #[test]
 fn the_same_path_out_and_back_determines_the_zeros() {
     let g = askew();
-    let outcome = run_with_way(&there_and_back(g, Some(181.0)));
+    let outcome = run_out_and_back(&there_and_back(g, Some(181.0)));
     let [slope, acceleration, rolling] = zeros(&outcome, &g);
     assert!(slope < 3e-4 && acceleration < 3e-3 && rolling < 3e-4);
     let said = outcome.remarks.join("\n");
@@ -244,7 +244,7 @@ fn driving_in_reverse_determines_the_zeros_too() {
     let g = askew();
     let mut inputs = there_and_back(g, None);
     inputs[1].samples = made::reversed(&g, 0.0, 8);
-    let outcome = run_with_way(&inputs);
+    let outcome = run_out_and_back(&inputs);
     let [slope, acceleration, rolling] = zeros(&outcome, &g);
     assert!(slope < 3e-4 && acceleration < 3e-3 && rolling < 3e-4);
     let said = outcome.remarks.join("\n");
@@ -263,7 +263,7 @@ fn another_path_stated_as_the_same_is_not_used() {
         (there_and_back(g, Some(500.0)), "do not mirror each other"),
         (short, "back 9"),
     ] {
-        let outcome = run_with_way(&inputs);
+        let outcome = run_out_and_back(&inputs);
         let said = outcome.remarks.join("\n");
         assert!(said.contains(why), "{said}");
         let [slope, ..] = zeros(&outcome, &g);

@@ -139,7 +139,7 @@ fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
         &inputs,
         &calibration::Options {
             weighed: weighed(&machine, &mut noise)?,
-            ways: &[[0, 1]],
+            out_and_back: &[[0, 1]],
             ..calibration::Options::of(&before)
         },
     )

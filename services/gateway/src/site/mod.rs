@@ -63,12 +63,12 @@ pub struct ServeArgs {
 }
 
 /// The channel that is read, and the channel of its estimates.
-struct Way {
+struct Channels {
     sensors: &'static Channel,
     estimate: &'static Channel,
 }
 
-impl Way {
+impl Channels {
     fn of(args: &ServeArgs) -> Result<Self, String> {
         let kinds = Machine::ALL.map(|m| m.name()).join(", ");
         let machine = Machine::from_name(&args.kind).ok_or_else(|| {
@@ -99,7 +99,7 @@ impl Way {
 /// # Errors
 /// An argument cannot be used, or `heft serve` ends by itself.
 pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let way = Way::of(args)?;
+    let channels = Channels::of(args)?;
     if MachineId::new(&args.site, "any").is_none() {
         let remedy = "use 1 to 64 letters, digits, dots, hyphens and underscores";
         return Err(error("this cannot name a site", "--site", remedy).into());
@@ -115,17 +115,20 @@ pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), Failure> {
         error(what, &args.link.connect, "please report this")
     };
     let (batches, waiting) = sync_channel(QUEUE);
-    let intake = Arc::new(Intake::new(way.sensors, batches));
-    let key = format!("{ROOT}/{}/*/sample/{}", args.site, way.sensors.name);
+    let intake = Arc::new(Intake::new(channels.sensors, batches));
+    let key = format!("{ROOT}/{}/*/sample/{}", args.site, channels.sensors.name);
     let its = Arc::clone(&intake);
     let subscriber = session.declare_subscriber(key);
     let subscriber = subscriber.callback(move |sample| its.batch(&sample)).wait();
     let subscriber = subscriber.map_err(failed)?;
     let writer = std::thread::spawn(move || child::feed(input, &waiting));
-    let (stream, kept) = (answers::stream(way.estimate), Arc::new(Kept::default()));
+    let (stream, kept) = (
+        answers::stream(channels.estimate),
+        Arc::new(Kept::default()),
+    );
     let questions = kept::declare(&session, &args.site, &stream, &kept).map_err(failed)?;
     let its = (Arc::clone(&intake), Arc::clone(&kept));
-    let answers = Answers::new(&session, &args.site, way.estimate, its.0, its.1);
+    let answers = Answers::new(&session, &args.site, channels.estimate, its.0, its.1);
     let reader = std::thread::spawn(move || answers.publish(output));
     let mut looked = Instant::now();
     while !stops() && !reader.is_finished() && !writer.is_finished() {

@@ -145,7 +145,7 @@ impl Machine {
 }
 
 /// The path of a program that cargo has built with the tests.
-fn beside(name: &str) -> PathBuf {
+pub fn beside(name: &str) -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_heft-gateway")).with_file_name(name)
 }
 

@@ -52,15 +52,6 @@ pub struct LoadsArgs {
     pub report: Option<PathBuf>,
 }
 
-/// A number above 0.
-pub fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
-    let number = number.ok_or_else(|| "this is no number".to_owned())?;
-    (number > 0.0)
-        .then_some(number)
-        .ok_or_else(|| "it is above 0".to_owned())
-}
-
 /// `heft loads`
 pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
     let inputs = many::inputs(&args.files, true)?;
@@ -192,6 +183,38 @@ const TRUTH_AT: usize = 5;
 
 fn print(account: &Account) {
     println!("{}", account.name);
+    if account.loads.is_empty() {
+        println!("no load");
+    } else {
+        print!("{}", table(account));
+    }
+    if let Some(load) = &account.carried {
+        println!(
+            "in the bucket at the end: {}",
+            loads::line(account.machine, load)
+        );
+    }
+    for truck in &account.trucks {
+        println!("{}", loads::truck_line(truck));
+    }
+    if let Some(covered) = account.covered_words() {
+        println!("{covered}");
+    }
+    let remarks = account.remarks().into_iter();
+    let remarks = remarks.filter(|_| !account.is_empty());
+    for sentence in account.doubts().into_iter().chain(remarks) {
+        for line in wrapped(&sentence, 79) {
+            println!("{line}");
+        }
+    }
+    // A sum of no loads has no interval.
+    if account.trucks.len() > 1 {
+        println!("all: {}", loads::total_words(&account.all));
+    }
+}
+
+/// One row a load.
+fn table(account: &Account) -> Table {
     let mut header = vec![
         "load",
         "filled",
@@ -236,34 +259,7 @@ fn print(account: &Account) {
         }
         table.row(cells);
     }
-    if account.loads.is_empty() {
-        println!("no load");
-    } else {
-        print!("{table}");
-    }
-    if let Some(load) = &account.carried {
-        println!(
-            "in the bucket at the end: {}",
-            loads::line(account.machine, load)
-        );
-    }
-    for truck in &account.trucks {
-        println!("{}", loads::truck_line(truck));
-    }
-    if let Some(covered) = account.covered_words() {
-        println!("{covered}");
-    }
-    let remarks = account.remarks().into_iter();
-    let remarks = remarks.filter(|_| !account.is_empty());
-    for sentence in account.doubts().into_iter().chain(remarks) {
-        for line in wrapped(&sentence, 79) {
-            println!("{line}");
-        }
-    }
-    // A sum of no loads has no interval.
-    if account.trucks.len() > 1 {
-        println!("all: {}", loads::total_words(&account.all));
-    }
+    table
 }
 
 fn check_outputs(args: &LoadsArgs, inputs: &[PathBuf]) -> Result<(), Failure> {

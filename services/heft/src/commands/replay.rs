@@ -36,7 +36,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         println!("{builds}");
     }
     let description = description(metadata, &args.file)?;
-    let (mut answers, mut identical, mut unknown, mut ahead) = (0, 0, 0, 0);
+    let mut all = Compared::default();
     for (stage, row) in Pipeline::of(description.machine()).rows() {
         let method = method(metadata, stage, &args.file)?;
         let text = metadata.get("description").map_or("", String::as_str);
@@ -61,46 +61,62 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         if result.answers > 0 {
             println!("{}", line(row.output().name, &result));
         }
-        answers += result.answers;
-        identical += result.identical;
-        unknown += result.unknown;
-        ahead += result.ahead;
+        all.add(&result);
     }
-    if answers == 0 {
+    if all.answers == 0 {
         return Err(Failure::input(
             "this recording holds no estimates",
             args.file.display(),
             "replay a recording that `heft run` has made",
         ));
     }
-    println!("{identical} of {answers} estimates are bit-identical");
-    if unknown > 0 {
-        println!(
-            "{unknown} cannot be checked: the recording has a gap between them and the next state"
-        );
-    }
-    if ahead > 0 {
-        println!("{ahead} came before the logger had written their samples: the run goes on");
-    }
-    let different = answers - identical - unknown - ahead;
-    if args.verify && different > 0 {
-        return Err(Failure::answer_is_no(match other_build {
-            Some(builds) => format!(
-                "{different} estimates differ: {builds}\n  where: {}\n  what to do: replay it with the build that made it; another one may compute otherwise",
-                args.file.display()
-            ),
-            None => format!("{different} estimates differ, though the same build made them"),
-        }));
+    tell(&all);
+    if args.verify && all.different() > 0 {
+        return Err(differ(&all, other_build.as_deref(), &args.file));
     }
     parts::check_whole(&reader)?;
-    if args.verify && unknown > 0 {
+    if args.verify && all.unknown > 0 {
         return Err(Failure::answer_is_no(format!(
-            "{unknown} of {answers} estimates were not checked; all others are identical\n  where: {}\n  \
+            "{} of {} estimates were not checked; all others are identical\n  where: {}\n  \
              what to do: nothing, where a process was restarted or the recording has a gap; else look for its other parts",
+            all.unknown,
+            all.answers,
             args.file.display()
         )));
     }
     Ok(())
+}
+
+/// Prints the sums of all stages.
+fn tell(all: &Compared) {
+    let Compared {
+        answers,
+        identical,
+        unknown,
+        ahead,
+        ..
+    } = all;
+    println!("{identical} of {answers} estimates are bit-identical");
+    if *unknown > 0 {
+        println!(
+            "{unknown} cannot be checked: the recording has a gap between them and the next state"
+        );
+    }
+    if *ahead > 0 {
+        println!("{ahead} came before the logger had written their samples: the run goes on");
+    }
+}
+
+/// The failure of estimates that differ; `builds`: the builds, if another one made the recording.
+fn differ(all: &Compared, builds: Option<&str>, file: &Path) -> Failure {
+    let different = all.different();
+    Failure::answer_is_no(match builds {
+        Some(builds) => format!(
+            "{different} estimates differ: {builds}\n  where: {}\n  what to do: replay it with the build that made it; another one may compute otherwise",
+            file.display()
+        ),
+        None => format!("{different} estimates differ, though the same build made them"),
+    })
 }
 
 fn line(channel: &str, result: &Compared) -> String {

@@ -4,7 +4,7 @@ mod args;
 mod many;
 mod plan;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use messages::Machine;
 use runtime::{Domain, realtime};
@@ -164,19 +164,14 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if let End::Refused(error) = end {
         return Err(Failure::reported(error));
     }
-    let report = (!args.no_report)
-        .then(|| summary::report(&recording))
-        .flatten();
-    if let (Some(report), Some(group)) = (&report, group) {
-        group::share(report, group)?;
-    }
-    let headline = summary::Detail {
+    let report = report(args, &recording, group)?;
+    let detail = summary::Detail {
         is_story: args.live_lines,
         is_verbose: args.verbose,
     };
     print!(
         "{}",
-        summary::text(machine, &watch, &recording, report.as_deref(), headline)
+        summary::text(machine, &watch, &recording, report.as_deref(), detail)
     );
     if !args.live_lines {
         tell_loads(&loads);
@@ -185,6 +180,22 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         doubts.tell();
     }
     verdict(&end, &watch, args)
+}
+
+/// Makes the report, if it is wanted, and shares it with the group.
+fn report(
+    args: &RunArgs,
+    recording: &Path,
+    group: Option<u32>,
+) -> Result<Option<PathBuf>, Failure> {
+    if args.no_report {
+        return Ok(None);
+    }
+    let report = summary::report(recording);
+    if let (Some(report), Some(group)) = (&report, group) {
+        group::share(report, group)?;
+    }
+    Ok(report)
 }
 
 /// Prints the loads, if any, and the times in which none was weighed.

@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use messages::Machine;
+use steps::chain::{chain, method};
 
 use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_odd_keys};
 use crate::failure::Failure;
 use crate::serve::{Common, Form, Input, UntilSignal};
-use crate::way::{method, way};
 use crate::{machines, size, sources};
 
 /// Largest number of processes: more than any computer has processors, and a bound on a mistyped number.
@@ -58,7 +58,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         return (entry.serve_shard)(&description, method, args.every, form);
     }
     // The router reports errors of the method and the description, so that they appear once and not once per shard.
-    way(&description, method)?;
+    chain(&description, method)?;
     tell_odd_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
     let input = args.file.as_deref().unwrap_or(Path::new("-"));

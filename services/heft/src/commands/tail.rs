@@ -13,7 +13,6 @@ use recording::can::Outgoing;
 use runtime::Sink;
 
 use crate::attached::find;
-use crate::commands::loads::positive;
 use crate::failure::Failure;
 use crate::signals::Signals;
 
@@ -52,6 +51,15 @@ pub struct TailArgs {
     /// Name of the run (`--domain` of `heft run`); the only one there is if absent
     #[arg(long)]
     pub domain: Option<String>,
+}
+
+/// A number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
+    let number = number.ok_or_else(|| "this is no number".to_owned())?;
+    (number > 0.0)
+        .then_some(number)
+        .ok_or_else(|| "it is above 0".to_owned())
 }
 
 /// Writes each sample as it comes.

@@ -8,6 +8,7 @@ mod fits;
 mod ground;
 mod postures;
 mod speed;
+mod turned;
 
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, BufWriter, Write, stdin, stdout};
 
 use config::Description;
-use messages::{Envelope, Message};
+use messages::Message;
 use recording::csv::{Estimate, EstimateRows};
+use steps::chain::{Chain, chain, last_answer};
 
 use super::Form;
 use super::frames::{self, FAULT, GONE, ROW, SAMPLE, STATE};
 
 use crate::failure::Failure;
-use crate::way::{Way, way};
 
 /// Buffer for the state of a step \[bytes\]; the largest takes some 3000.
 const ROOM: usize = 1 << 16;
@@ -20,7 +20,7 @@ const ROOM: usize = 1 << 16;
 /// A machine in a shard.
 struct Member {
     /// Its steps; the last one makes the estimate.
-    way: Way,
+    chain: Chain,
     /// Time of its last row \[s\].
     reported: f64,
 }
@@ -109,7 +109,7 @@ impl<E: Estimate> Shard<'_, E> {
         match self.members.entry(number) {
             Entry::Occupied(member) => Ok(member.into_mut()),
             Entry::Vacant(place) => Ok(place.insert(Member {
-                way: way(self.description, self.method)?,
+                chain: chain(self.description, self.method)?,
                 reported: f64::NEG_INFINITY,
             })),
         }
@@ -124,14 +124,8 @@ impl<E: Estimate> Shard<'_, E> {
     ) -> Result<u32, Failure> {
         let (every, rows, form) = (self.every, self.rows, self.form);
         let member = self.member(number)?;
-        let mut message: Envelope = frames::unpack::<S>(sample).envelope();
-        for (_, step) in &mut member.way {
-            let Some(answer) = step.answer(&message) else {
-                return Ok(0);
-            };
-            message = answer;
-        }
-        let Some(estimate) = E::inside(&message) else {
+        let message = last_answer(&mut member.chain, frames::unpack::<S>(sample).envelope());
+        let Some(estimate) = message.as_ref().and_then(E::inside) else {
             return Ok(0);
         };
         let time = estimate.stamp().time;
@@ -164,8 +158,8 @@ impl<E: Estimate> Shard<'_, E> {
         for (number, member) in &self.members {
             bytes.extend(number.to_le_bytes());
             bytes.extend(member.reported.to_le_bytes());
-            bytes.extend((member.way.len() as u32).to_le_bytes());
-            for (_, step) in &member.way {
+            bytes.extend((member.chain.len() as u32).to_le_bytes());
+            for (_, step) in &member.chain {
                 let length = step.save(&mut room).unwrap_or(0);
                 bytes.extend((length as u32).to_le_bytes());
                 bytes.extend_from_slice(&room[..length]);
@@ -193,10 +187,10 @@ impl<E: Estimate> Shard<'_, E> {
             let steps = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
             let member = self.member(number)?;
             member.reported = reported;
-            if steps as usize != member.way.len() {
+            if steps as usize != member.chain.len() {
                 return Err(broken());
             }
-            for (_, step) in &mut member.way {
+            for (_, step) in &mut member.chain {
                 let length = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?) as usize;
                 let (state, rest) = bytes.split_at_checked(length).ok_or_else(broken)?;
                 bytes = rest;

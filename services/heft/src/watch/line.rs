@@ -107,7 +107,7 @@ impl Watch {
     /// Time, quantities, losses, latency, as far as `width` goes: a line that wraps
     /// cannot be drawn again in place.
     fn line(&self, width: usize) -> String {
-        let time = self.headline().next().map_or(0.0, |s| s.time);
+        let time = self.headline().next().map_or(0.0, |s| s.latest.time);
         let mut parts = vec![format!("{time:5.1} s")];
         parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
         parts.extend(self.headline().map(Tally::short));

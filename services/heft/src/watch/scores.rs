@@ -6,7 +6,7 @@ use messages::channels::Channel;
 use messages::{Envelope, Message};
 
 use crate::quantity;
-use crate::tally::Tally;
+use crate::tally::{Scored, Tally};
 
 /// Number of truths stored until their estimates come.
 const TRUTHS: usize = 2048;
@@ -48,13 +48,18 @@ impl Scores {
             };
             let truth = self.truth(message.stamp().sequence);
             let truth = truth.and_then(|truth| quantity.truth(truth));
-            let trusted = message.bits_of("flags") & quantity.row.trusted != 0;
             let at = self.tallies.iter().position(|t| t.quantity == quantity);
             let at = at.unwrap_or_else(|| {
                 self.tallies.push(Tally::new(quantity));
                 self.tallies.len() - 1
             });
-            self.tallies[at].add(message.stamp().time, value, std, trusted, truth);
+            self.tallies[at].add(Scored {
+                time: message.stamp().time,
+                value,
+                std,
+                trusted: message.bits_of("flags") & quantity.row.trusted != 0,
+                truth,
+            });
         }
     }
 }

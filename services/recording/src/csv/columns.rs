@@ -23,15 +23,11 @@ const HOLD: f64 = 1.0;
 #[derive(Debug)]
 pub(crate) struct Columns<S: Sensors> {
     header: Vec<String>,
-    dialect: Dialect,
+    numbers: Numbers,
     lines: Vec<Line>,
     builder: Builder<S>,
     values: Vec<f64>,
     rows: u64,
-    /// Decimal marks, by column.
-    marks: Vec<Marks>,
-    dates: Dates,
-    counter: Counter,
     sampler: Option<Sampler>,
     /// The column that names the machine of each row, as in a table of many machines, and its first name.
     machine: Option<usize>,
@@ -61,6 +57,40 @@ struct Line {
     is_silent: bool,
 }
 
+/// Reads the cells of all rows as numbers.
+#[derive(Debug)]
+struct Numbers {
+    dialect: Dialect,
+    /// Decimal marks, by column.
+    marks: Vec<Marks>,
+    dates: Dates,
+    counter: Counter,
+}
+
+impl Numbers {
+    /// The number in a cell of column `at` for this signal: converted, but for identifiers and dates. None for any other text.
+    fn of(&mut self, cell: &[u8], at: usize, conversion: &Conversion, line: &Line) -> Option<f64> {
+        let number = self.dialect.number(cell);
+        if let Some(x) = number.filter(|_| !(line.is_time && time::is_compact(cell))) {
+            self.marks[at].see(cell);
+            let is_counter = line.is_time && line.parts.len() == 1;
+            let x = if is_counter { self.counter.count(x) } else { x };
+            return Some(conversion.apply(x));
+        }
+        if number.is_none()
+            && line.is_switch
+            && let Some(state) = switched(cell)
+        {
+            return Some(conversion.apply(state));
+        }
+        if number.is_none() && line.is_label && !cell.contains(&0) {
+            return Some(labelled(cell));
+        }
+        let text = std::str::from_utf8(cell).ok().filter(|_| line.is_time)?;
+        self.dates.seconds(text.trim_start_matches('\u{feff}'))
+    }
+}
+
 /// A term of a signal.
 #[derive(Debug)]
 enum Part {
@@ -77,7 +107,7 @@ enum Part {
 const END_OF_DOS: &[u8] = b"\x1a";
 
 /// Remedy for a file with zeros: a loss of power leaves blocks of them.
-const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
+pub(crate) const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
 
 /// A cell that contains text instead of a number.
 #[derive(Debug)]
@@ -97,7 +127,10 @@ pub(crate) struct NoNumber {
 impl NoNumber {
     /// The text in a cell of this column.
     pub(super) fn of(cell: &[u8], column: &str, header: &[String], is_time: bool) -> Self {
-        let text = dialect::text(cell);
+        let mut text: Vec<char> = dialect::text(cell).chars().collect();
+        // A block of zeros is shown as one.
+        text.dedup_by(|b, a| (*b, *a) == ('\0', '\0'));
+        let text: String = text.into_iter().collect();
         let name = text.trim_start_matches('\u{feff}');
         Self {
             is_header: header.iter().any(|column| column == name),
@@ -253,15 +286,17 @@ impl<S: Sensors> Columns<S> {
         Ok(Self {
             machine: machine.filter(|at| !is_used(at)),
             named: Vec::new(),
-            marks: vec![Marks::default(); header.len()],
+            numbers: Numbers {
+                dialect,
+                marks: vec![Marks::default(); header.len()],
+                dates: Dates::default(),
+                counter: Counter::default(),
+            },
             header,
-            dialect,
             builder: Builder::new(used),
             values: vec![0.0; lines.len()],
             rows: 0,
             lines,
-            dates: Dates::default(),
-            counter: Counter::default(),
             sampler: is_timed.then(|| Sampler::new(&timings)),
         })
     }
@@ -277,7 +312,9 @@ impl<S: Sensors> Columns<S> {
     /// # Errors
     /// A group had none in any row, or the marks are ambiguous.
     pub(crate) fn check_values(&self, file: &str) -> Result<(), Error> {
-        if let Some((at, mark)) = marks::unclear(&self.marks, self.dialect.separator) {
+        if let Some((at, mark)) =
+            marks::unclear(&self.numbers.marks, self.numbers.dialect.separator)
+        {
             let column = &self.header[at];
             return Err(Error::new(
                 format!(
@@ -334,9 +371,20 @@ impl<S: Sensors> Columns<S> {
             || self.is_comment(record)
     }
 
+    /// Whether a line is a block of zeros.
+    pub(crate) fn is_hole(record: &Record) -> bool {
+        let mut bytes = record.iter().flatten().peekable();
+        bytes.peek().is_some() && bytes.all(|b| *b == 0)
+    }
+
     /// Whether a line is a comment: another number of cells than the header, or no number.
     fn is_comment(&self, record: &Record) -> bool {
-        let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(f64::is_finite);
+        let is_number = |cell: &[u8]| {
+            self.numbers
+                .dialect
+                .number(cell)
+                .is_some_and(f64::is_finite)
+        };
         let is_marked = record.get(0).is_some_and(|cell| comment(cell).is_some());
         is_marked && (record.len() != self.header.len() || !record.iter().any(is_number))
     }
@@ -362,10 +410,17 @@ impl<S: Sensors> Columns<S> {
         if !has_more && !self.is_short(record) {
             return self.another_machine(record);
         }
-        let separator = char::from(self.dialect.separator).escape_default();
+        let dialect = self.numbers.dialect;
+        let separator = char::from(dialect.separator).escape_default();
+        let s = if cells == 1 { "" } else { "s" };
         let what =
-            format!("the row has {cells} cells, the header {width}, separated by '{separator}'");
-        let remedy = match (record.iter().any(|cell| cell.contains(&0)), self.dialect) {
+            format!("the row has {cells} cell{s}, the header {width}, separated by '{separator}'");
+        let mut ends = record.iter();
+        if let Some(end) = ends.find_map(|cell| dialect.other_line_end(cell)) {
+            let what = format!("{what}: it goes on behind {end}, which ends no line here");
+            return Some((what, dialect::LINE_ENDS));
+        }
+        let remedy = match (record.iter().any(|cell| cell.contains(&0)), dialect) {
             (true, _) => ZEROS,
             (_, Dialect { separator: b',' }) if has_more => {
                 "complete or delete the row, and name every column; where commas are decimal marks, separate the columns by ;"
@@ -405,39 +460,18 @@ impl<S: Sensors> Columns<S> {
         for (line, value) in self.lines.iter_mut().zip(&mut self.values) {
             let mut sum = None;
             for part in &line.parts {
-                let x =
-                    match part {
-                        Part::Constant(value) => *value,
-                        Part::Row(conversion) => conversion.apply(self.rows as f64),
-                        Part::Cell { at, conversion } => {
-                            let cell = record.get(*at).unwrap_or_default();
-                            match self.dialect.number(cell) {
-                                Some(x) if !(line.is_time && time::is_compact(cell)) => {
-                                    self.marks[*at].see(cell);
-                                    let x = match line.is_time && line.parts.len() == 1 {
-                                        true => self.counter.count(x),
-                                        false => x,
-                                    };
-                                    conversion.apply(x)
-                                }
-                                None if line.is_switch && switched(cell).is_some() => {
-                                    conversion.apply(switched(cell).unwrap_or(f64::NAN))
-                                }
-                                None if line.is_label && !cell.contains(&0) => labelled(cell),
-                                _ => {
-                                    let text = std::str::from_utf8(cell).ok();
-                                    let text = text.map(|text| text.trim_start_matches('\u{feff}'));
-                                    let text = text.filter(|_| line.is_time);
-                                    let date = text.and_then(|text| self.dates.seconds(text));
-                                    date.ok_or_else(|| {
-                                        let header = &self.header;
-                                        NoNumber::of(cell, &header[*at], header, line.is_time)
-                                            .within(record, *at, header, self.dialect)
-                                    })?
-                                }
-                            }
-                        }
-                    };
+                let x = match part {
+                    Part::Constant(value) => *value,
+                    Part::Row(conversion) => conversion.apply(self.rows as f64),
+                    Part::Cell { at, conversion } => {
+                        let cell = record.get(*at).unwrap_or_default();
+                        let number = self.numbers.of(cell, *at, conversion, line);
+                        number.ok_or_else(|| {
+                            NoNumber::of(cell, &self.header[*at], &self.header, line.is_time)
+                                .within(record, *at, &self.header, self.numbers.dialect)
+                        })?
+                    }
+                };
                 if let Some(sampler) = &mut self.sampler {
                     sampler.values[sampled] = x;
                     sampled += 1;

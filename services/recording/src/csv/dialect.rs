@@ -7,6 +7,21 @@ pub(crate) struct Dialect {
     pub separator: u8,
 }
 
+/// Characters that end lines for other programs, and their names.
+const OTHER_LINE_ENDS: [(char, &str); 7] = [
+    ('\u{85}', "NEL (U+0085)"),
+    ('\u{2028}', "a line separator (U+2028)"),
+    ('\u{2029}', "a paragraph separator (U+2029)"),
+    ('\u{b}', "a vertical tab (U+000B)"),
+    ('\u{c}', "a form feed (U+000C)"),
+    ('\u{1e}', "a record separator (U+001E)"),
+    ('\0', "a byte of zero"),
+];
+
+/// Remedy for them.
+pub(crate) const LINE_ENDS: &str =
+    "write the file with the line ends of Unix (LF) or of Windows (CR LF)";
+
 /// Blanks, one or several, separate if no other character does.
 pub(super) const BLANK: u8 = b' ';
 
@@ -43,6 +58,20 @@ impl Dialect {
         let number = fast_float2::parse(cell).ok();
         let number = number.or_else(|| Self::as_typeset(std::str::from_utf8(cell).ok()?));
         number.or_else(|| is_missing(cell).then_some(f64::NAN))
+    }
+
+    /// Name of a character in this cell that ends lines for other programs: a number follows it, so that two lines are one here.
+    pub(crate) fn other_line_end(self, cell: &[u8]) -> Option<&'static str> {
+        // In Latin-1, U+0085 is an ellipsis of Windows.
+        let text = std::str::from_utf8(cell).ok()?;
+        let is_within = |(end, _): &&(char, _)| {
+            let number = text.rsplit_once(*end).map(|(_, number)| number.trim());
+            number.is_some_and(|n| self.number(n.as_bytes()).is_some_and(f64::is_finite))
+        };
+        OTHER_LINE_ENDS
+            .iter()
+            .find(is_within)
+            .map(|(_, name)| *name)
     }
 
     /// A number as sheets show it: a decimal comma, a minus sign instead of a hyphen, thousands grouped by thin blanks or
@@ -179,7 +208,7 @@ pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
     }
 }
 
-/// The name of a column, without invisible characters: byte order marks, marks of direction, soft hyphens.
+/// The name of a column, without invisible characters: byte order marks, marks of direction, soft hyphens, and zeros around it.
 pub(crate) fn name(bytes: &[u8]) -> String {
     let unseen = |c: char| {
         matches!(
@@ -187,7 +216,11 @@ pub(crate) fn name(bytes: &[u8]) -> String {
             '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{feff}'
         )
     };
-    text(bytes).replace(unseen, "").trim().to_owned()
+    let fills = |c: char| c == '\0' || c.is_whitespace();
+    text(bytes)
+        .replace(unseen, "")
+        .trim_matches(fills)
+        .to_owned()
 }
 
 /// A text that is UTF-8, or else Latin-1.

@@ -137,49 +137,9 @@ impl Front {
                         lines = self::lines(head, at + line.len() + preface);
                         continue;
                     }
-                    let mut below = lines.next();
-                    let units = match below.map(|(_, line)| kinds.take(line)) {
-                        Some(Line::Units(units)) => Some(units),
-                        _ => None,
-                    };
-                    let header = cells(line, dialect);
-                    let mut count = usize::from(units.is_some());
-                    let mut further = None;
-                    if units.is_some() {
-                        below = lines.next();
-                    }
-                    while count < MOST_BELOW
-                        && let Some((_, row)) = below
-                        && is_words(row, dialect, header.len())
-                    {
-                        further = further.or_else(|| several_units(&header, row, dialect));
-                        count += 1;
-                        below = lines.next();
-                    }
-                    let units = units.or(further);
-                    // With blanks as separators the names may contain them.
-                    let width = cells(line, dialect).len();
-                    let is_of = |width| below.is_none_or(|(_, row)| is_row(row, dialect, width));
-                    let is_within =
-                        dialect.separator == BLANK && !is_of(width) && !is_of(width + 1);
-                    let dialect = match is_within {
-                        true => Dialect { separator: b',' },
-                        false => dialect,
-                    };
                     let start = end_of(line.trim_ascii_start());
-                    let is_named = |row: &[u8]| {
-                        row.trim_ascii_start().starts_with(b"\"") && is_row(row, dialect, width + 1)
-                    };
-                    let over = |(_, line)| several_units(&header, line, dialect);
-                    return Some(Self {
-                        units: units
-                            .or_else(|| self::lines(&head[begin..at], 0).filter_map(over).last()),
-                        below: count,
-                        has_row_names: below.is_some_and(|(_, row)| is_named(row)),
-                        above: above(&head[begin..at], &header, dialect),
-                        start,
-                        dialect,
-                    });
+                    let around = [&head[begin..at], &head[at + line.len()..]];
+                    return Some(Self::around(start, line, dialect, around));
                 }
                 Line::FirstRow { dialect, .. } => {
                     return Some(Self {
@@ -195,6 +155,47 @@ impl Front {
             }
         }
         None
+    }
+
+    /// The header `line` that begins at `start`, between these lines above and below it.
+    fn around(start: usize, line: &[u8], dialect: Dialect, [over, under]: [&[u8]; 2]) -> Self {
+        let header = cells(line, dialect);
+        let mut rows = lines(under, 0).map(|(_, row)| row);
+        let mut below = rows.next();
+        let of_row = |row: &[u8]| units(&header, &cells(row, dialect), dialect);
+        let mut units = below.filter(|row| !is_rule(row)).and_then(of_row);
+        let mut count = usize::from(units.is_some());
+        if units.is_some() {
+            below = rows.next();
+        }
+        while count < MOST_BELOW
+            && let Some(row) = below
+            && is_words(row, dialect, header.len())
+        {
+            units = units.or_else(|| several_units(&header, row, dialect));
+            count += 1;
+            below = rows.next();
+        }
+        // With blanks as separators the names may contain them.
+        let width = header.len();
+        let is_of = |width| below.is_none_or(|row| is_row(row, dialect, width));
+        let is_within = dialect.separator == BLANK && !is_of(width) && !is_of(width + 1);
+        let dialect = match is_within {
+            true => Dialect { separator: b',' },
+            false => dialect,
+        };
+        let is_named = |row: &[u8]| {
+            row.trim_ascii_start().starts_with(b"\"") && is_row(row, dialect, width + 1)
+        };
+        let above_units = |(_, line)| several_units(&header, line, dialect);
+        Self {
+            start,
+            dialect,
+            units: units.or_else(|| lines(over, 0).filter_map(above_units).last()),
+            below: count,
+            above: above(over, &header, dialect),
+            has_row_names: below.is_some_and(is_named),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cells::Record;
+use super::columns::ZEROS;
 use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::Map;
@@ -17,17 +18,27 @@ pub(crate) fn header(
     dialect: Dialect,
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
+    if let Some(end) = record.iter().find_map(|cell| dialect.other_line_end(cell)) {
+        return Err(Error::new(
+            format!("the line of the names goes on behind {end}, which ends no line here"),
+            place(),
+            dialect::LINE_ENDS,
+        ));
+    }
     let header = unambiguous(record.iter().map(dialect::name).collect(), above);
     // Much of a program, or of UTF-16 text, is control characters; a single one in quotes is an unusual name.
     let is_strange = |b: &&u8| b.is_ascii_control() && !b.is_ascii_whitespace();
     let strange = record.iter().flatten().filter(is_strange);
     let length: usize = record.iter().map(<[u8]>::len).sum();
     if 10 * strange.count() > length {
-        return Err(Error::new(
-            "this is no table: it holds bytes that are no text",
-            place(),
-            "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)",
-        ));
+        let remedy = match record.iter().flatten().any(|b| *b == 0) {
+            true => ZEROS,
+            false => {
+                "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)"
+            }
+        };
+        let what = "this is no table: it holds bytes that are no text";
+        return Err(Error::new(what, place(), remedy));
     }
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
     if record.iter().all(is_number) {

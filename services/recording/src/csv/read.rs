@@ -2,8 +2,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::cells::Records;
-use super::columns::{Columns, NoNumber, absent, listed};
+use super::cells::{Records, TooLong};
+use super::columns::{Columns, NoNumber, ZEROS, absent, listed};
 use super::dialect::Dialect;
 use super::front::Front;
 use super::header::{check_units, header};
@@ -104,6 +104,9 @@ impl Table {
                 return Err(Error::new(what, file, "unpack it: gunzip FILE"));
             }
         }
+        if let Some((_, remedy)) = kind::of_tar(&head) {
+            return Err(Error::new("this is a packed tar archive", file, remedy));
+        }
         let Some(front) = Front::of(&head) else {
             let what = if head.trim_ascii().is_empty() {
                 "the file is empty"
@@ -175,7 +178,27 @@ impl Table {
 
     fn advance(&self, records: &mut Lines) -> Result<bool, Error> {
         let more = records.advance();
-        more.map_err(|e| Error::system("read the data", &self.path, &e))
+        more.map_err(|e| self.failed(&e, records.start()))
+    }
+
+    /// The error of a row that cannot be read.
+    fn failed(&self, error: &io::Error, start: u64) -> Error {
+        match error.get_ref() {
+            Some(e) if e.is::<TooLong>() => Error::new(
+                e.to_string(),
+                format!("{}:{}", self.file, self.line(start)),
+                "close the quote that opens in it, if one does; else leave out columns that are no signals",
+            ),
+            _ => Error::system("read the data", &self.path, error),
+        }
+    }
+
+    /// The error of a compressed file whose content differs from what was compressed: it explains a row that is no row.
+    fn damage(&self) -> Option<Error> {
+        let mut content = self.content(0).ok().filter(|_| self.is_packed)?;
+        let error = io::copy(&mut content, &mut io::sink()).err()?;
+        let is_damaged = error.kind() != io::ErrorKind::UnexpectedEof;
+        is_damaged.then(|| Error::system("read the data", &self.path, &error))
     }
 
     /// Whether this error means that a compressed file ends early.
@@ -274,7 +297,9 @@ impl<S: Sensors> TableRows<S> {
             if self.has_ended {
                 return Ok(None);
             }
-            self.take()?;
+            if let Err(error) = self.take() {
+                return Err(self.table.damage().unwrap_or(error));
+            }
         }
     }
 
@@ -290,13 +315,16 @@ impl<S: Sensors> TableRows<S> {
                 ));
                 return self.end();
             }
-            Err(e) => return Err(Error::system("read the data", &table.path, &e)),
+            Err(e) => return Err(table.failed(&e, self.records.start())),
         };
         let table = &self.table;
         if more {
             let (record, start) = (self.records.record(), self.records.start());
             if self.columns.is_no_row(record) {
                 return Ok(());
+            }
+            if Columns::<S>::is_hole(record) {
+                return self.end_in_zeros();
             }
             if let Some((what, remedy)) = self.columns.misfit(record) {
                 let place = format!("{}:{}", table.file, table.line(start));
@@ -333,6 +361,28 @@ impl<S: Sensors> TableRows<S> {
         self.has_ended = true;
         self.columns.finish();
         self.columns.check_values(&self.table.file)
+    }
+
+    /// A block of zeros was met: the end of a file that was reserved and not written. Above rows it is an error.
+    fn end_in_zeros(&mut self) -> Result<(), Error> {
+        let (table, start) = (&self.table, self.records.start());
+        let mut is_end = self.count > 0;
+        while is_end && table.advance(&mut self.records)? {
+            let record = self.records.record();
+            is_end = Columns::<S>::is_hole(record) || self.columns.is_no_row(record);
+        }
+        let place = format!("{}:{}", table.file, table.line(start));
+        if !is_end {
+            return Err(Error::new(
+                "bytes of zero stand instead of rows",
+                place,
+                ZEROS,
+            ));
+        }
+        self.cut_off = Some(format!(
+            "{place}: the file ends in bytes of zero: its end was reserved, and not written or lost"
+        ));
+        self.end()
     }
 
     /// A last row was cut off while it was written, as the words `cut` say: it is left out. If it is not the last one, or the only

@@ -1,5 +1,6 @@
 //! Units by the largest values, for pressures and torques whose columns name none.
 
+use crate::time_unit::rounded;
 use crate::unit::{self, Unit};
 
 /// Ranges of the largest pressure of a recording, each up to the limit, with the unit of the data: pumps of excavators and loaders give
@@ -32,7 +33,7 @@ pub(super) fn largest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
 /// The unit of pressures whose largest is this, and why.
 pub(super) fn pressure(largest: f64) -> (Option<&'static Unit>, String) {
     let place = LARGEST_PRESSURES.iter().find(|(end, _)| largest < *end);
-    let size = shown(largest);
+    let size = rounded(largest);
     match place {
         Some((_, Some(unit))) => (unit::find(unit), format!("pressures up to {size}: {unit}?")),
         Some(_) if largest >= 1.0 => (None, format!("pressures up to {size}: Pa?")),
@@ -45,18 +46,13 @@ pub(super) fn pressure(largest: f64) -> (Option<&'static Unit>, String) {
 
 /// The unit of torques whose largest is this, and why.
 pub(super) fn torque(largest: f64) -> (Option<&'static Unit>, String) {
-    let size = shown(largest);
+    let size = rounded(largest);
     let [few, many] = TORQUES;
     match largest {
         x if x > 0.0 && x < few => (unit::find("kN m"), format!("up to {size}: kN m?")),
         x if x < many => (None, format!("up to {size}: N m or kN m? Check it")),
         _ => (None, format!("up to {size}: N m?")),
     }
-}
-
-/// A number with three digits.
-fn shown(x: f64) -> f64 {
-    crate::time_unit::rounded(x)
 }
 
 #[cfg(test)]

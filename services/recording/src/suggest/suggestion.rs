@@ -24,14 +24,29 @@ pub struct Suggestion {
     pub(crate) found: usize,
 }
 
+impl Suggestion {
+    /// A map of a file without columns, in which these signals were found.
+    pub(crate) fn of<S: Sensors>(text: String, found: &[String]) -> Self {
+        Self {
+            text,
+            missing: missing::<S>(found),
+            unknown: Vec::new(),
+            of_second: Vec::new(),
+            of_others: Vec::new(),
+            links: links(found),
+            found: found.len(),
+        }
+    }
+}
+
 /// Groups of signals that a machine needs one of, and none was found.
-pub(crate) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static str]> {
+pub(super) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static str]> {
     let is_missing = |group: &&[&str]| !group.iter().any(|s| found.iter().any(|f| f == s));
     S::REQUIRED.iter().copied().filter(is_missing).collect()
 }
 
 /// The links of an excavator whose angles were not found although that of another link was: a posture needs all.
-pub(crate) fn links(found: &[String]) -> Vec<&'static str> {
+pub(super) fn links(found: &[String]) -> Vec<&'static str> {
     let is_found = |link: &&str| found.iter().any(|signal| signal == link);
     let (known, missing): (Vec<&str>, Vec<&str>) = LINKS.into_iter().partition(is_found);
     if known.is_empty() {

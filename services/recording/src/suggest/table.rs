@@ -5,10 +5,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
-use super::names::{fitting, is_pressure, may_be, wanted};
+use super::names::{fitting, is_pressure, may_be, quoted, wanted};
 use super::ports::ports;
 use super::suggestion::{LINKS, Suggestion, links, missing};
-use super::{lacking, opening, quoted, shown, sizes, unit_of};
+use super::{lacking, opening, shown, sizes, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
 use crate::signal::Sensors;

@@ -12,7 +12,7 @@ use crate::signal::{Sensors, signals};
 use crate::steers;
 use crate::suggest::names::{fitting, quoted};
 use crate::suggest::ports::ports;
-use crate::suggest::suggestion::{Suggestion, links, missing};
+use crate::suggest::suggestion::Suggestion;
 use crate::unit;
 use crate::{Error, Quoted};
 
@@ -179,15 +179,7 @@ pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
         let unit = told.map_or(String::new(), |unit| format!(", unit = \"{}\"", unit.name));
         format!("{{ {}{unit}{sign} }}", places[at].line)
     });
-    Suggestion {
-        text,
-        missing: missing::<S>(&found_all),
-        unknown: Vec::new(),
-        of_second: Vec::new(),
-        of_others: Vec::new(),
-        links: links(&found_all),
-        found: taken.len(),
-    }
+    Suggestion::of::<S>(text, &found_all)
 }
 
 /// A topic and its numbers, as comments.

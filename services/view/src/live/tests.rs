@@ -269,7 +269,7 @@ fn the_loads_panel_shows_a_load_and_a_button_of_another_site_moves_no_truck() {
         "{text}"
     );
     let mut page = request(&server, "/loads", "localhost");
-    read_until(&mut page, &["Next truck"]);
+    read_until(&mut page, &["Next truck", "dumped, provisional"]);
     let press = |with: &str| {
         let mut stream = TcpStream::connect(server.address()).expect("the server listens");
         stream

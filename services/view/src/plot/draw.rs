@@ -9,12 +9,14 @@ use super::{Item, Mark, Plot, STYLE, decimate, escape};
 const LINE: f64 = 17.0;
 const CHARACTER: f64 = 6.7;
 
-/// The frame of the marks within the picture.
+/// The frame of the marks within the picture, and its axes.
 struct Frame {
     left: f64,
     top: f64,
     width: f64,
     height: f64,
+    x: Axis,
+    y: Axis,
 }
 
 pub(super) fn svg(plot: &Plot, width: f64, height: f64) -> String {
@@ -75,16 +77,18 @@ fn body(out: &mut String, plot: &Plot, prefix: &str, width: f64, height: f64) {
         .max()
         .unwrap_or(1);
     let left = 12.0 + CHARACTER * longest as f64;
+    let width = (width - left - 12.0).max(10.0);
+    let height = (height - top - 40.0).max(10.0);
     let frame = Frame {
         left,
         top: top + 4.0,
-        width: (width - left - 12.0).max(10.0),
-        height: (height - top - 40.0).max(10.0),
+        width,
+        height,
+        x: Axis::new(plot.x_scale, plot.x_extent(), 0.0, width),
+        y: Axis::new(plot.y_scale, plot.y_extent(), height, 0.0),
     };
-    let x = Axis::new(plot.x_scale, plot.x_extent(), 0.0, frame.width);
-    let y = Axis::new(plot.y_scale, plot.y_extent(), frame.height, 0.0);
-    axes(out, plot, &frame, &x, &y, &y_ticks);
-    marks(out, plot, &frame, &x, &y);
+    axes(out, plot, &frame, &y_ticks);
+    marks(out, plot, &frame);
 }
 
 /// Draws the legend below the title and returns its height.
@@ -134,10 +138,10 @@ fn area(out: &mut String, kind: &str, class: &str, r: (f64, f64, f64, f64)) -> s
     )
 }
 
-fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(f64, String)]) {
+fn axes(out: &mut String, plot: &Plot, f: &Frame, ticks: &[(f64, String)]) {
     let (right, bottom) = (f.left + f.width, f.top + f.height);
     for (value, label) in ticks {
-        let at = f.top + y.place(*value);
+        let at = f.top + f.y.place(*value);
         if !at.is_finite() {
             continue;
         }
@@ -154,10 +158,10 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
     let x_ticks = if named {
         plot.x_names.clone()
     } else {
-        x.ticks((f.width / 75.0) as usize)
+        f.x.ticks((f.width / 75.0) as usize)
     };
     for (value, label) in &x_ticks {
-        let at = f.left + x.place(*value);
+        let at = f.left + f.x.place(*value);
         if !at.is_finite() {
             continue;
         }
@@ -181,7 +185,8 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
 }
 
 /// The marks in a nested picture, which clips at the frame.
-fn marks(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis) {
+fn marks(out: &mut String, plot: &Plot, f: &Frame) {
+    let (x, y) = (&f.x, &f.y);
     let _ = write!(
         out,
         "<svg x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" overflow=\"hidden\">",
@@ -203,8 +208,8 @@ fn marks(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis) {
                 let path = band_path(&placed.collect::<Vec<_>>());
                 let _ = write!(out, "<path class=\"band {class}\" d=\"{path}\"/>");
             }
-            Mark::Shade(spans) => shades(out, &class, spans, x, f),
-            Mark::Bars { edges, heights } => bars(out, &class, edges, heights, x, y),
+            Mark::Shade(spans) => shades(out, &class, spans, f),
+            Mark::Bars { edges, heights } => bars(out, &class, edges, heights, f),
             Mark::Level(value) => {
                 let at = y.place(*value);
                 if at.is_finite() {
@@ -217,9 +222,9 @@ fn marks(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis) {
     out.push_str("</svg>");
 }
 
-fn shades(out: &mut String, class: &str, spans: &[(f64, f64)], x: &Axis, f: &Frame) {
+fn shades(out: &mut String, class: &str, spans: &[(f64, f64)], f: &Frame) {
     for (from, to) in spans {
-        let (from, to) = (x.place(*from), x.place(*to));
+        let (from, to) = (f.x.place(*from), f.x.place(*to));
         if from.is_finite() && to.is_finite() {
             let _ = area(
                 out,
@@ -231,7 +236,8 @@ fn shades(out: &mut String, class: &str, spans: &[(f64, f64)], x: &Axis, f: &Fra
     }
 }
 
-fn bars(out: &mut String, class: &str, edges: &[f64], heights: &[f64], x: &Axis, y: &Axis) {
+fn bars(out: &mut String, class: &str, edges: &[f64], heights: &[f64], f: &Frame) {
+    let (x, y) = (&f.x, &f.y);
     let base = y.place(0.0);
     for (edge, height) in edges.windows(2).zip(heights) {
         let (from, to, top) = (x.place(edge[0]), x.place(edge[1]), y.place(*height));

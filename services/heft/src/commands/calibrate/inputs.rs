@@ -11,10 +11,6 @@ use crate::args::is_of_heft;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
 
-fn is_recording(file: &Path) -> bool {
-    recording::Kind::by_name(file) == Some(recording::Kind::Recording)
-}
-
 /// The signal map of a recording; one of heft needs none.
 fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
     map.filter(|_| !is_of_heft(file))
@@ -138,7 +134,9 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
 fn hashes(files: &[PathBuf]) -> Result<Vec<String>, Failure> {
     let mut lines = Vec::new();
     for file in files {
-        let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
+        let reader = recording::Kind::is_recording(file)
+            .then(|| Reader::open(file))
+            .transpose()?;
         let parts: Vec<&Path> = match &reader {
             Some(reader) => reader.files().collect(),
             None => vec![file],

@@ -43,7 +43,7 @@ pub fn stated(
 }
 
 /// The pairs of recordings out and back: `FILE,FILE`.
-pub fn ways(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
+pub fn out_and_back(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
     const OPTION: &str = "--out-and-back";
     let pair = |text: &String| {
         let bad = |what| {

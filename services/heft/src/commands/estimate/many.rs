@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use config::Description;
 use evaluate::text::Table;
 use serde_json::Value;
+use steps::chain::{chain, method};
 use view::number;
 
 use super::args::EstimateArgs;
@@ -13,7 +14,6 @@ use crate::args::{described, description, is_of_heft};
 use crate::failure::Failure;
 use crate::many::{self, Job, Outcome};
 use crate::results;
-use crate::way::{method, way};
 
 /// Identity of the result beside its input: program, method, signal map, description.
 pub fn identity(args: &EstimateArgs, description: &Description, map: Option<&Path>) -> String {
@@ -40,7 +40,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     if let Some(machine) = args.machine {
         // Errors in the arguments are reported once.
         let description = description(Some(machine), &args.with.description)?;
-        way(&description, method(machine, args.with.method.as_deref()))?;
+        chain(&description, method(machine, args.with.method.as_deref()))?;
     }
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
@@ -81,7 +81,7 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
     let same = identity(args, &description, map);
     let parts = recording::Reader::open(input)
         .ok()
-        .filter(|_| is_recording(input));
+        .filter(|_| recording::Kind::is_recording(input));
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
     sources.extend(map);
@@ -97,10 +97,6 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
 /// The map of an input; a recording of heft needs none.
 fn map<'a>(args: &'a EstimateArgs, input: &Path) -> Option<&'a Path> {
     args.with.map.as_deref().filter(|_| !is_of_heft(input))
-}
-
-fn is_recording(input: &Path) -> bool {
-    recording::Kind::by_name(input) == Some(recording::Kind::Recording)
 }
 
 fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> Vec<OsString> {

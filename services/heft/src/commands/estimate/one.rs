@@ -7,6 +7,7 @@ use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
 use recording::output::Beside;
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer};
+use steps::chain::{Chain, chain, method};
 use steps::loads::{LoadCounter, Options, guessed};
 use steps::stages::{Pipeline, Role};
 use view::estimate::{Estimate, Parameter};
@@ -19,7 +20,6 @@ use crate::args::tell_odd_keys;
 use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::fault::counted;
-use crate::way::{Way, method, way};
 use crate::{page, parts, signals, summary};
 
 /// Passes samples through the stages one by one, so that memory does not grow with the data. `put` may replace a
@@ -35,7 +35,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
     signals::leave_nothing()?;
     samples.on_progress(parts::progress());
     let method = method(description.machine(), args.with.method.as_deref());
-    let mut way = way(description, method)?;
+    let mut chain = chain(description, method)?;
     tell_odd_keys(description, &[method]);
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
@@ -51,7 +51,7 @@ pub fn run<S: Message, T: Message, E: Estimate>(
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
-        let message = last_answer(&mut way, message, notes.as_mut(), |e| put(rows - 1, e))?;
+        let message = last_answer(&mut chain, message, notes.as_mut(), |e| put(rows - 1, e))?;
         let estimate = E::inside(&message);
         doubts.add(&sample, estimate.is_some_and(E::is_refused));
         // The answer to a refused row repeats the estimate before, at a time that may be invalid.
@@ -115,12 +115,12 @@ impl<E: Estimate> Latest<E> {
 
 /// Passes a sample through the stages, and records the answer of each.
 fn last_answer<E: Estimate>(
-    way: &mut Way,
+    chain: &mut Chain,
     mut message: Envelope,
     mut notes: Option<&mut Notes>,
     put: impl Fn(&mut E),
 ) -> Result<Envelope, Failure> {
-    for (channel, step) in way {
+    for (channel, step) in chain {
         let Some(mut answer) = step.answer(&message) else {
             break;
         };

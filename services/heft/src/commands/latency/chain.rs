@@ -22,8 +22,8 @@ impl Chain {
         let last = probe
             .and_then(Stage::input)
             .and_then(|c| pipeline.writer(c));
-        let way = last.map_or_else(Vec::new, |last| pipeline.way_to(last));
-        let steps = way
+        let path = last.map_or_else(Vec::new, |last| pipeline.path_to(last));
+        let steps = path
             .iter()
             .filter_map(|row| Some((pipeline.writer(row.output())?.name, row.hop())));
         Self {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use recording::Output;
+use steps::chain::{chain, method};
 
 use super::args::RunArgs;
 use super::plan::{absolute, described, folder};
@@ -18,7 +19,6 @@ use crate::plan::Plan;
 use crate::serve::{Machines, Out, Played, is_table};
 use crate::signals::Signals;
 use crate::sources::LiveInput;
-use crate::way::{method, way};
 use crate::{size, summary};
 
 /// Name of the table in the folder of the run.
@@ -29,7 +29,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let (plan, description) = Plan::of(args)?;
     let (machine, entry) = (args.machine, machines::entry(args.machine));
     let method = method(machine, args.method.as_deref());
-    way(&description, method)?;
+    chain(&description, method)?;
     tell_odd_keys(&description, &[method]);
     size::tell_other_size(&plan, &description);
     let inputs = args.input.as_deref().map(|input| inputs(input, count));

@@ -109,7 +109,6 @@ impl Plan {
             })?,
             restored: None,
             fleet: Fleet::of(&args.fleet)?,
-            begun_ms: runtime::since_1970().as_millis() as u64,
             run: FleetRun::draw(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             recording: PathBuf::new(),

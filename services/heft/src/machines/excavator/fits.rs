@@ -8,6 +8,7 @@ use super::carries::Carries;
 use super::ground::Ground;
 use super::postures::Postures;
 use super::speed::Speed;
+use super::turned::Turned;
 use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder};
@@ -27,6 +28,7 @@ pub(in crate::machines) struct Fits {
     postures: Postures,
     boom: Boom,
     ground: Ground,
+    turned: Turned,
     torque: Still<1>,
     plausible: Plausible,
     mass: f64,
@@ -46,6 +48,7 @@ impl Look for Fits {
             postures: Postures::default(),
             boom: Boom::default(),
             ground: Ground::default(),
+            turned: Turned::new(geometry),
             torque: Still::new(["swing_torque"]),
             plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
@@ -63,6 +66,7 @@ impl Look for Fits {
         self.plausible.push(&sample);
         self.speed.see(&sample);
         self.ground.see(&sample);
+        self.turned.see(&sample);
         self.angles.see(sample.posture);
         if let [Some(boom), Some(arm), Some(bucket)] = sample.posture {
             self.postures.see([boom, arm, bucket].map(joint));
@@ -82,6 +86,9 @@ impl Look for Fits {
         let columns = columns.or_else(|| self.cylinders.iter().find_map(Cylinder::fault));
         let columns = columns.or_else(|| self.postures.fault());
         if let Some(said) = columns.or_else(|| self.torque.fault()) {
+            return Some(said);
+        }
+        if let Some(said) = self.turned.fault() {
             return Some(said);
         }
         let Some(mismatch) = self.plausible.mismatch() else {

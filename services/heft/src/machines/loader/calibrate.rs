@@ -5,7 +5,7 @@ use calibrate::loader::{self as machine, StatedLoad};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::calibrate::inputs::{names, origin, samples};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
-use crate::commands::calibrate::stated::{position, scales, stated, ways};
+use crate::commands::calibrate::stated::{out_and_back, position, scales, stated};
 use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;
@@ -48,7 +48,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         &machine::Options {
             description: d,
             weighed: scales[0],
-            ways: &ways(args)?,
+            out_and_back: &out_and_back(args)?,
             slices: args.report.is_some(),
             free: (!args.free.is_empty()).then_some(args.free.as_slice()),
             stop: &stop,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use messages::channels::Channel;
 use sheet::loads::STATUS_GROUP;
-use toml_edit::{Document, TableLike};
+use toml_edit::{Document, Item, TableLike};
 
 use super::table::{LOADS, LOADS_FLAGS, LOADS_NUMBERS, Number, Quantity, VERDICT_NUMBERS};
 use super::{Content, FrameTable, Kind, Outgoing, position};
@@ -16,6 +16,8 @@ use crate::map::hint;
 const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
 const VERDICT: &str = "verdict";
 const STATUS: &str = "loads";
+/// Keys of the table `can`.
+const KEYS: &[&str] = &["rate", "source", "priority", "channel", "frames", "name"];
 /// The fields of a NAME.
 const NAME_KEYS: &[&str] = &[
     "identity",
@@ -52,49 +54,74 @@ impl<'a> Parser<'a> {
         })?;
         let can = document.get("can").and_then(|c| c.as_table_like());
         self.known(document.as_table(), &["can"])?;
-        let get = |key: &str| can.and_then(|c| c.get(key));
         if let Some(can) = can {
-            self.known(
-                can,
-                &["rate", "source", "priority", "channel", "frames", "name"],
-            )?;
+            self.known(can, KEYS)?;
         }
-        let number = |key: &str, default: i64, most: i64| match get(key) {
-            None => Ok(default),
-            Some(item) => item
-                .as_integer()
-                .filter(|n| (0..=most).contains(n))
-                .ok_or_else(|| {
-                    self.error(
-                        format!("can.{key} is no whole number from 0 to {most}"),
-                        "correct it",
-                    )
-                }),
+        let get = |key: &str| can.and_then(|c| c.get(key));
+        let source = self.whole("source", get("source"), 0xfd)?.unwrap_or(0x80);
+        let priority = self.whole("priority", get("priority"), 7)?.unwrap_or(6);
+        let rate = self.rate(get("rate"))?;
+        let channel = self.channel(get("channel"))?;
+        let kinds = self.frames(get("frames"), channel, priority << 26 | source)?;
+        Ok(Outgoing {
+            machine: self.table.machine,
+            channel,
+            period: 1.0 / rate,
+            source: source as u8,
+            name: self.name(get("name"))?,
+            kinds,
+        })
+    }
+
+    /// A whole number from 0 to `most`; none if the map does not give it.
+    fn whole(&self, key: &str, item: Option<&Item>, most: u32) -> Result<Option<u32>, Error> {
+        let Some(item) = item else {
+            return Ok(None);
         };
-        let (source, priority) = (number("source", 0x80, 0xfd)?, number("priority", 6, 7)?);
-        let rate = get("rate").map_or(Some(10.0), |item| {
+        let number = item.as_integer().and_then(|n| u32::try_from(n).ok());
+        let number = number.filter(|n| *n <= most);
+        number.map(Some).ok_or_else(|| {
+            let what = format!("can.{key} is no whole number from 0 to {most}");
+            self.error(what, "correct it")
+        })
+    }
+
+    /// Frames a second [Hz].
+    fn rate(&self, item: Option<&Item>) -> Result<f64, Error> {
+        let rate = item.map_or(Some(10.0), |item| {
             item.as_float()
                 .or_else(|| item.as_integer().map(|n| n as f64))
         });
-        let rate = rate.filter(|r| (0.01..=1000.0).contains(r));
-        let rate = rate
-            .ok_or_else(|| self.error("can.rate is no number from 0.01 to 1000", "correct it"))?;
+        rate.filter(|r| (0.01..=1000.0).contains(r))
+            .ok_or_else(|| self.error("can.rate is no number from 0.01 to 1000", "correct it"))
+    }
+
+    /// The channel of the estimates, by default the first.
+    fn channel(&self, item: Option<&Item>) -> Result<&'static Channel, Error> {
         let mut channels = self.table.channels.iter().copied();
-        let channel = match get("channel") {
+        let channel = match item {
             None => channels.next(),
             Some(item) => channels.find(|c| item.as_str() == Some(c.name)),
         };
-        let channel = channel.ok_or_else(|| {
+        channel.ok_or_else(|| {
             let all: Vec<&str> = self.table.channels.iter().map(|c| c.name).collect();
             let all = all.join(", ");
             self.error(
                 "can.channel is no channel of estimates",
                 format!("one of {all}"),
             )
-        })?;
-        let base = (priority as u32) << 26 | source as u32;
+        })
+    }
+
+    /// The frames that the map names, all of them if it names none; each has its own identifier.
+    fn frames(
+        &self,
+        item: Option<&Item>,
+        channel: &'static Channel,
+        base: u32,
+    ) -> Result<Vec<Kind>, Error> {
         let mut kinds = self.kinds(channel, base);
-        if let Some(frames) = get("frames") {
+        if let Some(frames) = item {
             let frames = frames.as_table_like();
             let frames =
                 frames.ok_or_else(|| self.error("can.frames is no table", "write [can.frames]"))?;
@@ -114,18 +141,11 @@ impl<'a> Parser<'a> {
                 return Err(self.error(what, "give each its own"));
             }
         }
-        Ok(Outgoing {
-            machine: self.table.machine,
-            channel,
-            period: 1.0 / rate,
-            source: source as u8,
-            name: self.name(get("name"))?,
-            kinds,
-        })
+        Ok(kinds)
     }
 
     /// The NAME of J1939, and its identity if the map gives one.
-    fn name(&self, item: Option<&toml_edit::Item>) -> Result<(Name, Option<u32>), Error> {
+    fn name(&self, item: Option<&Item>) -> Result<(Name, Option<u32>), Error> {
         let mut name = Name::default();
         let Some(item) = item else {
             return Ok((name, None));

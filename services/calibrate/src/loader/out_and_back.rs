@@ -43,7 +43,7 @@ pub struct Section {
 
 /// Two recordings of the same path.
 #[derive(Debug, Clone)]
-pub struct Way {
+pub struct OutAndBack {
     /// Out and back.
     pub recordings: [usize; 2],
     /// Its sections.
@@ -52,7 +52,7 @@ pub struct Way {
     pub correlation: f64,
 }
 
-impl Way {
+impl OutAndBack {
     /// Matches two drives under values of the sensors.
     ///
     /// # Errors
@@ -60,7 +60,7 @@ impl Way {
     pub fn new(drives: &[Drive], recordings: [usize; 2], g: &Guess) -> Result<Self, String> {
         let [there, back] = recordings.map(|r| &drives[r]);
         let [out, home] = [there, back].map(|drive| distances(drive, g.radius));
-        let [far, near] = [&out, &home].map(|way| way.last().copied().unwrap_or(0.0));
+        let [far, near] = [&out, &home].map(|rolled| rolled.last().copied().unwrap_or(0.0));
         if far * near < 0.0 {
             return Err("the machine was not turned round but drove back in reverse, where the slope keeps its sign".into());
         }
@@ -118,7 +118,7 @@ impl Way {
             rows.map(|&(k, weight)| weight * slope(drive, &guesses[i], k))
                 .sum()
         };
-        let std = guesses[0].scatter.way;
+        let std = guesses[0].scatter.path;
         Innovation {
             value: mean(0) + mean(1) + section.gradient * ahead,
             variance: std * std,
@@ -139,25 +139,25 @@ fn slope(drive: &Drive, g: &Guess, k: usize) -> f64 {
 
 /// Distance that the wheels have rolled at each row, forward positive [m].
 fn distances(drive: &Drive, radius: f64) -> Vec<f64> {
-    let (mut way, mut speed) = (0.0, 0.0);
+    let (mut rolled, mut speed) = (0.0, 0.0);
     let mut last = drive.time.first().copied().unwrap_or(0.0);
     let rows = drive.time.iter().enumerate();
     rows.map(|(k, &time)| {
         let rim = 0.5 * radius * (drive.wheels[0][k] + drive.wheels[1][k]);
         let now = if rim.is_finite() { rim } else { speed };
-        way += 0.5 * (speed + now) * (time - last);
+        rolled += 0.5 * (speed + now) * (time - last);
         (speed, last) = (now, time);
-        way
+        rolled
     })
     .collect()
 }
 
 /// The rows of straight driving in each cell of the path.
-fn cells(drive: &Drive, way: &[f64], place: impl Fn(f64) -> f64) -> BTreeMap<i64, Vec<usize>> {
+fn cells(drive: &Drive, rolled: &[f64], place: impl Fn(f64) -> f64) -> BTreeMap<i64, Vec<usize>> {
     let mut cells: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     let is_whole = |k: &usize| !drive.has_acceleration || drive.acceleration[*k].is_finite();
     for k in drive.blocks.iter().flat_map(Clone::clone).filter(is_whole) {
-        let cell = (place(way[k]) / CELL).floor() as i64;
+        let cell = (place(rolled[k]) / CELL).floor() as i64;
         cells.entry(cell).or_default().push(k);
     }
     cells
