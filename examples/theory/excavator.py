@@ -262,7 +262,7 @@ class Estimator:
         now = machine.inertia(joints)
         before, torque_before = self.before or now, torque if self.torque_before is None else self.torque_before
         self.before, self.torque_before = now, torque
-        torque = (torque + torque_before) / 2
+        change, torque = torque - torque_before, (torque + torque_before) / 2
         kept = math.exp(-dt / 0.1)
         share = 1 - kept * kept
         self.gaining += (1 - kept) * ((f.x[W] - self.w_before) / dt - self.gaining)
@@ -274,7 +274,7 @@ class Estimator:
         if phase == "held" and inclination:
             self.incline(*inclination)
         if phase == "moving":
-            self.move(dt, velocity, torque, now, before, share)
+            self.move(dt, velocity, (torque, change), now, before, share)
             return
         if phase == "held" and self.slow_for > 2:
             for i in (P, Q):
@@ -318,7 +318,8 @@ class Estimator:
             if f.p[i][i] > 0.004**2:
                 f.measure({i: 1.0}, slope - f.x[i], 0.03**2, 1e3)
 
-    def move(self, dt, velocity, torque, now, before, share):
+    def move(self, dt, velocity, torques, now, before, share):
+        torque, change = torques
         machine, f, e = self.machine, self.filter, self.machine.e
         x, p = f.x, f.p
         self.smoothed += share * (torque - self.smoothed)
@@ -336,6 +337,7 @@ class Estimator:
         torque_variance = (
             (e["torque_noise_share"] * self.largest) ** 2 * self.noise.torque() * 0.01 / dt
             + machine.torque_std**2
+            + change**2 / 4
             + braked**2 * 0.1 / dt
             + ground**2 * 0.3 / dt
         )

@@ -35,6 +35,9 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) seen: bool,
     /// Additional variance of a torque that has been missing for long [(N m)^2].
     pub(in crate::excavator) stale_torque: f64,
+    /// Variance of the mean torque of the step by its change T in it [(N m)^2]. The rows do not show when in the step it changed, T^2/12.
+    /// The frames of torque and velocity are each up to a row old, T^2/6.
+    pub(in crate::excavator) changing_torque: f64,
 }
 
 /// Age beyond which a missing torque is unknown, and no longer held [s].
@@ -105,6 +108,7 @@ impl Driver {
         let before = self.inertia.unwrap_or(now);
         self.inertia = seen.then_some(now);
         let h = tick.period;
+        let change = tick.torque - torque;
         Drive {
             time: tick.time,
             period: h,
@@ -122,11 +126,31 @@ impl Driver {
             share: tick.share,
             driven: driven && seen,
             seen,
+            changing_torque: change * change / 4.0,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)
             } else {
                 0.0
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torque_that_changes_is_known_to_half_its_change_and_the_first_one_does_not_change() {
+        let tick = |torque| Tick {
+            period: 0.01,
+            torque,
+            ..Tick::default()
+        };
+        let mut driver = Driver::default();
+        let mut uncertain = |torque| driver.step(&tick(torque), None, 500.0).changing_torque;
+        assert_eq!(uncertain(60e3), 0.0);
+        assert_eq!(uncertain(60e3), 0.0);
+        assert_eq!(uncertain(52e3), 4e3 * 4e3);
     }
 }

@@ -693,6 +693,7 @@ impl Working {
                 + sensor * sensor * drive.share
                 + braked * braked * BRAKE_LASTS / drive.period
                 + pushed * pushed * CREPT / drive.period
+                + drive.changing_torque
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),
             payload_variance: 0.5 * m * m * opening

@@ -150,7 +150,7 @@ mod tests {
             assert!((value - kappa).abs() < 0.02, "{value} {kappa}");
             assert!((value - kappa).abs() < 3.0 * std && std < 0.03, "{std}");
             // A quarter more mass on the way back.
-            let way_back = |t: f64| (-1.5, -1.0 - t.min(1.0));
+            let way_back = |t: f64| (-1.5 - f64::sin(2.0 * t), -1.5);
             (0..400).for_each(|k| add(&mut gain, 0.8 * kappa, way_back(0.01 * f64::from(k)), 0.0));
             let loaded = gain.found();
             assert!(
