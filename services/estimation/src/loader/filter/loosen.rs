@@ -95,8 +95,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         .state()
     }
 
-    /// Values and variances of the states.
-    pub(super) fn parameters(&self) -> [(f64, f64); N] {
+    /// Mean and variance of each state.
+    pub(super) fn moments(&self) -> [(f64, f64); N] {
         core::array::from_fn(|i| (self.belief.state()[i], self.belief.variance(i)))
     }
 
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn a_row_in_which_the_wheels_carry_no_information_leaves_the_parameters() {
         let mut filter = CgFilter::<9, 3, Ekf<9, 3>>::new(&Settings::DEFAULT, Method::FullEkf);
-        let held = filter.parameters();
+        let held = filter.moments();
         let (ratio, variance) = held[CG_RATIO];
         // The row has moved the ratio and taken three quarters of its variance.
         filter

@@ -32,7 +32,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> RowReport<M> {
         let mut ahead = self.belief.ahead(model);
         let (before, sensitivity) = (self.before(), self.sensitivity());
-        let held = (settings.at_work() && self.effect.braking).then(|| self.parameters());
+        let held = (settings.at_work() && self.effect.braking).then(|| self.moments());
         let state = *B::state_ahead(&ahead);
         let conditions = self.conditions(settings, &state, step, model.dt);
         let process_std = self.process_std(settings, &conditions, sample.boom_moving, model.dt);

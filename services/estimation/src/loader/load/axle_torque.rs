@@ -1,8 +1,8 @@
 //! Probability that the measured torque of one axle has a gain error: a gear ratio, a motor's constant, a displacement.
 //!
 //! A gain error g of one axle looks like a shift of load between the axles. While the axles pull in a constant proportion, motion does not
-//! distinguish them. The evidence is kappa, force over acceleration ([`super::inertia`]), which is off by g/2, and the difference of the
-//! ratio from its prior. The gain is constant, so kappa is estimated here from all rows, not from the last ten seconds.
+//! distinguish them. The evidence is kappa, force over acceleration of all driving so far (`doubts::gain`), which is off by g/2, and
+//! the difference of the ratio from its prior.
 //!
 //! ```text
 //! H_0:      kappa - 1 ~ N(0, s^2 + P),                  lam - lam_0 ~ N(0, p^2),   s^2 = .02^2 + .01^2 + sigma_T^2/2
