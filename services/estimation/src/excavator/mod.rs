@@ -45,7 +45,7 @@ mod working;
 
 use input::{
     angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantisation, range,
-    screen, standstill, steady, swing_angle,
+    repeated, screen, standstill, steady, swing_angle,
 };
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
 use payload::{change, changing_payload, opening};

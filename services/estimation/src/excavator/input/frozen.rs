@@ -59,7 +59,12 @@ impl Repetition {
     /// Whether the sensor repeats one value in spite of its noise.
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
         let always = self.changes >= CHANGES && self.longest < LONGEST;
-        self.repeats >= REPEATS && (self.alternating > NOISY || always)
+        self.repeats >= REPEATS && (self.is_noisy() || always)
+    }
+
+    /// Whether its increments alternate in sign as noise does, from row to row. A repetition keeps that.
+    pub(in crate::excavator) fn is_noisy(&self) -> bool {
+        self.alternating > NOISY
     }
 }
 

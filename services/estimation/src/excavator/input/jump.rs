@@ -79,15 +79,18 @@ impl Jump {
     fn change(&mut self, value: f64, step: f64) {
         let held = self.held;
         let (unmeasured, moves_on, off) = if held > SET_OFF {
-            (self.gap + self.unmeasured(), held.min(HELD), SET_OFF)
+            (self.unmeasured(), held.min(HELD), SET_OFF)
         } else {
-            (self.gap, held, held)
+            (0.0, held, held)
         };
-        let at_once = RATE * unmeasured + COARSE + NOISE * sqrt(self.rough / 6.0);
-        let possible = at_once
+        let noise = COARSE + NOISE * sqrt(self.rough / 6.0);
+        let possible = RATE * (self.gap + unmeasured)
+            + noise
             + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * moves_on
             + 0.5 * ACCELERATION * off * off;
-        if self.has_jumped() && self.single && step.abs() > at_once {
+        // No motion leads away from a value that leapt here and was not measured, however long it lasted.
+        let leaps_back = unmeasured > 0.0 || step.abs() > RATE * self.gap + noise;
+        if self.has_jumped() && self.single && leaps_back {
             let within = RATE * (self.away + self.gap) + COARSE;
             if turned(value - self.before).abs() <= within {
                 (self.displaced, self.jumped) = (0.0, false);
@@ -122,9 +125,9 @@ impl Jump {
         self.jumped
     }
 
-    /// Whether it is, and has not stepped for long.
+    /// Whether it is, and has measured for long without a step. A single value that is repeated is no measurement.
     pub(in crate::excavator) fn stays(&self) -> bool {
-        self.has_jumped() && self.away > STAYS
+        self.has_jumped() && !self.single && self.away > STAYS
     }
 
     /// Displacement \[rad\].
@@ -237,6 +240,45 @@ mod tests {
         assert!(!jumped(0.001));
         // A sensor without noise was measured: it slipped.
         assert!(jumped(0.0));
+    }
+
+    #[test]
+    fn a_word_that_a_leap_leads_to_and_a_leap_leaves_is_no_measurement_however_long() {
+        // A joint with noise that leaps to `word` at 20 s, for `rows`; it ends at `end`, and then continues `displaced`.
+        let seen = |word: f64, rows: u32, end: f64, displaced: f64| {
+            let mut jump = Jump::default();
+            let from = 2000;
+            let mut stayed = false;
+            let missing = (0..from + rows + 7000).filter(|&k| {
+                let noise = 0.001 * f64::from(k * 7919 % 13) / 6.0;
+                let moved = f64::from(k.saturating_sub(from).min(rows)) / f64::from(rows);
+                let angle = 0.6 + (end - 0.6) * moved + noise;
+                let value = match k {
+                    _ if k < from => angle,
+                    _ if k < from + rows => word,
+                    _ => angle + displaced,
+                };
+                let missing = jump.pass(Some(value), 0.01).is_none();
+                stayed |= jump.stays();
+                missing
+            });
+            let missing = missing.count();
+            (missing, jump.has_jumped(), stayed)
+        };
+        for word in [0.0, 1.3, -2.7] {
+            for rows in [5_u32, 30, 100, 7500] {
+                for end in [0.6, 0.5] {
+                    let found = seen(word, rows, end, 0.0);
+                    let expected = (rows as usize, false, false);
+                    assert_eq!(found, expected, "{word} for {rows} rows, to {end}");
+                }
+            }
+            // The joint comes to the word, while the sensor is off.
+            let (missing, jumped, _) = seen(word, 100, word + 0.02, 0.0);
+            assert!((100..103).contains(&missing) && !jumped, "{word} {missing}");
+            // Back within .05 s, but .4 rad away: it slipped.
+            assert_eq!(seen(word, 5, 0.6, 0.4), (7005, true, true), "{word}");
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub(in crate::excavator) mod lag;
 pub(in crate::excavator) mod motion;
 pub(in crate::excavator) mod quantisation;
 pub(in crate::excavator) mod range;
+pub(in crate::excavator) mod repeated;
 pub(in crate::excavator) mod screen;
 pub(in crate::excavator) mod standstill;
 pub(in crate::excavator) mod steady;

@@ -11,6 +11,7 @@ use crate::excavator::jump::Jump;
 use crate::excavator::keys::Description;
 use crate::excavator::quantisation::Quantisation;
 use crate::excavator::range::Range;
+use crate::excavator::repeated::Repeated;
 use crate::excavator::settings::Sensors;
 use crate::excavator::steady::Steady;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
@@ -58,6 +59,7 @@ pub(in crate::excavator) struct Screen {
     torque_gain: f64,
     torque_offset: f64,
     refused: u64,
+    repeated: Repeated,
     /// Velocity, torque, boom, arm, bucket.
     repetitions: [Repetition; 5],
     /// Head and rod pressure of the boom.
@@ -84,6 +86,7 @@ impl Screen {
             torque_gain: sensors.swing_torque_gain,
             torque_offset: sensors.swing_torque_offset,
             refused: 0,
+            repeated: Repeated::default(),
             repetitions: [Repetition::default(); 5],
             pressures: [Repetition::default(); 2],
             jumps: [Jump::default(); 3],
@@ -114,15 +117,17 @@ impl Screen {
             // The joints may have moved anywhere meanwhile.
             self.jumps = [Jump::default(); 3];
         }
-        let followed = self
-            .swing_angle
-            .pass(sample.angle, period, self.velocity_limit);
+        // A row that repeats the last one in spite of noise measures nothing.
+        let again = self.repeated.again(sample) && self.is_noisy();
+        let followed =
+            self.swing_angle
+                .pass(sample.angle.filter(|_| !again), period, self.velocity_limit);
         let (angle, is_elsewhere) = match followed {
             Followed::Yes(angle) => (angle, false),
             Followed::Elsewhere(angle) => (Some(angle), true),
         };
         (sample.time, sample.angle) = (self.clock.time(), angle);
-        self.clean(sample, period);
+        self.clean(sample, again, period);
         Some(Accepted {
             period,
             set_back: set_back || is_elsewhere,
@@ -138,6 +143,12 @@ impl Screen {
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
         let mut all = self.repetitions.iter().chain(&self.pressures);
         all.any(Repetition::is_frozen)
+    }
+
+    /// Whether a signal is noisy.
+    fn is_noisy(&self) -> bool {
+        let mut all = self.repetitions.iter().chain(&self.pressures);
+        all.any(Repetition::is_noisy)
     }
 
     /// Whether a joint angle has jumped further than a joint moves, and does not count.
@@ -187,7 +198,8 @@ impl Screen {
         self.torque.rows()
     }
 
-    fn clean(&mut self, sample: &mut Sample, period: f64) {
+    /// `again`: the row repeats the last one, and only the detectors of repetitions and jumps see it.
+    fn clean(&mut self, sample: &mut Sample, again: bool, period: f64) {
         // At the end of its range a sensor shows only a bound: missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
@@ -200,15 +212,17 @@ impl Screen {
             let moving = repetition.pass(measured);
             // A displaced angle that repeats one value may come from a bus that dropped out, and is not reported as frozen.
             let joint = if jump.has_jumped() { measured } else { moving };
-            *value = angle.pass(jump.pass(joint, period), period);
+            let joint = jump.pass(joint, period).filter(|_| !again);
+            *value = angle.pass(joint, period);
         }
-        let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
+        let velocity =
+            within(velocity.pass(sample.velocity), self.velocity_limit).filter(|_| !again);
         let velocity = self.steady.velocity(velocity, self.velocity_std, period);
         let new = self.velocity.push(velocity);
         self.quantisation.push(velocity);
         // A held velocity carries no new information.
         sample.velocity = velocity.filter(|_| new || self.velocity.rows() == 1);
-        let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
+        let torque = within(torque.pass(sample.torque), TORQUE_LIMIT).filter(|_| !again);
         let torque = self.range.pass(torque, self.torque_std);
         let torque = self
             .steady
@@ -216,7 +230,7 @@ impl Screen {
             .map(|t| (t - self.torque_offset) / self.torque_gain);
         sample.torque = self.torque.pass(torque);
         for angle in &mut sample.inclination {
-            *angle = within(*angle, INCLINATION_LIMIT);
+            *angle = within(*angle, INCLINATION_LIMIT).filter(|_| !again);
         }
         let [head, rod] = &mut self.pressures;
         sample.boom_head_pressure = head.pass(sample.boom_head_pressure);
@@ -227,8 +241,119 @@ impl Screen {
             &mut sample.arm_head_pressure,
             &mut sample.arm_rod_pressure,
         ] {
-            *pressure = within(*pressure, PRESSURE_LIMIT);
+            *pressure = within(*pressure, PRESSURE_LIMIT).filter(|_| !again);
         }
         sample.truck = within(sample.truck, f64::MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::excavator::keys::Description;
+    use crate::excavator::settings::Settings;
+
+    /// Uniform white noise of standard deviation 1, another one for each signal.
+    fn noise(k: u32, signal: u32) -> f64 {
+        let mixed = (k * 8 + signal)
+            .wrapping_mul(2_654_435_761)
+            .rotate_left(13)
+            .wrapping_mul(2_246_822_519);
+        (f64::from(mixed >> 8) / f64::from(1u32 << 24) - 0.5) * 12_f64.sqrt()
+    }
+
+    /// A row of a machine that swings and moves its joints; noise of velocity, torque and angles in units of good sensors.
+    fn row(k: u32, size: f64) -> Sample {
+        let (sin, cos) = crate::math::sin_cos(0.01 * f64::from(k));
+        let angle =
+            |start: f64, signal: u32| Some(start + 0.1 * sin + 0.0005 * size * noise(k, signal));
+        Sample {
+            velocity: Some(0.5 * sin + 0.004 * size * noise(k, 0)),
+            torque: Some(5000.0 * cos + 200.0 * size * noise(k, 1)),
+            posture: [angle(0.6, 2), angle(-1.2, 3), angle(-0.4, 4)],
+            ..Sample::default()
+        }
+    }
+
+    /// Rows without any measurement, among rows at 100 Hz that a machine sends.
+    fn unmeasured(sent: impl Fn(u32) -> Sample) -> (Vec<u32>, Screen) {
+        let settings = Settings::of(&Description::default());
+        let mut screen = Screen::new(&settings.sensors);
+        let rows = (0..3000).filter(|&k| {
+            let time = 0.01 * f64::from(k);
+            let mut sample = Sample { time, ..sent(k) };
+            screen.accept(&mut sample);
+            sample
+                == Sample {
+                    time: sample.time,
+                    ..Sample::default()
+                }
+        });
+        (rows.collect(), screen)
+    }
+
+    #[test]
+    fn a_row_that_a_logger_repeats_is_no_measurement_and_the_machine_is_measured_after_it() {
+        for rows in [1, 10, 20, 200] {
+            let held = 2000..2000 + rows;
+            let (found, screen) =
+                unmeasured(|k| row(if held.contains(&k) { 1999 } else { k }, 1.0));
+            assert_eq!(found, held.collect::<Vec<_>>());
+            assert!(!screen.is_frozen() && !screen.has_jumped());
+        }
+    }
+
+    #[test]
+    fn a_controller_that_sends_zeros_for_a_while_measures_nothing_meanwhile_and_everything_after_it()
+     {
+        for rows in [5, 30, 100, 500] {
+            let off = 2000..2000 + rows;
+            let (found, screen) = unmeasured(|k| {
+                let zero = Some(0.0);
+                let zeros = Sample {
+                    velocity: zero,
+                    torque: zero,
+                    posture: [zero; 3],
+                    ..Sample::default()
+                };
+                if off.contains(&k) { zeros } else { row(k, 1.0) }
+            });
+            // Its first row may be a torque.
+            let rest: Vec<_> = off.skip(1).collect();
+            assert!(
+                found.ends_with(&rest) && found.len() <= rest.len() + 1,
+                "{found:?}"
+            );
+            assert!(!screen.has_jumped(), "{rows}");
+        }
+    }
+
+    #[test]
+    fn equal_rows_of_a_slow_bus_of_a_coarse_sensor_and_of_a_machine_without_noise_count() {
+        // Sent twenty or fifty times a second, written a hundred times.
+        for rows in [5, 2] {
+            let (found, _) = unmeasured(|k| row(k / rows * rows, 1.0));
+            assert!(found.is_empty(), "{rows}: {found:?}");
+        }
+        // Without noise, or hidden by steps, until it stands.
+        let steps = |value: Option<f64>, step: f64| value.map(|v| (v / step).round() * step);
+        for (size, coarse) in [(0.0, 1e-9), (1.0, 1.0)] {
+            let (found, screen) = unmeasured(|k| {
+                let row = row(k.min(2000), size);
+                Sample {
+                    velocity: steps(row.velocity, 0.04 * coarse),
+                    torque: steps(row.torque, 2000.0 * coarse),
+                    posture: row.posture.map(|angle| steps(angle, 0.01 * coarse)),
+                    ..row
+                }
+            });
+            // Without noise each signal is reported as frozen after half a second, as ever.
+            let first = found.first().copied().unwrap_or(3000);
+            assert!(first >= 2050, "{size}: {first} {}", screen.is_frozen());
+        }
     }
 }
