@@ -250,7 +250,7 @@ class SlipNoise:
     """(10): noise of a slip speed, from the Allan variance of its innovations."""
 
     def __init__(self):
-        self.square, self.blocks = 0.004**2, 2.0
+        self.square, self.blocks = 0.004**2, 1.0
         self.interrupt()
 
     def interrupt(self):
@@ -368,9 +368,9 @@ class Wheels:
             by_slip, lag = rate * torque * q, e["c_t"] * (torque - self.lagged[i]) * q
             quantum = self.quantum[i] if math.isfinite(self.quantum[i]) else 0.0
             sensor = self.machine.s["wheel_speed_std"] ** 2 + quantum**2 / 12
-            variance = sensor + (self.apart.std(dt) / r) ** 2 / 2 + rate**2 * (ripple**2 + lag**2)
+            variance = sensor + rate**2 * (ripple**2 + lag**2)
             self.rows.append((by_slip, variance))
-            std = math.sqrt(variance + counted * by_slip**2)
+            std = max(math.sqrt(variance + counted * by_slip**2), self.apart.std(dt) / r / math.sqrt(2))
             stds.append(max(std, rate * 0.3) if is_held else std)
         return stds
 

@@ -137,7 +137,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Noise of either wheel by motions of the axles against each other [rad/s].
+    /// Noise of either wheel as far as it shows in their difference [rad/s].
     fn axles_move(&self, settings: &Settings, dt: f64) -> f64 {
         if settings.at_work() {
             self.slip_noise[1].std(dt) * core::f64::consts::FRAC_1_SQRT_2

@@ -86,7 +86,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let common = 0.5 * (front + rear) - seen.innovation[SPEED];
         let turns = self.effect.turn * seen.state[SPEED].abs();
         for (noise, value) in self.slip_noise.iter_mut().zip([common, front - rear]) {
-            if self.effect.braking || turns > noise.std(dt) || !value.is_finite() {
+            if self.effect.braking || turns > noise.of_a_mean() || !value.is_finite() {
                 noise.interrupt();
             } else {
                 noise.see(value, dt);

@@ -14,7 +14,7 @@
 //! A = E (d_k+1 - d_k)^2 / 2,   sigma^2 = A tau/dt
 //! ```
 //! The difference of successive means excludes what is constant, such as an error of a radius. The initial variance is that of a
-//! machine that pitches, and counts as some of the means.
+//! machine that pitches, and counts as one of the means.
 
 use crate::math::sqrt;
 
@@ -22,7 +22,7 @@ use crate::math::sqrt;
 const BLOCK: f64 = 0.25;
 /// Initial deviation of the means [m/s], and their number.
 const EXPECTED: f64 = 0.004;
-const EXPECTED_BLOCKS: f64 = 2.0;
+const EXPECTED_BLOCKS: f64 = 1.0;
 /// Number of means in the memory: 20 s of driving.
 const MEMORY: f64 = 80.0;
 /// Deviations to which a difference is limited: an outlier is no noise.
@@ -75,6 +75,11 @@ impl SlipNoise {
             let most = MOST * MOST * self.square;
             self.square += (half.min(most) - self.square) / self.blocks;
         }
+    }
+
+    /// Standard deviation of a mean [m/s].
+    pub fn of_a_mean(&self) -> f64 {
+        sqrt(self.square)
     }
 
     /// Standard deviation of a row, as white noise [m/s].

@@ -54,7 +54,7 @@ pub struct WheelStep<'a> {
     pub inputs: &'a Inputs,
     /// Standard deviations of the sensors, quantisation included [rad/s].
     pub sensor_std: [f64; 2],
-    /// Standard deviation of both by motions of the axles [rad/s].
+    /// Least standard deviation of both, as measured: motions of the axles included [rad/s].
     pub moving_std: f64,
     /// Slow or digging.
     pub weak: bool,
@@ -102,10 +102,9 @@ impl WheelNoise {
             let lag = keys.c_t * (torque - self.lagged_torque[i]) * per_torque;
             let extra = radius_ripple * radius_ripple + lag * lag;
             let sensor = step.sensor_std[i];
-            let moving = step.moving_std;
-            let variance = sensor * sensor + moving * moving + rate * rate * extra;
+            let variance = sensor * sensor + rate * rate * extra;
             self.wavering[i] = Wavering { by_slip, variance };
-            let std = sqrt(variance + weight * by_slip * by_slip);
+            let std = sqrt(variance + weight * by_slip * by_slip).max(step.moving_std);
             if step.weak {
                 std.max(rate * WEAK_WHEEL_STD)
             } else {
