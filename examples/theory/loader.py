@@ -370,7 +370,8 @@ class Wheels:
             sensor = self.machine.s["wheel_speed_std"] ** 2 + quantum**2 / 12
             variance = sensor + rate**2 * (ripple**2 + lag**2)
             self.rows.append((by_slip, variance))
-            std = max(math.sqrt(variance + counted * by_slip**2), self.apart.std(dt) / r / math.sqrt(2))
+            std, found = math.sqrt(variance + counted * by_slip**2), self.apart.std(dt) / r / math.sqrt(2)
+            std = found if found > 2 * std else std
             stds.append(max(std, rate * 0.3) if is_held else std)
         return stds
 
