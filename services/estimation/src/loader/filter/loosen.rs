@@ -107,9 +107,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .into_iter()
             .chain(radii)
         {
-            let more = self.loosened[i];
             self.consider(i, held[i], process_std[i]);
-            self.loosen_by(i, more);
         }
     }
 
@@ -118,7 +116,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
         self.belief.state_mut()[i] = value;
         let lost = variance + process_std * process_std - self.belief.variance(i);
-        self.loosened[i] = sqrt(lost.max(0.0));
+        self.loosen_by(i, sqrt(lost.max(0.0)));
     }
 
     /// Opens the load sensitivity, which is observable from now on, and the ratio that is correlated with it. The height opens so

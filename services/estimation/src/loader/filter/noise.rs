@@ -1,5 +1,7 @@
 //! Process noise and measurement noise of a step, by state and by measurement.
 
+use core::f64::consts::FRAC_1_SQRT_2;
+
 use super::{Belief, CgFilter};
 use crate::loader::layout::{
     ByState, CENTRE, CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
@@ -137,16 +139,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Noise of either wheel as far as it shows in their difference [rad/s].
-    fn axles_move(&self, settings: &Settings, dt: f64) -> f64 {
-        if settings.at_work() {
-            self.slip_noise[1].std(dt) * core::f64::consts::FRAC_1_SQRT_2
-                / self.dynamics.wheel_radius
-        } else {
-            0.0
-        }
-    }
-
     /// Noise of a row's measurements; that of the wheels includes slips, tyres and disturbances.
     pub(super) fn measurement_std(
         &mut self,
@@ -160,7 +152,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             machine: &model.dynamics,
             inputs: &model.inputs,
             sensor_std: self.wheel_sensor_std(settings),
-            moving_std: self.axles_move(settings, model.dt),
             weak: conditions.frozen,
             learns_ripple: settings.at_work(),
             dt: model.dt,
@@ -172,10 +163,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             state[SLIP_STIFFNESS],
         );
         if settings.at_work() {
-            std[SPEED] = std[SPEED].max(self.slip_noise[0].std(model.dt));
+            let [common, apart] = &self.slip_noise;
+            std[SPEED] = common.or(std[SPEED], 1.0, model.dt);
+            // Either wheel has half of the variance of their difference.
+            let per_difference = FRAC_1_SQRT_2 / self.dynamics.wheel_radius;
             let disturbed = self.disturbed_slip(state[SPEED]);
             for i in [FRONT_WHEEL, REAR_WHEEL] {
-                std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);
+                let own = apart.or(std[i], per_difference, model.dt);
+                std[i] = sqrt(own * own + disturbed * disturbed);
             }
         }
         std

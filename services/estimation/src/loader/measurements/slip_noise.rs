@@ -16,6 +16,7 @@
 //! The difference of successive means excludes what is constant, such as an error of a radius. The initial variance is that of a
 //! machine that pitches, and counts as one of the means.
 
+use super::blocks::Blocks;
 use crate::math::sqrt;
 
 /// Averaging time [s].
@@ -25,6 +26,8 @@ const EXPECTED: f64 = 0.004;
 const EXPECTED_BLOCKS: f64 = 1.0;
 /// Number of means in the memory: 20 s of driving.
 const MEMORY: f64 = 80.0;
+/// Ratio of measured to modelled noise up to which the modelled one is used, as with the accelerometer: chance explains the rest.
+const SAME: f64 = 2.0;
 /// Deviations to which a difference is limited: an outlier is no noise.
 const MOST: f64 = 3.0;
 
@@ -32,23 +35,21 @@ const MOST: f64 = 3.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlipNoise {
-    /// Integral over the present block, and its length [m, s].
-    sum: f64,
-    time: f64,
+    blocks: Blocks<1>,
     /// Mean of the block before [m/s].
     last: Option<f64>,
     square: f64,
-    blocks: f64,
+    /// Number of means that count.
+    count: f64,
 }
 
 impl Default for SlipNoise {
     fn default() -> Self {
         Self {
-            sum: 0.0,
-            time: 0.0,
+            blocks: Blocks::default(),
             last: None,
             square: EXPECTED * EXPECTED,
-            blocks: EXPECTED_BLOCKS,
+            count: EXPECTED_BLOCKS,
         }
     }
 }
@@ -56,24 +57,19 @@ impl Default for SlipNoise {
 impl SlipNoise {
     /// Ends the present block: the rows are no longer comparable.
     pub fn interrupt(&mut self) {
-        (self.sum, self.time, self.last) = (0.0, 0.0, None);
+        (self.blocks, self.last) = (Blocks::default(), None);
     }
 
     /// Updates with a row.
     pub fn see(&mut self, value: f64, dt: f64) {
-        self.sum += value * dt;
-        self.time += dt;
-        // The nearest row ends the block, whatever the rounding.
-        if self.time < BLOCK - 0.5 * dt {
+        let Some([mean]) = self.blocks.add([value], dt, BLOCK) else {
             return;
-        }
-        let mean = self.sum / self.time;
-        (self.sum, self.time) = (0.0, 0.0);
+        };
         if let Some(last) = self.last.replace(mean) {
             let half = 0.5 * (mean - last) * (mean - last);
-            self.blocks = (self.blocks + 1.0).min(MEMORY);
+            self.count = (self.count + 1.0).min(MEMORY);
             let most = MOST * MOST * self.square;
-            self.square += (half.min(most) - self.square) / self.blocks;
+            self.square += (half.min(most) - self.square) / self.count;
         }
     }
 
@@ -82,8 +78,18 @@ impl SlipNoise {
         sqrt(self.square)
     }
 
+    /// Noise of a measurement that moves by `per` with the slip speed: the measured one if it exceeds twice the modelled one.
+    pub fn or(&self, modelled: f64, per: f64, dt: f64) -> f64 {
+        let found = per * self.std(dt);
+        if found > SAME * modelled {
+            found
+        } else {
+            modelled
+        }
+    }
+
     /// Standard deviation of a row, as white noise [m/s].
-    pub fn std(&self, dt: f64) -> f64 {
+    fn std(&self, dt: f64) -> f64 {
         sqrt(self.square * (BLOCK / dt).max(1.0))
     }
 }

@@ -36,9 +36,6 @@ const TOGETHER: f64 = 0.4;
 /// Standard deviations of a row beyond which a wheel hops, and its noise grows in proportion.
 const FAR: f64 = 3.0;
 
-/// Ratio of measured to modelled noise up to which the modelled one is used: chance explains the rest.
-const SAME: f64 = 2.0;
-
 /// Lagged torques and fluctuation of the slips.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -57,8 +54,6 @@ pub struct WheelStep<'a> {
     pub inputs: &'a Inputs,
     /// Standard deviations of the sensors, quantisation included [rad/s].
     pub sensor_std: [f64; 2],
-    /// Standard deviation of both as measured, motions of the axles included [rad/s].
-    pub moving_std: f64,
     /// Slow or digging.
     pub weak: bool,
     /// The fluctuation of the slips is identified from the innovations.
@@ -107,12 +102,7 @@ impl WheelNoise {
             let sensor = step.sensor_std[i];
             let variance = sensor * sensor + rate * rate * extra;
             self.wavering[i] = Wavering { by_slip, variance };
-            let modelled = sqrt(variance + weight * by_slip * by_slip);
-            let std = if step.moving_std > SAME * modelled {
-                step.moving_std
-            } else {
-                modelled
-            };
+            let std = sqrt(variance + weight * by_slip * by_slip);
             if step.weak {
                 std.max(rate * WEAK_WHEEL_STD)
             } else {
