@@ -9,8 +9,12 @@ const MOVED: f64 = 0.03;
 const EMPTIED: f64 = 1.15;
 /// Closing by which a standing bucket may have been filled [rad].
 const FILLED: f64 = 0.4;
-/// Ticks after an opening in which the last material may still leave (0.20 s).
+/// Ticks after an opening in which the last material may still leave as fast as before (0.20 s).
 const SETTLING: u32 = 20;
+/// Ticks after an opening in which a bucket that still weighs something may be losing it: wet soil slides out slowly (2 s).
+const SLIDING: u32 = 200;
+/// Rate of opening that loses as much [rad/s]: a mass m changes by m in 1.7 s, one standard deviation.
+const SLIDES: f64 = 0.7;
 
 /// Knowledge of the content after a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +43,9 @@ pub(super) struct Bucket {
     most: f64,
     emptied: bool,
     settling: u32,
+    /// Ticks left in which the rest may slide out, and whether it may be doing so.
+    sliding: u32,
+    loses: bool,
 }
 
 impl Bucket {
@@ -53,6 +60,8 @@ impl Bucket {
             most: f64::NEG_INFINITY,
             emptied: false,
             settling: 0,
+            sliding: 0,
+            loses: false,
         }
     }
 
@@ -72,10 +81,13 @@ impl Bucket {
         }
         self.rate = self.opening.step(drive);
         let was_settling = self.settling > 0;
-        self.settling = if self.is_open() {
-            SETTLING
+        (self.settling, self.sliding) = if self.is_open() {
+            (SETTLING, SLIDING)
         } else {
-            self.settling.saturating_sub(1)
+            (
+                self.settling.saturating_sub(1),
+                self.sliding.saturating_sub(1),
+            )
         };
         let before = self.posture.unwrap_or(drive.posture);
         let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
@@ -118,9 +130,15 @@ impl Bucket {
         self.opening.is_open()
     }
 
-    /// Returns whether the last material may still leave.
+    /// Returns whether material may still leave as fast as while the bucket opened.
     pub(super) fn is_settling(&self) -> bool {
         self.settling > 0
+    }
+
+    /// Notes whether the emptied bucket weighs something. Returns whether it may still be losing that.
+    pub(super) fn weighs(&mut self, something: bool) -> bool {
+        self.loses = something && self.sliding > 0;
+        self.loses
     }
 
     /// Returns whether joints have moved since the machine stopped.
@@ -133,8 +151,43 @@ impl Bucket {
         self.rate
     }
 
+    /// Rate of opening that would lose as much as slides out of the open bucket [rad/s].
+    pub(super) fn sliding_rate(&self) -> f64 {
+        if self.loses { SLIDES } else { 0.0 }
+    }
+
     /// Returns whether the bucket was opened wide and has not been filled since.
     pub(super) fn is_emptied(&self) -> bool {
         self.emptied && !self.is_open() && self.settling == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bucket_that_weighs_something_may_lose_it_for_two_seconds_after_its_opening() {
+        let mut bucket = Bucket::new(0.3);
+        let mut at = |angle: f64, something: bool| {
+            let drive = Drive {
+                period: 0.01,
+                posture: [0.6, -1.8, angle],
+                seen: true,
+                ..Drive::default()
+            };
+            bucket.step(&drive, 1.0, false, None);
+            (bucket.weighs(something), bucket.sliding_rate() > 0.0)
+        };
+        assert_eq!(at(-1.5, true), (false, false), "it has not opened");
+        (0..100).for_each(|k| {
+            at(-1.5 + 0.015 * f64::from(k), true);
+        });
+        let lasts = (0..300).filter(|_| at(0.0, true).0).count();
+        assert!((200..230).contains(&lasts), "{lasts}");
+        (0..100).for_each(|k| {
+            at(-1.5 + 0.015 * f64::from(k), true);
+        });
+        assert_eq!(at(0.0, false), (false, false), "it weighs nothing");
     }
 }

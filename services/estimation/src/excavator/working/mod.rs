@@ -696,7 +696,7 @@ impl Working {
                 + drive.changing_torque
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),
-            payload_variance: 0.5 * m * m * opening
+            payload_variance: 0.5 * m * m * (opening + self.bucket.sliding_rate() * drive.period)
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         }
     }

@@ -114,6 +114,7 @@ impl Working {
         if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
             self.weighs_less_than_nothing(gate, now, trail);
         }
+        self.bucket.weighs(false);
         if self.content_variance() > self.known_variance() {
             return;
         }
@@ -131,6 +132,10 @@ impl Working {
         let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
+        let close = value * value < 4.0 * (variance + std * std);
+        if self.bucket.weighs(value < 0.0 && !close) {
+            return;
+        }
         let apart = value * value > 9.0 * (claimed + std * std);
         let parallel_variance = parallel.p[M][M];
         let explained = other * other < 4.0 * (parallel_variance + std * std);
@@ -164,7 +169,6 @@ impl Working {
             let (usual, before) = (self.contradiction.usual(), self.weighed_something);
             self.weighed_something = self.parallel.weigh_again(both, gate, usual, before);
         }
-        let close = value * value < 4.0 * (variance + std * std);
         if !apart && !close {
             return;
         }
