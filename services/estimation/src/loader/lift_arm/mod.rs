@@ -616,7 +616,7 @@ impl LiftWitness {
             },
             undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
             gain_left,
-            wrong: self.below.is_wrong() || changed > DOUBTED,
+            wrong: !self.below.explains(shown.payload) || changed > DOUBTED,
             silent: false,
         }
     }

@@ -8,7 +8,7 @@
 //! comes or goes: it counts as a jump, however slow.
 //!
 //! The noise is that of the pressures and of the heaving load while the machine drives. It is estimated from the innovations, as a share of
-//! the moment, and is correlated for some tenths of a second. Errors of the drawing are no noise: they are added to the answer (`doubt`).
+//! the expected moment, and is correlated for some tenths of a second. Errors of the drawing are no noise: they are added to the answer (`doubt`).
 
 use super::content::Motion;
 use super::drawing::Drawing;
@@ -139,8 +139,10 @@ impl Scale {
         // The expected friction is taken from the moment already; the residual is a state.
         let by = [per_load, full];
         let innovation = lifting - empty - per_load * self.state[0] - full * self.state[1];
-        let carried = lifting.abs() + ARM_ALONE * full;
         let predicted = self.variance(by);
+        // Shares refer to the expected moment: as shares of the measured one, low readings of a heaving load would count more than high ones.
+        let expected = lifting - innovation;
+        let carried = sqrt(expected * expected + predicted) + ARM_ALONE * full;
         let noise = lever.abs() * drawing.force_std();
         let expected = predicted / (carried * carried);
         self.listen(innovation / carried, expected, motion, dt);
