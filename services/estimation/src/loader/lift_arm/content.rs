@@ -64,16 +64,19 @@ pub(super) struct Motion {
 }
 
 impl Content {
-    /// Updates with the rates of arm and bucket [rad/s] and the speed of the machine [m/s]. `low`: the ground is within reach; `pushes`:
-    /// the wheels push.
+    /// Updates with the rates of arm and bucket [rad/s] and the speed of the machine [m/s]. `turn`: of the bucket per turn of the arm;
+    /// `low`: the ground is within reach; `pushes`: the wheels push.
     pub fn motion(
         &mut self,
         [lift, bucket]: [f64; 2],
+        turn: f64,
         [low, pushes]: [bool; 2],
         speed: Option<f64>,
         dt: f64,
     ) -> Motion {
-        let turning = bucket.abs() > TURNS;
+        // An arm that carries the tilt cylinder turns its bucket up as it lifts. That empties no bucket, and fills none in the air.
+        let by_tilt = bucket - turn * lift;
+        let turning = bucket.abs() > TURNS && (low || bucket < 0.0 || by_tilt > TURNS);
         // A bucket that turns down slowly loses content in proportion to its angle; one that turns up is filled only by the ground.
         let slowly = bucket < -TURNS_SLOWLY || (low && bucket > TURNS_SLOWLY);
         let changing = if turning {
@@ -135,10 +138,10 @@ mod tests {
     fn open_for(acts: [bool; 2], speed: Option<f64>) -> f64 {
         let mut content = Content::default();
         let free = [acts[0], false];
-        (0..200).for_each(|_| _ = content.motion(STILL, free, speed, 0.01));
-        assert!(!content.motion(STILL, free, speed, 0.01).open);
+        (0..200).for_each(|_| _ = content.motion(STILL, 0.0, free, speed, 0.01));
+        assert!(!content.motion(STILL, 0.0, free, speed, 0.01).open);
         content.touch();
-        let open = (0..1000).take_while(|_| content.motion(STILL, acts, speed, 0.01).open);
+        let open = (0..1000).take_while(|_| content.motion(STILL, 0.0, acts, speed, 0.01).open);
         0.01 * open.count() as f64
     }
 
@@ -166,9 +169,33 @@ mod tests {
     fn an_arm_that_lifts_frees_its_bucket() {
         let mut content = Content::default();
         content.touch();
-        assert!(content.motion([0.3, 0.0], LOW, Some(0.0), 0.01).held);
-        assert!(!content.motion([0.3, 0.0], [false; 2], Some(0.0), 0.01).held);
-        (0..200).for_each(|_| _ = content.motion(STILL, LOW, Some(0.0), 0.01));
-        assert!(!content.motion(STILL, LOW, Some(0.0), 0.01).open);
+        assert!(content.motion([0.3, 0.0], 0.0, LOW, Some(0.0), 0.01).held);
+        assert!(
+            !content
+                .motion([0.3, 0.0], 0.0, [false; 2], Some(0.0), 0.01)
+                .held
+        );
+        (0..200).for_each(|_| _ = content.motion(STILL, 0.0, LOW, Some(0.0), 0.01));
+        assert!(!content.motion(STILL, 0.0, LOW, Some(0.0), 0.01).open);
+    }
+
+    #[test]
+    fn a_bucket_that_the_lifting_arm_turns_up_keeps_its_content_and_one_that_the_tilt_cylinder_turns_may_not()
+     {
+        let open = |[lift, bucket]: [f64; 2], turn: f64, low: bool| {
+            let mut content = Content::default();
+            (0..200).for_each(|_| _ = content.motion(STILL, turn, [low, false], Some(2.0), 0.01));
+            content
+                .motion([lift, bucket], turn, [low, false], Some(2.0), 0.01)
+                .open
+        };
+        assert!(!open([0.3, 0.3], 1.0, false));
+        assert!(open([0.3, 0.3], 1.0, true), "in the ground");
+        assert!(open([-0.3, -0.3], 1.0, false), "it may spill");
+        assert!(open([0.0, 0.3], 1.0, false));
+        assert!(
+            open([0.3, 0.3], 0.0, false),
+            "held by a linkage, it would not turn"
+        );
     }
 }

@@ -386,9 +386,13 @@ impl LiftWitness {
         self.seals.take(stance.rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
         let (pushes, driving) = (self.drive.pushes(), drives(sample));
-        let mut motion = self
-            .content
-            .motion(self.rates, [low, pushes], sample.speed, dt);
+        let mut motion = self.content.motion(
+            self.rates,
+            self.drawing.values[TURN],
+            [low, pushes],
+            sample.speed,
+            dt,
+        );
         self.learn(&posture, &motion);
         let (drawing, values) = (&self.drawing, &self.drawing.values);
         posture.seals = self.seals.share();

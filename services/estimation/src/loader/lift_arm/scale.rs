@@ -8,7 +8,8 @@
 //! comes or goes: it counts as a jump, however slow.
 //!
 //! The noise is that of the pressures and of the heaving load while the machine drives. It is estimated from the innovations, as a share of
-//! the expected moment, and is correlated for some tenths of a second. Errors of the drawing are no noise: they are added to the answer (`doubt`).
+//! the expected moment, and is correlated for some tenths of a second. Errors of the drawing are no noise: they are added to the answer
+//! (`doubt`).
 
 use super::content::Motion;
 use super::drawing::Drawing;
@@ -89,7 +90,7 @@ struct Lifted {
     variance: f64,
     /// Variance by what may have left the bucket since [kg^2].
     left: f64,
-    /// Smoothed excess of the moment over that of this payload, as a share of the moment.
+    /// Smoothed excess of the moment over that of this payload, as a share of the expected moment.
     above: f64,
 }
 
@@ -140,9 +141,9 @@ impl Scale {
         let by = [per_load, full];
         let innovation = lifting - empty - per_load * self.state[0] - full * self.state[1];
         let predicted = self.variance(by);
-        // Shares refer to the expected moment: as shares of the measured one, low readings of a heaving load would count more than high ones.
-        let expected = lifting - innovation;
-        let carried = sqrt(expected * expected + predicted) + ARM_ALONE * full;
+        // Shares of the expected moment: of the measured one, low readings of a heaving load would count more than high ones.
+        let moment = lifting - innovation;
+        let carried = sqrt(moment * moment + predicted) + ARM_ALONE * full;
         let noise = lever.abs() * drawing.force_std();
         let expected = predicted / (carried * carried);
         self.listen(innovation / carried, expected, motion, dt);
@@ -202,9 +203,7 @@ impl Scale {
                 UNEXPLAINED
             };
             let usual = HEAVING_LEFT * self.heaving + moves * moves;
-            // `above` is a share of the present moment: here it becomes one of the known moment.
-            let above = lifted.above / (1.0 - lifted.above.min(0.9)) * known;
-            above > JUMPS * sqrt(std * std + usual * known * known)
+            lifted.above * known > JUMPS * sqrt(std * std + usual * known * known)
         })
     }
 
