@@ -179,7 +179,7 @@ fn a_number_with_its_unit_or_with_marks_gets_a_message_with_its_own() {
         ("12.5 kN", "its unit stands once"),
         ("12,5%", "its unit stands once"),
         ("12 500.0", "without marks between thousands"),
-        ("12,500.0", "without marks between thousands"),
+        ("12,50.0", "without marks between thousands"),
         ("fast", "leave the cell empty"),
         ("9 lives", "leave the cell empty"),
     ] {

@@ -37,6 +37,9 @@ pub(crate) struct Columns<S: Sensors> {
 /// Column of a map that exists in every table: the number of the row, from 0.
 const ROW: &str = "row";
 
+/// Last column of LabVIEW's tables, which a row without a remark leaves out.
+const REMARKS: &str = "Comment";
+
 /// Column of the names in a table of many machines.
 const MACHINE: &str = "machine";
 
@@ -391,7 +394,8 @@ impl<S: Sensors> Columns<S> {
 
     /// Whether a row has too few cells for the columns up to the last named one.
     pub(crate) fn is_short(&self, record: &Record) -> bool {
-        let unnamed = self.header.iter().rev().take_while(|name| name.is_empty());
+        let may_lack = |name: &&String| name.is_empty() || *name == REMARKS;
+        let unnamed = self.header.iter().rev().take_while(may_lack);
         record.len() < self.header.len() - unnamed.count()
     }
 
@@ -407,10 +411,15 @@ impl<S: Sensors> Columns<S> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
+        let dialect = self.numbers.dialect;
+        let hidden = hidden_rows(record, width, dialect);
+        if hidden > 0 {
+            let what = format!("a quote takes the {hidden} rows below it into one cell");
+            return Some((what, CLOSE));
+        }
         if !has_more && !self.is_short(record) {
             return self.another_machine(record);
         }
-        let dialect = self.numbers.dialect;
         let separator = char::from(dialect.separator).escape_default();
         let s = if cells == 1 { "" } else { "s" };
         let what =
@@ -428,9 +437,7 @@ impl<S: Sensors> Columns<S> {
             (_, Dialect { separator: BLANK }) if !has_more => {
                 "complete or delete the row; where blanks separate, a missing sample is NaN"
             }
-            _ if record.iter().any(|cell| cell.contains(&b'\n')) => {
-                "close the quote that opens in this row, or delete it"
-            }
+            _ if record.iter().any(|cell| cell.contains(&b'\n')) => CLOSE,
             _ if has_more && cells == width + 1 => {
                 "name every column, that of the rows' names too (in R: col.names = NA), or delete the row"
             }
@@ -526,6 +533,22 @@ impl<S: Sensors> Columns<S> {
             self.builder.push(&self.values, 0);
         }
     }
+}
+
+/// Remedy for a quote that is not closed.
+const CLOSE: &str = "close the quote that opens in this row, or delete it";
+
+/// How many rows of a table of this width are within cells of one record: a quote above them is not closed.
+fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> usize {
+    let within = record
+        .iter()
+        .flat_map(|cell| cell.split(|b| *b == b'\n').skip(1));
+    let is_row = |line: &&[u8]| {
+        let mut cells = line.split(|b| *b == dialect.separator);
+        let first = cells.next().unwrap_or_default();
+        first.trim_ascii().first().is_some_and(u8::is_ascii_digit) && 1 + cells.count() >= width
+    };
+    within.filter(is_row).count() * usize::from(width > 1)
 }
 
 /// The columns of a table whose map gives their times of measurement.
