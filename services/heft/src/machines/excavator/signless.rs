@@ -1,39 +1,53 @@
 //! Detects a swing torque or a swing velocity without its sign, as a controller that shows amounts records it.
 //!
-//! The torque T changes the velocity w in its own direction, so the sum of T dw is positive. Without one of the signs that holds in
-//! one direction of the swing only, and the other direction has as large a sum against it.
+//! The torque changes the velocity in its own direction. Without one of the signs that holds in one direction of the swing only.
 
 use estimation::excavator::Sample;
 
 /// Least time between two velocities that are compared, and largest \[s\].
 const APART: std::ops::RangeInclusive<f64> = 0.1..=0.3;
-/// Share of the smaller direction below which a signal has one direction only.
+/// Share of the rarer direction below which a signal has one direction only.
 const ONE_WAY: f64 = 0.01;
-/// Share of the sum against the torque: without a sign about half; measured on sound recordings below .1.
+/// Share of changes of the velocity against the torque: without a sign about half.
 const AGAINST: std::ops::Range<f64> = 0.25..0.75;
-/// Fewest comparisons in which the machine swings: some ten seconds.
+/// Fewest changes: some ten seconds.
 const FEWEST: u32 = 100;
+/// Change of the velocity beyond its noise [rad/s].
+const CHANGES: f64 = 0.02;
 /// Velocity above which it swings [rad/s].
 const SWINGS: f64 = 0.1;
 
-/// Sums of torque and velocity, and of torque times change of velocity, each by its sign.
+/// Numbers of positive and of negative values.
+#[derive(Default)]
+struct Signs([u32; 2]);
+
+impl Signs {
+    fn see(&mut self, value: f64) {
+        self.0[usize::from(value < 0.0)] += 1;
+    }
+
+    fn count(&self) -> u32 {
+        self.0[0] + self.0[1]
+    }
+
+    /// Share of the negative values.
+    fn negative(&self) -> f64 {
+        f64::from(self.0[1]) / f64::from(self.count().max(1))
+    }
+
+    fn is_one_way(&self) -> bool {
+        let negative = self.negative();
+        negative.min(1.0 - negative) < ONE_WAY
+    }
+}
+
+/// Signs of torque and velocity while the velocity changes, and of the torque along the change.
 #[derive(Default)]
 pub(super) struct Signless {
     before: Option<(f64, f64)>,
-    torque: [f64; 2],
-    velocity: [f64; 2],
-    work: [f64; 2],
-    count: u32,
-}
-
-/// Adds an amount to the sum of its sign.
-fn add(sums: &mut [f64; 2], value: f64) {
-    sums[usize::from(value < 0.0)] += value.abs();
-}
-
-/// Share of the smaller sum, and of the negative one.
-fn shares([positive, negative]: [f64; 2]) -> [f64; 2] {
-    [positive.min(negative), negative].map(|part| part / (positive + negative))
+    torque: Signs,
+    velocity: Signs,
+    along: Signs,
 }
 
 impl Signless {
@@ -47,25 +61,24 @@ impl Signless {
             return;
         }
         self.before = Some((sample.time, velocity));
-        if APART.contains(&elapsed) && velocity.abs() > SWINGS {
-            self.count += 1;
-            add(&mut self.velocity, velocity);
-            add(&mut self.torque, torque);
-            add(&mut self.work, torque * (velocity - last));
+        let change = velocity - last;
+        if APART.contains(&elapsed) && velocity.abs() > SWINGS && change.abs() > CHANGES {
+            self.velocity.see(velocity);
+            self.torque.see(torque);
+            self.along.see(torque * change);
         }
     }
 
     /// The fault and its remedy.
     pub(super) fn fault(&self) -> Option<String> {
-        let is_one_way = |sums: &[f64; 2]| shares(*sums)[0] < ONE_WAY;
         let signals = [
             ("swing_velocity", &self.velocity),
             ("swing_torque", &self.torque),
         ];
-        let without = signals.into_iter().filter(|(_, sums)| is_one_way(sums));
+        let without = signals.into_iter().filter(|(_, signs)| signs.is_one_way());
         let without: Vec<&str> = without.map(|(name, _)| name).collect();
-        let is_against = AGAINST.contains(&shares(self.work)[1]);
-        (self.count >= FEWEST && is_against && !without.is_empty()).then(|| {
+        let is_against = AGAINST.contains(&self.along.negative());
+        (self.along.count() >= FEWEST && is_against && !without.is_empty()).then(|| {
             let (one, s) = (without.join(" and "), if without.len() == 1 { "s" } else { "" });
             format!(
                 "{one} seem{s} to lack the sign: the direction never changes, and the velocity changes against the torque as often as with it\n  \
