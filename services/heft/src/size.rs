@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use config::Description;
+use messages::Machine;
 use recording::Quoted;
 use view::number::significant;
 
@@ -10,6 +11,7 @@ use crate::args::{DescriptionArgs, is_of_heft, states};
 use crate::failure::Failure;
 use crate::machines;
 use crate::plan::Plan;
+use crate::small_file;
 use crate::sources::is_simulated;
 
 /// Relative difference of simulated and described mass above which they are different machines.
@@ -110,9 +112,8 @@ pub fn assumed(
     let machine = description.machine();
     let (key, kg) = machines::entry(machine).simulated_mass;
     let is_reference = description.number(key).is_none_or(|stated| stated == kg);
-    // A machine file may state nothing.
-    let is_default = description.to_toml() == Description::default_of(machine).to_toml();
-    if is_default && args.class.is_none() && !states(machine, args, key)? {
+    let is_told = states_any(machine, args)? || args.class.is_some() || states(machine, args, key)?;
+    if is_reference && !is_told {
         return Ok(Some(format!(
             "note: the {machine} is taken for the reference machine of {} t; say how large yours is (--class 21t), or give its machine file \
              (--config)",
@@ -130,6 +131,16 @@ pub fn assumed(
     notes.extend(usual.map(|words| format!("{words}; {all} shows all")));
     let notes: Vec<String> = notes.iter().map(|words| format!("note: {words}")).collect();
     Ok((!notes.is_empty()).then(|| notes.join("\n")))
+}
+
+/// Whether the machine file states any value: it may hold comments alone.
+fn states_any(machine: Machine, args: &DescriptionArgs) -> Result<bool, Failure> {
+    let Some(file) = &args.config else {
+        return Ok(false);
+    };
+    let text = small_file::text(file)?;
+    let stated = Description::parse(&text, &file.display().to_string(), Some(machine))?;
+    Ok(stated.to_toml() != Description::default_of(machine).to_toml())
 }
 
 /// The values that are not stated and follow from the machine's mass; the first of them by name.
