@@ -55,7 +55,7 @@ impl Look for Fits {
             turned: Turned::new(geometry),
             signless: Signless::default(),
             unmoved: Unmoved::new(geometry),
-            torque: Still::new(["swing_torque"]),
+            torque: Still::new(["swing_torque"], "N m"),
             plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
