@@ -542,7 +542,7 @@ fn rows_within_a_quote_that_is_not_closed_are_no_remark() {
     }
     let error = of("\"open").expect_err("half of the rows").to_string();
     assert!(
-        error.contains("a quote takes the 199 rows below"),
+        error.contains("a quote takes 199 of the rows below"),
         "{error}"
     );
     assert!(error.contains("a.csv:202"), "{error}");

@@ -633,6 +633,8 @@ fn weighings_are_read_and_refused_like_other_tables() {
     assert!(!error.remedy.contains("leave the cell empty"), "{error}");
     let (_dir, path) = file("pitch,rear,front_load\n0,1,2\n");
     assert!(read_weighings(&path).is_err_and(|e| e.what.contains("rear_load")));
+    let (_dir, path) = file("pitch,rear_load,front_load,by\n0,1,2,\"me\n0.2,3,4,\n");
+    assert!(read_weighings(&path).is_err_and(|e| e.what.contains("takes 1 of the rows below")));
 }
 
 #[test]

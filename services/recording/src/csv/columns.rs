@@ -412,9 +412,7 @@ impl<S: Sensors> Columns<S> {
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
         let dialect = self.numbers.dialect;
-        let hidden = hidden_rows(record, width, dialect);
-        if hidden > 0 {
-            let what = format!("a quote takes the {hidden} rows below it into one cell");
+        if let Some(what) = hidden_rows(record, width, dialect) {
             return Some((what, CLOSE));
         }
         if !has_more && !self.is_short(record) {
@@ -536,10 +534,10 @@ impl<S: Sensors> Columns<S> {
 }
 
 /// Remedy for a quote that is not closed.
-const CLOSE: &str = "close the quote that opens in this row, or delete it";
+pub(super) const CLOSE: &str = "close the quote that opens in this row, or delete it";
 
-/// How many rows of a table of this width are within cells of one record: a quote above them is not closed.
-fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> usize {
+/// What to say of rows of a table of this width that are within a cell of one record: a quote above them is not closed.
+pub(super) fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> Option<String> {
     let within = record
         .iter()
         .flat_map(|cell| cell.split(|b| *b == b'\n').skip(1));
@@ -548,7 +546,9 @@ fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> usize {
         let first = cells.next().unwrap_or_default();
         first.trim_ascii().first().is_some_and(u8::is_ascii_digit) && 1 + cells.count() >= width
     };
-    within.filter(is_row).count() * usize::from(width > 1)
+    let count = within.filter(is_row).count();
+    (count > 0 && width > 1)
+        .then(|| format!("a quote takes {count} of the rows below it into one cell"))
 }
 
 /// The columns of a table whose map gives their times of measurement.
