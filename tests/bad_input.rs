@@ -84,8 +84,8 @@ fn what_a_cell_should_be_is_said_where_it_is_something_else() {
     let date = "t,swing_velocity\n03/04/2026 12:59:50 PM,0.1\n";
     let ambiguous = "may begin with its day or with its month";
     refused(date, &["03/04/2026", ambiguous, "2026-11-21 16:00:00.25"]);
-    let thousands = "t,swing_velocity,swing_torque\n0,0,\"1,250.5\"\n";
-    refused(thousands, &["1,250.5", "decimal point"]);
+    let thousands = "t,swing_velocity,swing_torque\n0,0,\"12,50.5\"\n";
+    refused(thousands, &["12,50.5", "decimal point"]);
     let twice = "t,swing_velocity\n0,0\n0.01,0\nt,swing_velocity\n0,0\n";
     refused(twice, &["in.csv:4", "header stands here once more"]);
     // Without the second header its rows would be assigned to other columns.

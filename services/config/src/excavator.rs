@@ -58,6 +58,19 @@ fn contradictions(excavator: &Excavator) -> Vec<Error> {
             "give an inertia_max above what the machine can reach, or mend the geometry",
         ));
     }
+    let lengths = [
+        ("boom_length", excavator.geometry.boom_length),
+        ("arm_length", excavator.geometry.arm_length),
+    ];
+    // A machine of a stated mass has a boom and an arm, to which the deviations of its class are relative.
+    let absent = lengths.iter().find(|(_, length)| *length == 0.0);
+    if let Some((name, _)) = absent.filter(|_| machine.operating_mass.is_some()) {
+        found.push(Error::between(
+            format!("machine.geometry.{name} is 0 m"),
+            &format!("machine.geometry.{name}"),
+            "measure it from pin to pin, or leave it out for that of a usual machine",
+        ));
+    }
     if estimator.payload_min >= estimator.payload_max {
         found.push(Error::between(
             format!(

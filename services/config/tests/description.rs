@@ -141,6 +141,8 @@ fn contradictions_between_keys_are_found() {
     assert_eq!((e.line, e.key.as_str()), (Some(2), "machine.inertia_min"));
     let e = error("[prior]\ninertia = 100\n");
     assert_eq!((e.line, e.key.as_str()), (Some(2), "prior.inertia"));
+    let e = error("[machine]\noperating_mass = 5500\n[machine.geometry]\nboom_length = 0\n");
+    assert_eq!(e.key, "machine.geometry.boom_length");
     assert!(Loader::parse("[prior]\ncg_height = 4.0", "x").is_err());
 }
 

@@ -16,9 +16,10 @@ impl Table {
         }
     }
 
-    /// Adds a row.
+    /// Adds a row. A line end in a cell, as names of files have, is written as `\n`.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
-        self.rows.push(cells.into_iter().map(Into::into).collect());
+        let one_line = |cell: S| cell.into().replace('\n', "\\n");
+        self.rows.push(cells.into_iter().map(one_line).collect());
     }
 }
 
@@ -73,10 +74,10 @@ mod tests {
     fn columns_line_up() {
         let mut table = Table::new(&["case", "mean"]);
         table.row(["1", "-0.25"]);
-        table.row(["long", "10"]);
+        table.row(["a\nb", "10"]);
         assert_eq!(
             table.to_string(),
-            "  case   mean\n  ----  -----\n  1     -0.25\n  long     10\n"
+            "  case   mean\n  ----  -----\n  1     -0.25\n  a\\nb     10\n"
         );
     }
 }

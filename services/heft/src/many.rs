@@ -10,7 +10,7 @@ use std::process::{Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use recording::Kind;
+use recording::{Kind, OneLine};
 
 use crate::failure::Failure;
 use crate::image;
@@ -136,7 +136,7 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
             continue;
         } else if kind?.is_dir() {
             folders.push(path);
-        } else if tables && path.is_file() && is_table(&path) {
+        } else if tables && (path.is_file() || is_dangling(&path)) && is_table(&path) {
             recordings.push(path);
         }
     }
@@ -144,6 +144,11 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
     found.append(&mut recordings);
     folders.sort();
     folders.iter().try_for_each(|f| walk(f, tables, found))
+}
+
+/// Whether it is a link to a file that is not there: such data are missing, and named as an input that failed.
+fn is_dangling(path: &Path) -> bool {
+    path.is_symlink() && !path.exists()
 }
 
 fn is_table(path: &Path) -> bool {
@@ -324,7 +329,7 @@ fn tell(input: &Path, remarks: &str, printed: &Printed) {
     let mut is_new =
         |line: &&str| !line.starts_with("note: ") || printed.insert((*line).to_owned());
     for remark in remarks.lines().filter(|line| is_new(line)) {
-        eprintln!("{}: {remark}", input.display());
+        eprintln!("{}: {remark}", OneLine(input.display()));
     }
 }
 
@@ -370,10 +375,11 @@ mod tests {
         put("deeper/bus.log", "x");
         put("deeper/notes.txt", "x");
         put(".hidden/a.csv", "t\n");
+        std::os::unix::fs::symlink("gone.csv", folder.path().join("link.csv")).unwrap();
         let found = inputs(&[folder.path().to_owned()], true).unwrap();
         let names = found.iter().map(|f| f.strip_prefix(folder.path()).unwrap());
-        let expected = ["a.csv", "deeper/bus.log", "deeper/run.mcap"].map(Path::new);
-        assert_eq!(names.collect::<Vec<_>>(), expected);
+        let expected = ["a.csv", "link.csv", "deeper/bus.log", "deeper/run.mcap"];
+        assert_eq!(names.collect::<Vec<_>>(), expected.map(Path::new));
         let only = inputs(&[folder.path().to_owned()], false).unwrap();
         assert_eq!(only.len(), 1);
         assert!(inputs(&[folder.path().join("none")], true).is_err());

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use config::Description;
+use messages::Machine;
 use recording::Quoted;
 use view::number::significant;
 
@@ -10,13 +11,14 @@ use crate::args::{DescriptionArgs, is_of_heft, states};
 use crate::failure::Failure;
 use crate::machines;
 use crate::plan::Plan;
+use crate::small_file;
 use crate::sources::is_simulated;
 
 /// Relative difference of simulated and described mass above which they are different machines.
 const SAME_SIZE: f64 = 0.1;
 
 /// Keys whose values follow from the mass if they are not stated: the key of the data sheet, and the key that follows from it.
-pub const ALIKE: &[(&str, &str)] = &[
+const ALIKE: &[(&str, &str)] = &[
     (
         "machine.geometry.boom_length",
         "machine.geometry.boom_length",
@@ -48,6 +50,38 @@ pub fn tell_other_size(plan: &Plan, description: &Description) {
     }
 }
 
+/// Ratio to the usual value of machines of this size, or its inverse, above which a number is in another unit or of another machine.
+const ODD: f64 = 2.5;
+
+/// Remarks on stated values that do not fit a machine of the stated mass.
+///
+/// # Errors
+/// The mass is out of range.
+pub fn odd(description: &Description) -> Result<Vec<String>, Failure> {
+    let mut found = Vec::new();
+    let mass_key = config::mass_key(description.machine());
+    let Some(mass) = description.number(mass_key) else {
+        return Ok(found);
+    };
+    let mut class = Description::default_of(description.machine());
+    class.set(&format!("{mass_key}={mass:?}"))?;
+    for (key, follows) in ALIKE {
+        let ratio = description.number(follows).zip(class.number(follows));
+        let Some(ratio) = ratio.map(|(own, usual)| own / usual) else {
+            continue;
+        };
+        let stated = description.number(key);
+        if let Some(stated) = stated.filter(|_| ratio.max(1.0 / ratio) > ODD) {
+            let usual = significant(stated / ratio, 2);
+            found.push(format!(
+                "{key} is {stated}, and machines of {:.1} t have about {usual}: check it, and {mass_key}",
+                mass / 1000.0
+            ));
+        }
+    }
+    Ok(found)
+}
+
 /// What to know of a machine file that has the size of the reference machine: `heft check --print` writes all of its values, and so
 /// does the example of the package.
 pub fn of_reference(description: &Description) -> Option<String> {
@@ -62,7 +96,8 @@ pub fn of_reference(description: &Description) -> Option<String> {
     })
 }
 
-/// The size assumed for an input's machine, and what follows from it. A recording of heft brings its machine file.
+/// The size assumed for an input's machine, what follows from it, and stated values that do not fit it. A recording of heft brings its
+/// machine file.
 ///
 /// # Errors
 /// The machine file cannot be read.
@@ -77,7 +112,7 @@ pub fn assumed(
     let machine = description.machine();
     let (key, kg) = machines::entry(machine).simulated_mass;
     let is_reference = description.number(key).is_none_or(|stated| stated == kg);
-    let is_told = args.config.is_some() || args.class.is_some() || states(machine, args, key)?;
+    let is_told = states_any(machine, args)? || args.class.is_some() || states(machine, args, key)?;
     if is_reference && !is_told {
         return Ok(Some(format!(
             "note: the {machine} is taken for the reference machine of {} t; say how large yours is (--class 21t), or give its machine file \
@@ -85,15 +120,27 @@ pub fn assumed(
             kg / 1000.0
         )));
     }
-    let all = shown_by(description, args);
-    let words = match of_mass(description) {
-        Some(words) => words,
-        None if args.config.is_none() && is_reference => format!(
+    let mut notes = odd(description)?;
+    let usual = match of_mass(description) {
+        None if args.config.is_none() && is_reference => Some(format!(
             "values that nobody has stated are those of the reference {machine}, whose mass this is"
-        ),
-        None => return Ok(None),
+        )),
+        words => words,
     };
-    Ok(Some(format!("note: {words}; {all} shows all")))
+    let all = shown_by(description, args);
+    notes.extend(usual.map(|words| format!("{words}; {all} shows all")));
+    let notes: Vec<String> = notes.iter().map(|words| format!("note: {words}")).collect();
+    Ok((!notes.is_empty()).then(|| notes.join("\n")))
+}
+
+/// Whether the machine file states any value: it may hold comments alone.
+fn states_any(machine: Machine, args: &DescriptionArgs) -> Result<bool, Failure> {
+    let Some(file) = &args.config else {
+        return Ok(false);
+    };
+    let text = small_file::text(file)?;
+    let stated = Description::parse(&text, &file.display().to_string(), Some(machine))?;
+    Ok(stated.to_toml() != Description::default_of(machine).to_toml())
 }
 
 /// The values that are not stated and follow from the machine's mass; the first of them by name.

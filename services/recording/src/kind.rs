@@ -44,7 +44,7 @@ const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
     b"\x93NUMPY", "an array of NumPy", PYTHON;
     b"\x80\x04\x95", "a pickle of Python", PYTHON;
     b"\x80\x05\x95", "a pickle of Python", PYTHON;
-    b"\x89HDF", "an HDF5 file, as MATLAB 7.3 writes", PYTHON;
+    HDF, "an HDF5 file, as MATLAB 7.3 writes", PYTHON;
     MATLAB, "a MATLAB file", "write a table: writetable(T, 'data.csv')";
     b"TDSh", "the index of a TDMS file of LabVIEW", "export the file itself (.tdms) as CSV";
     b"CDF\x01", "a netCDF file", PYTHON;
@@ -89,6 +89,7 @@ const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 const MATLAB: &[u8] = b"MATLAB";
 const DATE: &[u8] = b"date ";
+const HDF: &[u8] = b"\x89HDF";
 const BAG: &str = "convert a bag to MCAP: `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags; BAG is the file of ROS 1, the folder of ROS 2)";
 const CAPTURE: &str = "a capture of Wireshark or tcpdump (pcap)";
 const RECORD: &str = "record the bus with candump -L, and give that log";
@@ -227,6 +228,10 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
         is_so && !(*magic == DATE && is_parted(begin)) || is_matlab && *magic == MATLAB
     };
     let known = FOREIGN.iter().find(is_foreign);
+    let row_of = |begin: &[u8]| FOREIGN.iter().find(|row| row.0 == begin);
+    let known = known
+        .or_else(|| row_of(HDF).filter(|_| is_hdf_behind(head)))
+        .or_else(|| row_of(DATE).filter(|_| is_asc(begin)));
     let known = known.map(|(_, what, remedy)| (*what, *remedy));
     let (what, remedy) = known.or_else(|| of_tar(head))?;
     Some(Error::new(
@@ -234,6 +239,32 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
         path.display().to_string(),
         remedy,
     ))
+}
+
+/// Whether the text is of frames as Vector writes them, without the header above them: `0.0104 1 18FF0100x Rx d 8 01 02 ...`.
+fn is_asc(text: &[u8]) -> bool {
+    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+    let line = String::from_utf8_lossy(line);
+    let words: Vec<&str> = line.split_whitespace().take(6).collect();
+    let [time, channel, id, way, kind, length] = words[..] else {
+        return false;
+    };
+    let is_hex = id
+        .trim_end_matches('x')
+        .chars()
+        .all(|c| c.is_ascii_hexdigit());
+    time.parse::<f64>().is_ok()
+        && channel.parse::<u8>().is_ok()
+        && is_hex
+        && matches!(way, "Rx" | "Tx")
+        && matches!(kind, "d" | "r")
+        && length.parse::<u8>().is_ok()
+}
+
+/// Whether an HDF5 file begins behind a block of its user, at a power of two from 512.
+fn is_hdf_behind(head: &[u8]) -> bool {
+    let at = |place: usize| head.get(place..).is_some_and(|rest| rest.starts_with(HDF));
+    [512, 1024, 2048].into_iter().any(at)
 }
 
 /// Whether most parts of the first line are pairs of a name and its value.
@@ -378,6 +409,12 @@ mod tests {
                 "can_logconvert",
             ),
             (b"date Sam Sep 30\n", "Vector", "can_logconvert"),
+            (
+                b"0.01 1  18FF0100x Rx d 8 01 02\n",
+                "Vector",
+                "can_logconvert",
+            ),
+            (&[&[0; 512][..], b"\x89HDF\r\n"].concat(), "HDF5", "Python"),
             (b"VERSION \"\"\n\nNS_ :\n", "DBC", "--dbc"),
             (
                 b"Chn Identifier Flg   DLC  D0\n",

@@ -161,7 +161,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 }
 
 /// Whether a file cannot be replaced: a device, a pipe, or the name of an open file.
-fn is_device(path: &Path) -> bool {
+pub(crate) fn is_device(path: &Path) -> bool {
     let is_open_file = ["/dev", "/proc"].iter().any(|top| path.starts_with(top));
     path.exists() && (is_open_file && !path.starts_with("/dev/shm") || !path.is_file())
 }

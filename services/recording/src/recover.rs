@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::copy::copy;
 use crate::file::{self, ClaimError};
-use crate::output::Unfinished;
+use crate::output::{self, Unfinished};
 use crate::parts::{JOINED, PART};
 use crate::reader::{Part, Reader};
 use crate::writer::{RECORD, failure, options, with_sum};
@@ -164,9 +164,13 @@ fn copy_whole(reader: &Reader, path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Takes the name of a file that does not exist yet.
+/// Takes the name of a file that does not exist yet. A device is not taken: an unfinished copy is removed.
 fn claim(path: &Path) -> Result<(File, Unfinished), Error> {
-    let claimed = Unfinished::create(path.to_owned(), file::take);
+    let is_device = output::is_device(path);
+    let claimed = Unfinished::create(path.to_owned(), |path| match is_device {
+        true => Err(ClaimError::Exists),
+        false => file::take(path),
+    });
     let (unfinished, file) = claimed.map_err(|e| match e {
         ClaimError::System(e) => Error::system("write beside the recording", path, &e),
         ClaimError::Exists => Error::new(

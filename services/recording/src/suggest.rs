@@ -40,6 +40,10 @@ pub fn suggest(
     }
     let kind = Kind::of(path)?;
     if let Some(dbc) = dbc.first().filter(|_| kind != Kind::Log) {
+        if kind == Kind::Table {
+            // A table of frames has an error of its own.
+            guess(Machine::ALL[0], path, &Foreign::Table)?;
+        }
         return Err(Error::new(
             "a DBC file describes a CAN log, and this is none",
             path.display().to_string(),

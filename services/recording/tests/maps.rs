@@ -129,6 +129,16 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
             2,
             "scale is 0",
         ),
+        (
+            "[columns]\nt = { column = \"x\", constant = 1 }\n",
+            2,
+            "column and constant both say",
+        ),
+        (
+            "[columns]\nt = { message = \"x\", signal = \"y\" }\n",
+            2,
+            "message is of the table [can.signals]",
+        ),
         ("[can]\nmaster = \"t\"\n", 1, "[can] names no DBC file"),
         ("[can]\ndbc = \"x.dbc\"\nrate = 1e300\n", 3, "rate is 1"),
         (

@@ -585,4 +585,8 @@ fn a_whole_recording_is_copied_where_a_copy_was_asked_for() {
         recover(&path, Some(&copy)).is_err(),
         "nothing is overwritten"
     );
+    let device = dir.path().join("device");
+    std::os::unix::fs::symlink("/dev/full", &device).expect("a link");
+    assert!(recover(&path, Some(&device)).is_err());
+    assert!(device.is_symlink(), "and no device is removed");
 }

@@ -293,6 +293,21 @@ fn a_column_in_a_unit_of_something_else_is_no_signal() {
 }
 
 #[test]
+fn frames_that_a_dbc_file_does_not_fit_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dbc = "BO_ 256 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n";
+    let dbc = written(folder.path(), "x.dbc", dbc.as_bytes());
+    let of = |name: &str, text: &str| {
+        let path = written(folder.path(), name, text.as_bytes());
+        recording::suggest(&path, std::slice::from_ref(&dbc), None).expect_err("no map")
+    };
+    let table = "Time,Channel,ID,Flags,DLC,Data\n0.01,0,256,,2,01 02\n";
+    assert!(of("a.csv", table).what.contains("a table of CAN frames"));
+    let error = of("a.log", "(1.000000) can0 00000100#E803\n");
+    assert!(error.remedy.ends_with("the log has 00000100"), "{error}");
+}
+
+#[test]
 fn ticks_of_a_register_that_was_full_are_times() {
     let folder = tempfile::tempdir().expect("a folder");
     let ticks = ["65506", "65516", "65526", "0", "10", "20"];
@@ -510,4 +525,38 @@ fn a_blank_at_which_no_line_may_break_is_a_blank() {
     let text = recording::suggest(&path, &[], machine).expect("a map").text;
     let line = "\nboom_head_pressure = \"boom\u{a0}head\u{a0}pressure\"";
     assert!(text.contains(line), "{text}");
+}
+
+#[test]
+fn rows_within_a_quote_that_is_not_closed_are_no_remark() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = |remark: &str| {
+        let mut rows = rows().join(",\n") + ",\n";
+        let at = rows.find(",2000,\n").expect("row 200") + ",2000,".len();
+        rows.insert_str(at, remark);
+        let text = format!("{HEADER},remark\n{rows}");
+        read(&written(folder.path(), "a.csv", text.as_bytes()))
+    };
+    for remark in ["\"two\nlines\"", "\"1 of\n2, or 3\"", "5\" pipe"] {
+        assert_eq!(of(remark).expect("rows").len(), 400, "{remark}");
+    }
+    let error = of("\"open").expect_err("half of the rows").to_string();
+    assert!(
+        error.contains("a quote takes 199 of the rows below"),
+        "{error}"
+    );
+    assert!(error.contains("a.csv:202"), "{error}");
+}
+
+#[test]
+fn a_measurement_file_of_labview_is_read_below_its_headers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = rows().join("\n").replace(',', "\t");
+    let text = format!(
+        "LabVIEW Measurement\t\nSeparator\tTab\nDate\t2026/11/20\n***End_of_Header***\t\nChannels\t2\n\
+         Date\t2026/11/20\t2026/11/20\nTime\t10:00:00\t10:00:00\nX0\t0.0\t0.0\nDelta_X\t0.01\t0.01\n\
+         ***End_of_Header***\nt\tswing_velocity\tswing_torque\tComment\n{rows}\n"
+    );
+    let read = read(&written(folder.path(), "a.lvm", text.as_bytes())).expect("rows");
+    assert_eq!((read.len(), read[399]), (400, 3990.0));
 }

@@ -179,7 +179,7 @@ fn a_number_with_its_unit_or_with_marks_gets_a_message_with_its_own() {
         ("12.5 kN", "its unit stands once"),
         ("12,5%", "its unit stands once"),
         ("12 500.0", "without marks between thousands"),
-        ("12,500.0", "without marks between thousands"),
+        ("12,50.0", "without marks between thousands"),
         ("fast", "leave the cell empty"),
         ("9 lives", "leave the cell empty"),
     ] {
@@ -633,6 +633,8 @@ fn weighings_are_read_and_refused_like_other_tables() {
     assert!(!error.remedy.contains("leave the cell empty"), "{error}");
     let (_dir, path) = file("pitch,rear,front_load\n0,1,2\n");
     assert!(read_weighings(&path).is_err_and(|e| e.what.contains("rear_load")));
+    let (_dir, path) = file("pitch,rear_load,front_load,by\n0,1,2,\"me\n0.2,3,4,\n");
+    assert!(read_weighings(&path).is_err_and(|e| e.what.contains("takes 1 of the rows below")));
 }
 
 #[test]

@@ -206,8 +206,16 @@ fn messages_of_one_time_are_refused() {
             "{error}"
         );
     }
+    // Microseconds where MCAP has nanoseconds.
+    write(|k| k * 10_000);
+    let error = read().expect_err("three milliseconds");
+    assert!(error.what.ends_with("their times are not in ns"), "{error}");
     write(|k| k * 10_000_000);
     assert_eq!(read().expect("rows").len(), 299);
+    let whole = std::fs::read(&path).expect("read");
+    std::fs::write(&path, &whole[..60]).expect("cut");
+    let error = read().expect_err("no topic");
+    assert!(error.place.contains("it was cut off"), "{error}");
 }
 
 /// Writes fifty messages of one topic, at 100 Hz; `message`: the JSON by the number.

@@ -10,7 +10,7 @@ use recording::{Kind, Reader};
 use crate::args::{assignment, is_for, is_mass_stated, machine, of_class, tell_old_names, tonnes};
 use crate::drawing;
 use crate::failure::Failure;
-use crate::size::{self, ALIKE};
+use crate::size;
 use crate::small_file;
 
 /// `heft check`
@@ -104,9 +104,6 @@ fn is_no_machine(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Ratio to the usual value of machines of this size, or its inverse, above which a number is in another unit or of another machine.
-const ODD: f64 = 2.5;
-
 /// Tables of weighing cylinders: name, keys without which it is unused, and key of the rod's area.
 const CYLINDERS: &[(&str, &[&str], &str)] = &[
     (
@@ -128,28 +125,7 @@ const CYLINDERS: &[(&str, &[&str], &str)] = &[
 
 /// Remarks on values that are valid, but implausible.
 fn remarks(description: &Description) -> Result<Vec<String>, Failure> {
-    let mut found = Vec::new();
-    let mass_key = config::mass_key(description.machine());
-    if let Some(mass) = description.number(mass_key) {
-        let mut class = Description::default_of(description.machine());
-        class.set(&format!("{mass_key}={mass:?}"))?;
-        for (key, follows) in ALIKE {
-            let ratio = description.number(follows).zip(class.number(follows));
-            let Some(ratio) = ratio.map(|(own, usual)| own / usual) else {
-                continue;
-            };
-            let stated = description
-                .number(key)
-                .filter(|_| ratio.max(1.0 / ratio) > ODD);
-            if let Some(stated) = stated {
-                let usual = view::number::significant(stated / ratio, 2);
-                found.push(format!(
-                    "{key} is {stated}, and machines of {:.1} t have about {usual}: check it, and {mass_key}",
-                    mass / 1000.0
-                ));
-            }
-        }
-    }
+    let mut found = size::odd(description)?;
     for (table, keys, rod_area) in CYLINDERS {
         let is_stated = |key: &&&str| {
             let number = description.number(&format!("{table}.{key}"));

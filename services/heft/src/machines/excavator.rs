@@ -7,8 +7,10 @@ mod figures;
 mod fits;
 mod ground;
 mod postures;
+mod signless;
 mod speed;
 mod turned;
+mod unmoved;
 
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};

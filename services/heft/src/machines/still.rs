@@ -1,11 +1,12 @@
-//! Detects torque columns that stay constant while the machine moves: no sensor measures them.
+//! Detects columns that stay constant while the machine moves: no sensor measures them.
 
 /// Fewest moving rows for a verdict: some ten seconds.
 const FEWEST: u32 = 1000;
 
-/// Torques of which at least one must change in a machine that moves.
+/// Signals of which at least one must change in a machine that moves.
 pub(super) struct Still<const N: usize> {
     names: [&'static str; N],
+    unit: &'static str,
     /// The first values, and whether a later row differs.
     first: Option<[f64; N]>,
     changes: bool,
@@ -13,9 +14,10 @@ pub(super) struct Still<const N: usize> {
 }
 
 impl<const N: usize> Still<N> {
-    pub(super) fn new(names: [&'static str; N]) -> Self {
+    pub(super) fn new(names: [&'static str; N], unit: &'static str) -> Self {
         Self {
             names,
+            unit,
             first: None,
             changes: false,
             rows: 0,
@@ -23,20 +25,20 @@ impl<const N: usize> Still<N> {
     }
 
     /// Takes a row in which the machine moves.
-    pub(super) fn see(&mut self, torques: [Option<f64>; N]) {
-        if torques.iter().all(Option::is_some) {
-            let torques = torques.map(Option::unwrap_or_default);
-            self.changes |= *self.first.get_or_insert(torques) != torques;
+    pub(super) fn see(&mut self, values: [Option<f64>; N]) {
+        if values.iter().all(Option::is_some) {
+            let values = values.map(Option::unwrap_or_default);
+            self.changes |= *self.first.get_or_insert(values) != values;
             self.rows += 1;
         }
     }
 
-    /// The fault and its remedy, if no torque changes.
+    /// The fault and its remedy, if no signal changes.
     pub(super) fn fault(&self) -> Option<String> {
         let first = self.first.filter(|_| !self.changes)?;
         let said = self.names.iter().zip(first);
         let said: Vec<_> = said
-            .map(|(name, value)| format!("{name} is exactly {value} N m"))
+            .map(|(name, value)| format!("{name} is exactly {value} {}", self.unit))
             .collect();
         let none = self.names.map(|name| format!("`{name} = \"none\"`"));
         (self.rows >= FEWEST).then(|| {
@@ -56,7 +58,7 @@ mod tests {
     use super::*;
 
     fn said(rows: u32, torques: fn(u32) -> [Option<f64>; 2]) -> Option<String> {
-        let mut still = Still::new(["front_torque", "rear_torque"]);
+        let mut still = Still::new(["front_torque", "rear_torque"], "N m");
         (0..rows).for_each(|k| still.see(torques(k)));
         still.fault()
     }

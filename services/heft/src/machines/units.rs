@@ -133,9 +133,15 @@ impl Cylinder {
         let both = format!("{head} and {rod}");
         let [of_head, of_rod] = self.sizes.each_ref().map(Sizes::highest);
         if let Some(unit) = of_head.max(of_rod).and_then(|place| LARGEST.get(place)?.1) {
+            // Of a cylinder that never carries much, bar are as few.
+            let other = if unit == "MPa" {
+                ", or \"bar\" if the sensors are in bar"
+            } else {
+                ""
+            };
             return Some(format!(
                 "{both} seem to be in {unit}: no pump works at so few Pa\n  \
-                 what to do: write `unit = \"{unit}\"` for both in a signal map"
+                 what to do: write `unit = \"{unit}\"` for both in a signal map{other}"
             ));
         }
         let too_large = |place: Option<usize>| place == Some(LARGEST.len());

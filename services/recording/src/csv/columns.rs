@@ -37,6 +37,9 @@ pub(crate) struct Columns<S: Sensors> {
 /// Column of a map that exists in every table: the number of the row, from 0.
 const ROW: &str = "row";
 
+/// Last column of LabVIEW's tables, which a row without a remark leaves out.
+const REMARKS: &str = "Comment";
+
 /// Column of the names in a table of many machines.
 const MACHINE: &str = "machine";
 
@@ -391,7 +394,8 @@ impl<S: Sensors> Columns<S> {
 
     /// Whether a row has too few cells for the columns up to the last named one.
     pub(crate) fn is_short(&self, record: &Record) -> bool {
-        let unnamed = self.header.iter().rev().take_while(|name| name.is_empty());
+        let may_lack = |name: &&String| name.is_empty() || *name == REMARKS;
+        let unnamed = self.header.iter().rev().take_while(may_lack);
         record.len() < self.header.len() - unnamed.count()
     }
 
@@ -407,10 +411,13 @@ impl<S: Sensors> Columns<S> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
+        let dialect = self.numbers.dialect;
+        if let Some(what) = hidden_rows(record, width, dialect) {
+            return Some((what, CLOSE));
+        }
         if !has_more && !self.is_short(record) {
             return self.another_machine(record);
         }
-        let dialect = self.numbers.dialect;
         let separator = char::from(dialect.separator).escape_default();
         let s = if cells == 1 { "" } else { "s" };
         let what =
@@ -428,9 +435,7 @@ impl<S: Sensors> Columns<S> {
             (_, Dialect { separator: BLANK }) if !has_more => {
                 "complete or delete the row; where blanks separate, a missing sample is NaN"
             }
-            _ if record.iter().any(|cell| cell.contains(&b'\n')) => {
-                "close the quote that opens in this row, or delete it"
-            }
+            _ if record.iter().any(|cell| cell.contains(&b'\n')) => CLOSE,
             _ if has_more && cells == width + 1 => {
                 "name every column, that of the rows' names too (in R: col.names = NA), or delete the row"
             }
@@ -526,6 +531,24 @@ impl<S: Sensors> Columns<S> {
             self.builder.push(&self.values, 0);
         }
     }
+}
+
+/// Remedy for a quote that is not closed.
+pub(super) const CLOSE: &str = "close the quote that opens in this row, or delete it";
+
+/// What to say of rows of a table of this width that are within a cell of one record: a quote above them is not closed.
+pub(super) fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> Option<String> {
+    let within = record
+        .iter()
+        .flat_map(|cell| cell.split(|b| *b == b'\n').skip(1));
+    let is_row = |line: &&[u8]| {
+        let mut cells = line.split(|b| *b == dialect.separator);
+        let first = cells.next().unwrap_or_default();
+        first.trim_ascii().first().is_some_and(u8::is_ascii_digit) && 1 + cells.count() >= width
+    };
+    let count = within.filter(is_row).count();
+    (count > 0 && width > 1)
+        .then(|| format!("a quote takes {count} of the rows below it into one cell"))
 }
 
 /// The columns of a table whose map gives their times of measurement.

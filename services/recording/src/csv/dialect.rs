@@ -85,7 +85,9 @@ impl Dialect {
         let plain = formula.unwrap_or(text).replace(groups, "");
         let plain = with_e(plain.replace('\u{2212}', "-"));
         let number = plain.parse().ok().filter(|_| plain != text);
-        number.or_else(|| with_decimal_comma(&plain))
+        number
+            .or_else(|| with_decimal_comma(&plain))
+            .or_else(|| with_grouping_commas(&plain))
     }
 }
 
@@ -95,6 +97,18 @@ fn with_decimal_comma(text: &str) -> Option<f64> {
     // A point before the comma groups thousands.
     let whole = whole.replace('.', "");
     (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
+}
+
+/// `1,234.5`: commas group thousands before a decimal point.
+fn with_grouping_commas(text: &str) -> Option<f64> {
+    let (whole, fraction) = text.split_once('.')?;
+    let mut groups = whole.split(',').skip(1).peekable();
+    let are_groups = groups.peek().is_some() && groups.all(|group| group.len() == 3);
+    are_groups.then(|| {
+        format!("{}.{fraction}", whole.replace(',', ""))
+            .parse()
+            .ok()
+    })?
 }
 
 /// A number with Fortran's exponent `D`, converted to `E`. Without a decimal mark it may be hexadecimal.
@@ -275,10 +289,11 @@ mod tests {
         assert_eq!(german.number(b"-1.234,5e-3"), Some(-1.2345));
         assert_eq!(german.number(b"1.5"), Some(1.5));
         assert_eq!(german.number(b"1,234,5"), None);
-        assert_eq!(german.number(b"1,234.5"), None);
+        assert_eq!(german.number(b"-1,234,567.5"), Some(-1_234_567.5));
+        assert_eq!(german.number(b"1,23.5"), None);
         // In quotes; whether the comma is a decimal mark depends on the other numbers of the table.
         assert_eq!(english.number(b"1,5"), Some(1.5));
-        assert_eq!(english.number(b"1,234.5"), None);
+        assert_eq!(english.number(b"1,234.5"), Some(1234.5));
         assert_eq!(english.number(b"1,234,567"), None);
     }
 

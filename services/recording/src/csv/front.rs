@@ -123,7 +123,7 @@ impl Front {
         let marks = head
             .chunks_exact(mark.len())
             .take_while(|bytes| *bytes == mark);
-        let begin = mark.len() * marks.count();
+        let begin = (mark.len() * marks.count()).max(behind_labview(head));
         let (mut kinds, mut after_mark) = (Lines::default(), begin);
         let mut lines = lines(head, begin);
         while let Some((at, line)) = lines.next() {
@@ -340,6 +340,12 @@ fn is_row(line: &[u8], dialect: Dialect, width: usize) -> bool {
             .any(|cell| number(cell).is_some_and(f64::is_finite)),
     };
     row.len() == width && enough
+}
+
+/// Where the names of the columns begin in a file of LabVIEW (.lvm): behind the last line that ends a header; else 0.
+fn behind_labview(head: &[u8]) -> usize {
+    let ends = lines(head, 0).filter(|(_, line)| line.starts_with(b"***End_of_Header***"));
+    ends.last().map_or(0, |(at, line)| at + line.len())
 }
 
 /// The lines of a text that are not blank, each with its offset.

@@ -3,7 +3,6 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cells::Record;
-use super::columns::ZEROS;
 use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::Map;
@@ -31,14 +30,11 @@ pub(crate) fn header(
     let strange = record.iter().flatten().filter(is_strange);
     let length: usize = record.iter().map(<[u8]>::len).sum();
     if 10 * strange.count() > length {
-        let remedy = match record.iter().flatten().any(|b| *b == 0) {
-            true => ZEROS,
-            false => {
-                "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)"
-            }
-        };
-        let what = "this is no table: it holds bytes that are no text";
-        return Err(Error::new(what, place(), remedy));
+        return Err(Error::new(
+            "this is no table: it holds bytes that are no text",
+            place(),
+            "give a table in UTF-8 (iconv -f UTF-16 -t UTF-8 converts others), a CAN log (.log) or an MCAP file (.mcap)",
+        ));
     }
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
     if record.iter().all(is_number) {

@@ -3,7 +3,7 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::cells::{Records, TooLong};
-use super::columns::{Columns, NoNumber, ZEROS, absent, listed};
+use super::columns::{CLOSE, Columns, NoNumber, ZEROS, absent, hidden_rows, listed};
 use super::dialect::Dialect;
 use super::front::Front;
 use super::header::{check_units, header};
@@ -36,6 +36,10 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     let mut rows = Vec::new();
     while table.advance(&mut records)? {
         let record = records.record();
+        if let Some(what) = hidden_rows(record, header.len(), table.dialect) {
+            let place = format!("{}:{}", table.file, table.line(records.start()));
+            return Err(Error::new(what, place, CLOSE));
+        }
         let mut row = [0.0; 3];
         for ((value, at), factor) in row.iter_mut().zip(at).zip(factors) {
             let cell = record.get(at).unwrap_or_default();

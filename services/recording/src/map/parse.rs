@@ -181,6 +181,7 @@ impl Parser<'_> {
     }
 
     fn origin(&self, fields: &dyn TableLike, from: From, line: usize) -> Result<Origin, Error> {
+        self.one_origin(fields, from, line)?;
         if let Some(value) = self.number(fields, "constant")? {
             return Ok(Origin::Constant(value));
         }
@@ -207,6 +208,29 @@ impl Parser<'_> {
             })),
             _ => Err(self.no_entry("the entry", from, line)),
         }
+    }
+
+    /// Refuses an entry with two origins, or with one of another table.
+    fn one_origin(&self, fields: &dyn TableLike, from: From, line: usize) -> Result<(), Error> {
+        let all = [
+            ("column", From::Columns, "[columns]"),
+            ("message", From::Can, "[can.signals]"),
+            ("topic", From::Topics, "[topics.signals]"),
+        ];
+        let mut stated = all.iter().filter(|(key, ..)| fields.contains_key(key));
+        let Some((key, its, table)) = stated.next() else {
+            return Ok(());
+        };
+        let second = stated.map(|(key, ..)| *key).next();
+        if let Some(second) = second.or(fields.contains_key("constant").then_some("constant")) {
+            let what = format!("{key} and {second} both say where the value comes from");
+            return Err(self.error(line, what, "leave out one of them"));
+        }
+        if *its != from {
+            let what = format!("{key} is of the table {table}");
+            return Err(self.error(line, what, format!("put the line under {table}")));
+        }
+        Ok(())
     }
 
     fn conversion(&self, fields: &dyn TableLike) -> Result<Conversion, Error> {

@@ -23,7 +23,18 @@ pub(super) fn suggest<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Sugges
             "give one with --dbc",
         ));
     }
-    let carried = carried(&frames(path)?, dbc)?;
+    let frames = frames(path)?;
+    let carried = carried(&frames, dbc)?;
+    if carried.is_empty() {
+        return Err(Error::new(
+            "the log has no message of the DBC file",
+            path.display().to_string(),
+            format!(
+                "give the DBC of this bus (standard and extended identifiers are different ones); the log has {}",
+                identifiers(&frames)
+            ),
+        ));
+    }
     let names: Vec<String> = carried.iter().map(Carried::name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut out = opening::<S>(path) + &keys(dbc);
@@ -48,12 +59,8 @@ pub(super) fn suggest<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Sugges
     });
     let blank = |_: &str| "{ message = \"...\", signal = \"...\" }".to_owned();
     out += &lacking::<S>(&found, &missing::<S>(&found), blank);
-    let unseen = if carried.is_empty() {
-        "; no message of the DBC is in the log".to_owned()
-    } else {
-        format!(": {}", shown(&names.join(", ")))
-    };
-    let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
+    let all = shown(&names.join(", "));
+    let _ = writeln!(out, "\n# Sensors of the DBC that the log carries: {all}");
     Ok(Suggestion::of::<S>(out, &found))
 }
 
@@ -108,6 +115,14 @@ impl Carried {
 
 /// Number of frames in a log by identifier and whether it is extended.
 type Frames = BTreeMap<(u32, bool), u32>;
+
+/// The first identifiers, as candump prints them: three digits, or eight of an extended one.
+fn identifiers(frames: &Frames) -> String {
+    let first = frames.keys().take(5);
+    let first =
+        first.map(|(id, extended)| format!("{id:0width$X}", width = if *extended { 8 } else { 3 }));
+    first.collect::<Vec<_>>().join(", ")
+}
 
 fn frames(path: &Path) -> Result<Frames, Error> {
     let failed = |e| Error::system("read the CAN log", path, &e);

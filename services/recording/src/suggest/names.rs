@@ -69,7 +69,7 @@ const OTHERS: &str = "joystick, lever, pilot, command, cmd, setpoint, set point,
 
 /// Words of commands, bounds, states and statistics, which are no measurements.
 const NO_MEASUREMENT: &str = "target ref reference desired demand request requested req limit lim max min maximum minimum valid validity \
-    status quality fault error flag alarm pedal mode std";
+    status quality fault error flag alarm pedal mode std stddev sigma variance offset sp soll sollwert vorgabe consigne";
 
 /// Signals, by their name or its end, and words that mean another quantity: the rate of a boom is no angle of it.
 const OF_OTHERS: &[(&str, &str)] = &[
@@ -82,6 +82,8 @@ const OF_OTHERS: &[(&str, &str)] = &[
         "accel acceleration angle torque moment force power",
     ),
     ("_torque", "rate vel velocity speed angle accel power"),
+    // Of two motors, of which the sum is the torque.
+    ("swing_torque", "left right"),
     ("acceleration", "accelerator"),
     (
         "slope pitch roll",
@@ -249,6 +251,14 @@ mod tests {
     fn what_is_no_measurement_of_a_signal_is_not_taken_for_it() {
         for (signal, other, own) in [
             ("boom_angle", "Boom rate", "Boom"),
+            (
+                "swing_velocity",
+                "Schwenkrate_Soll [°/s]",
+                "Schwenkrate_Ist [°/s]",
+            ),
+            ("bucket_angle", "bucket_angle_sp", "bucket_angle_act"),
+            ("arm_angle", "arm_angle_offset", "arm_angle_act"),
+            ("swing_torque", "left_swing_torque", "swing_torque_sum"),
             ("boom_angle", "Boom cylinder stroke", "Boom"),
             ("boom_angle", "Boom angle target [deg]", "Boom [deg]"),
             ("boom_angle", "Boom angle min", "Boom angle"),

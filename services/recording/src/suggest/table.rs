@@ -287,11 +287,9 @@ fn largest_pressure(look: &Look, names: &[String]) -> f64 {
 /// The columns of seconds and of their nanoseconds, as in the headers of ROS, if they are the time.
 fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
     const ENDS: [(&str, &str); 3] = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")];
-    if fitting("t", names, &[]).is_some_and(|at| !names[at].contains("stamp")) {
-        return None;
-    }
+    let time = fitting("t", names, &[]);
     let at = |name: &str| names.iter().position(|other| *other == name);
-    ENDS.iter().find_map(|(whole, below)| {
+    let pair = ENDS.iter().find_map(|(whole, below)| {
         let before = names.iter().filter_map(|name| name.strip_suffix(below));
         let mut pairs = before.map(|before| {
             Some([
@@ -300,11 +298,14 @@ fn seconds_and_below(names: &[&str]) -> Option<[usize; 2]> {
             ])
         });
         pairs.find_map(|pair| pair)
-    })
+    })?;
+    let is_time = |at: usize| names[at].contains("stamp") || at == pair[0];
+    time.is_none_or(is_time).then_some(pair)
 }
 
 /// Names of the milliseconds that loggers write beside whole seconds.
-const MILLISECONDS: [&str; 8] = [
+const MILLISECONDS: [&str; 9] = [
+    "millitm",
     "ms",
     "msec",
     "msecs",
@@ -683,6 +684,7 @@ mod tests {
             Some([1, 2])
         );
         assert_eq!(of(&["stamp_nsecs", "stamp_secs"]), Some([1, 0]));
+        assert_eq!(of(&["x", "sec", "nanosec"]), Some([1, 2]));
         assert_eq!(of(&["time", "a.sec", "a.nanosec"]), None);
         assert_eq!(of(&["a.sec", "b.nanosec"]), None);
     }

@@ -110,6 +110,14 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
 pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
     let reader = Reader::open(path)?;
     if reader.channels().is_empty() {
+        // What is missing explains it better.
+        if let Some(lack) = reader.lacks().all().first() {
+            return Err(Error::new(
+                "there is no whole topic in the file",
+                *lack,
+                "copy or record it again",
+            ));
+        }
         return Err(Error::new(
             "the file has no topics",
             path.display().to_string(),

@@ -183,13 +183,20 @@ fn values(
     Ok((values, reader.lacks()))
 }
 
-/// Refuses values most of which have the time of the value before; `values` in order.
+/// Least usual distance of two values of a sensor \[ns\].
+const NEAREST: i64 = 10_000;
+
+/// Refuses values most of which have the time of the value before, or are too near to it; `values` in order.
 fn check_times(values: &Values, file: &Path, topics: &Topics) -> Result<(), Error> {
     let mut last = BTreeMap::new();
-    let is_repeated =
-        |(time, series, _): &&(i64, usize, f64)| last.insert(*series, *time) == Some(*time);
-    let (all, repeated) = (values.len(), values.iter().filter(is_repeated).count());
-    if 2 * repeated <= all {
+    let apart = |(time, series, _): &(i64, usize, f64)| {
+        let before = last.insert(*series, *time);
+        before.map_or(i64::MAX, |before| time.saturating_sub(before))
+    };
+    let apart: Vec<i64> = values.iter().map(apart).collect();
+    let count = |limit| apart.iter().filter(|ns| **ns <= limit).count();
+    let (all, repeated, near) = (values.len(), count(0), count(NEAREST));
+    if 2 * near <= all {
         return Ok(());
     }
     let other = match topics.time {
@@ -198,11 +205,13 @@ fn check_times(values: &Values, file: &Path, topics: &Topics) -> Result<(), Erro
             "write time = \"header\" under [topics] if the messages tell their own time"
         }
     };
-    Err(Error::new(
-        format!("{repeated} of {all} values carry the time of the one before them"),
-        file.display().to_string(),
-        other,
-    ))
+    let what = match 2 * repeated > all {
+        true => format!("{repeated} of {all} values carry the time of the one before them"),
+        false => format!(
+            "{near} of {all} values come within 10 us of the one before them: their times are not in ns"
+        ),
+    };
+    Err(Error::new(what, file.display().to_string(), other))
 }
 
 fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(), Error> {

@@ -7,8 +7,10 @@ use super::boom::Boom;
 use super::carries::Carries;
 use super::ground::Ground;
 use super::postures::Postures;
+use super::signless::Signless;
 use super::speed::Speed;
 use super::turned::Turned;
+use super::unmoved::Unmoved;
 use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder};
@@ -29,6 +31,8 @@ pub(in crate::machines) struct Fits {
     boom: Boom,
     ground: Ground,
     turned: Turned,
+    signless: Signless,
+    unmoved: Unmoved,
     torque: Still<1>,
     plausible: Plausible,
     mass: f64,
@@ -49,7 +53,9 @@ impl Look for Fits {
             boom: Boom::default(),
             ground: Ground::default(),
             turned: Turned::new(geometry),
-            torque: Still::new(["swing_torque"]),
+            signless: Signless::default(),
+            unmoved: Unmoved::new(geometry),
+            torque: Still::new(["swing_torque"], "N m"),
             plausible: Plausible::new(geometry),
             mass: described.machine.operating_mass.unwrap_or(REFERENCE),
         }
@@ -67,6 +73,8 @@ impl Look for Fits {
         self.speed.see(&sample);
         self.ground.see(&sample);
         self.turned.see(&sample);
+        self.signless.see(&sample);
+        self.unmoved.see(&sample);
         self.angles.see(sample.posture);
         if let [Some(boom), Some(arm), Some(bucket)] = sample.posture {
             self.postures.see([boom, arm, bucket].map(joint));
@@ -88,7 +96,8 @@ impl Look for Fits {
         if let Some(said) = columns.or_else(|| self.torque.fault()) {
             return Some(said);
         }
-        if let Some(said) = self.turned.fault() {
+        let of_swing = self.unmoved.fault().or_else(|| self.signless.fault());
+        if let Some(said) = of_swing.or_else(|| self.turned.fault()) {
             return Some(said);
         }
         let Some(mismatch) = self.plausible.mismatch() else {

@@ -31,6 +31,8 @@ pub(in crate::machines) struct Fits {
     angles: Angles<3>,
     cylinder: Cylinder,
     torques: Still<2>,
+    speed: Still<1>,
+    wheels: Still<2>,
     /// Driving rows, and rows among them in which the lift angle, the tilt angle, exceeds the range of a lift arm.
     driving: u32,
     beyond: [u32; 2],
@@ -119,7 +121,9 @@ impl Look for Fits {
         Self {
             angles: Angles::new(["lift_angle", "tilt_angle", "articulation"]),
             cylinder: Cylinder::new("lift"),
-            torques: Still::new(["front_torque", "rear_torque"]),
+            torques: Still::new(["front_torque", "rear_torque"], "N m"),
+            speed: Still::new(["speed"], "m/s"),
+            wheels: Still::new(["front_wheel_speed", "rear_wheel_speed"], "rad/s"),
             driving: 0,
             beyond: [0; 2],
             axles: Axles::default(),
@@ -158,10 +162,16 @@ impl Look for Fits {
         let pounds = |mass: f64| (LADEN..LADEN * POUNDS).contains(&(mass / self.mass));
         self.pounds += u32::from(sample.mass.is_some_and(pounds));
         let drives = sample.speed.is_some_and(|v| v.abs() > DRIVES);
+        let wheels = [sample.front_wheel_speed, sample.rear_wheel_speed];
         self.cylinder
             .see(sample.lift_head_pressure, sample.lift_rod_pressure, drives);
         if drives {
             self.torques.see([sample.front_torque, sample.rear_torque]);
+            self.wheels.see(wheels);
+        }
+        let turns = |w: f64| (w * self.moment / self.mass).abs() > DRIVES;
+        if wheels.into_iter().all(|wheel| wheel.is_some_and(turns)) {
+            self.speed.see([sample.speed]);
         }
         if let ([Some(lift), Some(tilt)], true) = (angles, drives) {
             self.driving += 1;
@@ -184,6 +194,7 @@ impl Look for Fits {
     fn fault(&self) -> Option<String> {
         let columns = self.angles.fault().or_else(|| self.cylinder.fault());
         let columns = columns.or_else(|| self.torques.fault());
+        let columns = columns.or_else(|| self.speed.fault().or_else(|| self.wheels.fault()));
         if columns.is_some() {
             return columns;
         }
