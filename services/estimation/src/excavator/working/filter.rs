@@ -373,15 +373,18 @@ impl Filter {
         for (x, g) in self.x.iter_mut().zip(gain) {
             *x += g * value;
         }
+        let weighs = self.weighs();
         let (seen, others) = self.p.split_at_mut(SEEN);
         for (p, c) in seen.iter_mut().zip(column) {
             for (p, g) in p[..SEEN].iter_mut().zip(gain) {
                 *p -= g * c;
             }
         }
-        for (p, c) in others.iter_mut().zip(&column[SEEN..]) {
-            for (p, g) in p.iter_mut().zip(gain) {
-                *p -= g * c;
+        if weighs {
+            for (p, c) in others.iter_mut().zip(&column[SEEN..]) {
+                for (p, g) in p.iter_mut().zip(gain) {
+                    *p -= g * c;
+                }
             }
         }
     }
@@ -408,10 +411,18 @@ impl Filter {
                 *sum += covariance * entry;
             }
         }
-        for (sum, column) in sums[SEEN..].iter_mut().zip(&self.p[SEEN..]) {
-            *sum = dot_pairs(row, &column[..ACTING]);
+        if self.weighs() {
+            for (sum, column) in sums[SEEN..].iter_mut().zip(&self.p[SEEN..]) {
+                *sum = dot_pairs(row, &column[..ACTING]);
+            }
         }
         sums
+    }
+
+    /// Whether the states from [`SEEN`] on are uncertain: they are where pressures weigh. Without a variance they have no covariances.
+    #[inline(always)]
+    fn weighs(&self) -> bool {
+        (SEEN..N).any(|i| self.p[i][i] != 0.0)
     }
 
     /// Estimated inertia at a posture, with this payload [kg m^2].

@@ -102,7 +102,9 @@ impl Trace {
         if change > ROUNDING * value.abs() {
             self.unchanged = 0.0;
             self.reference = reference;
-            self.step = Some(self.step.map_or(change, |step| step.min(change)));
+            if self.step.is_none_or(|step| change < step) {
+                self.step = Some(change);
+            }
             self.small = self.small.saturating_add(u32::from(change < std));
         } else {
             self.unchanged += dt;

@@ -48,7 +48,8 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
         self.root = triangularise(&mut rows, &process);
     }
 
-    #[inline(always)]
+    // Not inlined, nor is `predict`: within the rest of a row they have too few registers.
+    #[inline(never)]
     fn ahead(&self, model: &CgModel) -> Self::Ahead {
         self.images(model)
     }
@@ -57,7 +58,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
         &ahead.state
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn predict(
         &mut self,
         ahead: &mut Self::Ahead,

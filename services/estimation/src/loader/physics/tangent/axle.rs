@@ -1,66 +1,91 @@
-//! One axle in a pass: load, grip, and their derivatives.
+//! The axles in a pass: load, grip, and their derivatives. Both pass through the formulas together, the front axle in the first lane.
 
-use super::{H, LAM, Step, V, W, at};
+use super::{H, LAM, Step, V, at, wheels};
 use crate::loader::LoadTransfer;
 use crate::loader::layout::Layout;
 use crate::loader::physics::axle_loads::{LEAST_LOAD, axle_loads};
 use crate::loader::physics::wheel_dynamics::{MOST_USED, WheelDynamics};
+use crate::pair::Pair;
+use crate::scalar::Scalar;
 
 /// Use of the friction limit below which a tyre does not saturate.
 const LEAST_USED: f64 = 1e-6;
 
+const ZERO: Pair = Pair([0.0; 2]);
+const ONE: Pair = Pair([1.0; 2]);
+
 /// Load of an axle and its derivatives, which are 0 where its floor applies.
 #[derive(Clone, Copy)]
 pub(super) struct Load {
-    pub value: f64,
-    pub by_height: f64,
-    pub by_ratio: f64,
-    pub by_bias: f64,
-    pub by_acceleration: f64,
+    pub value: Pair,
+    pub by_height: Pair,
+    pub by_ratio: Pair,
+    pub by_bias: Pair,
+    pub by_acceleration: Pair,
 }
 
-/// One axle in a pass.
-#[derive(Clone, Copy)]
-pub(super) struct Axle {
+/// The axles in a pass.
+pub(super) struct Axles {
     pub load: Load,
-    pub radius: f64,
-    pub conductance: f64,
-    pub per_denominator: f64,
-    pub grip: f64,
+    pub radius: Pair,
+    pub conductance: Pair,
+    pub per_denominator: Pair,
+    pub grip: Pair,
     /// Wheel speed without the force of the ground.
-    pub spun: f64,
+    pub spun: Pair,
     /// Derivatives of the conductance: by the radius alone, by the load with its radius, by acceleration, speed, wheel speed.
-    pub by_radius: f64,
-    pub by_load: f64,
-    pub by_acceleration: f64,
-    pub by_speed: f64,
-    pub by_wheel: f64,
+    pub by_radius: Pair,
+    pub by_load: Pair,
+    pub by_acceleration: Pair,
+    pub by_speed: Pair,
+    pub by_wheel: Pair,
 }
 
-impl Axle {
-    /// Adds the derivatives by the parameters through the load and the radius of axle `i`.
+/// Derivatives by the parameters, through the load and the radius of each axle.
+pub(super) struct ByParameter {
+    height: Pair,
+    ratio: Pair,
+    bias: Pair,
+    radius_error: Pair,
+    sensitivity: Pair,
+}
+
+impl Axles {
+    /// Derivatives of a quantity with these derivatives by load and radius.
     #[inline(always)]
-    pub fn put<const N: usize>(
+    pub fn parameters(
         &self,
-        row: &mut [f64; N],
-        i: usize,
-        [by_load, by_radius]: [f64; 2],
+        by_load: Pair,
+        by_radius: Pair,
         machine: &WheelDynamics,
-    ) {
+    ) -> ByParameter {
+        ByParameter {
+            height: by_load * self.load.by_height,
+            ratio: by_load * self.load.by_ratio,
+            bias: by_load * self.load.by_bias,
+            radius_error: by_radius * machine.wheel_radius,
+            sensitivity: -by_radius * machine.wheel_radius * machine.excess(self.load.value),
+        }
+    }
+}
+
+impl ByParameter {
+    /// Adds those of axle `i`.
+    #[inline(always)]
+    pub fn put<const N: usize>(&self, row: &mut [f64; N], i: usize) {
         let layout = Layout::of(N);
-        row[H] += by_load * self.load.by_height;
-        row[LAM] += by_load * self.load.by_ratio;
-        at(row, layout.slope_bias, by_load * self.load.by_bias);
-        let radius_error = layout.radii.map(|place| place[i]);
-        at(row, radius_error, by_radius * machine.wheel_radius);
-        let by_sensitivity = -by_radius * machine.wheel_radius * machine.excess(self.load.value);
-        at(row, layout.load_sensitivity, by_sensitivity);
+        row[H] += self.height.0[i];
+        row[LAM] += self.ratio.0[i];
+        at(row, layout.slope_bias, self.bias.0[i]);
+        let place = layout.radii.map(|place| place[i]);
+        at(row, place, self.radius_error.0[i]);
+        at(row, layout.load_sensitivity, self.sensitivity.0[i]);
     }
 }
 
 impl Step<'_> {
     #[inline(always)]
-    pub(super) fn loads(&self, acceleration: f64) -> [Load; 2] {
+    pub(super) fn loads(&self, acceleration: f64) -> Load {
         let (m, p, road) = (self.machine, self.p, self.road);
         let (front, rear) = axle_loads(
             m,
@@ -78,22 +103,17 @@ impl Step<'_> {
         let by_height = -sign * per_base * (acceleration + sign * m.gravity * road.sine);
         let by_acceleration = -sign * per_base * p.cg_height;
         let tilt = per_base * p.cg_height * m.gravity * road.cosine;
-        let least = LEAST_LOAD * m.mass * m.gravity;
-        let load = |value: f64, sign: f64, share: f64| {
-            let live = if value > least { 1.0 } else { 0.0 };
-            let signed = live * sign;
-            Load {
-                value,
-                by_height: signed * by_height,
-                by_ratio: signed * weight * road.cosine,
-                by_bias: live * weight * share * road.sine + signed * tilt,
-                by_acceleration: signed * by_acceleration,
-            }
-        };
-        [
-            load(front, 1.0, p.cg_ratio),
-            load(rear, -1.0, 1.0 - p.cg_ratio),
-        ]
+        let least = Pair::constant(LEAST_LOAD * m.mass * m.gravity);
+        let (value, share) = (Pair([front, rear]), Pair([p.cg_ratio, 1.0 - p.cg_ratio]));
+        let live = value.above(least, ONE, ZERO);
+        let signed = live * Pair([1.0, -1.0]);
+        Load {
+            value,
+            by_height: signed * by_height,
+            by_ratio: signed * weight * road.cosine,
+            by_bias: live * weight * share * road.sine + signed * tilt,
+            by_acceleration: signed * by_acceleration,
+        }
     }
 
     /// Derivative of a rolling radius by its load [m/N].
@@ -104,74 +124,71 @@ impl Step<'_> {
         -m.wheel_radius * sensitivity / (0.5 * m.empty_mass * m.gravity)
     }
 
-    /// Axle `i` under a load, at the speeds of the pass before.
+    /// The axles at this acceleration, at the speeds of the pass before.
     #[inline(always)]
-    pub(super) fn axle(&self, i: usize, load: Load, acceleration: f64, motion: &[f64; 3]) -> Axle {
+    pub(super) fn axles(&self, acceleration: f64, motion: &[f64; 3]) -> Axles {
         let (m, p, dt) = (self.machine, self.p, self.dt);
-        let error = [p.front_radius_error, p.rear_radius_error][i];
-        let torque = [self.u.front_torque, self.u.rear_torque][i];
-        let radius = m.radius(error, p.load_sensitivity_error, load.value);
+        let load = self.loads(acceleration);
+        let error = Pair([p.front_radius_error, p.rear_radius_error]);
+        let sensitivity_error = Pair::constant(p.load_sensitivity_error);
+        let radius = m.radius(error, sensitivity_error, load.value);
         let radius_by_load = self.radius_by_load();
-        let unbent = m.axle_stiffness(i, p.slip_stiffness, load.value);
-        let stiffness = m.stiffness(unbent, torque, radius, load.value, acceleration);
-        let (speed, rim) = (motion[V], radius * motion[W[i]]);
+        let slip_stiffness = Pair::constant(p.slip_stiffness);
+        let unbent = m.axle_stiffness(Pair(m.tyres.gains), slip_stiffness, load.value);
+        let rate = Pair::constant(acceleration);
+        let stiffness = m.stiffness(unbent, self.torques, radius, load.value, rate);
+        let (speed, wheel_speed) = (Pair::constant(motion[V]), wheels(motion));
+        let rim = radius * wheel_speed;
         let slowest = m.slip_denominator(speed, rim);
         let conductance = stiffness * load.value / slowest;
-        let wheel = m.wheel(conductance, torque, radius, self.old[W[i]], dt);
+        let wheel = m.wheel(conductance, self.torques, radius, wheels(&self.old), dt);
 
-        let bent = stiffness / unbent;
-        let (eta, per_demand) = self.saturation(bent, torque, radius, load.value, acceleration);
-        let per_radius = 1.0 / radius;
-        let inertia = m.axle_inertia * per_radius * per_demand;
-        let by_slowest = -conductance / slowest;
+        let (eta, per_demand) = self.saturation(stiffness / unbent, radius, load.value, rate);
+        let per_radius = ONE / radius;
+        let inertia = per_radius * m.axle_inertia * per_demand;
         // The denominator is one of three, selected as `max` does.
-        let (mut by_speed, mut by_wheel, mut slowest_by_radius) = (0.0, 0.0, 0.0);
-        if slowest > m.minimum_speed {
-            if speed.abs() > rim.abs() {
-                by_speed = by_slowest * 1.0_f64.copysign(speed);
-            } else {
-                let signed = by_slowest * 1.0_f64.copysign(rim);
-                by_wheel = signed * radius;
-                slowest_by_radius = signed * motion[W[i]];
-            }
-        }
-        let by_radius = conductance * eta * (acceleration * inertia * per_radius - per_radius)
-            + slowest_by_radius;
-        Axle {
+        let by_slowest = -conductance / slowest;
+        let slides = |by: Pair| slowest.above(Pair::constant(m.minimum_speed), by, ZERO);
+        let by_speed = slides(speed.abs().above(rim.abs(), by_slowest * sign(speed), ZERO));
+        let by_rim = slides(speed.abs().above(rim.abs(), ZERO, by_slowest * sign(rim)));
+        let by_radius = conductance * eta * (inertia * acceleration * per_radius - per_radius)
+            + by_rim * wheel_speed;
+        Axles {
             load,
             radius,
             conductance,
-            per_denominator: 1.0 / wheel.denominator,
+            per_denominator: ONE / wheel.denominator,
             grip: wheel.grip,
-            spun: self.old[W[i]] + dt * torque / m.axle_inertia,
+            spun: wheels(&self.old) + self.torques * dt / m.axle_inertia,
             by_radius,
-            by_load: conductance * (1.0 - eta - m.tyres.load_exponent) / load.value
+            by_load: conductance * (-eta + 1.0 - m.tyres.load_exponent) / load.value
                 + by_radius * radius_by_load,
             by_acceleration: -conductance * eta * inertia,
             by_speed,
-            by_wheel,
+            by_wheel: by_rim * radius,
         }
     }
 
     /// Returns eta of a tyre with this phi, and one over the torque that it bears; 0, 0 where the stiffness does not saturate.
     #[inline(always)]
-    fn saturation(
-        &self,
-        phi: f64,
-        torque: f64,
-        radius: f64,
-        load: f64,
-        acceleration: f64,
-    ) -> (f64, f64) {
+    fn saturation(&self, phi: Pair, radius: Pair, load: Pair, acceleration: Pair) -> (Pair, Pair) {
         let m = self.machine;
         if m.friction.is_infinite() {
-            return (0.0, 0.0);
+            return (ZERO, ZERO);
         }
-        let borne = torque - acceleration * m.axle_inertia / radius;
+        let borne = self.torques - acceleration * m.axle_inertia / radius;
         let used = borne.abs() / (radius * load * m.friction);
-        if !(LEAST_USED..MOST_USED).contains(&used) {
-            return (0.0, 0.0);
-        }
-        (1.0 - phi / (1.0 - used * used), 1.0 / borne)
+        let saturates = |value: Pair| {
+            let value = Pair::constant(LEAST_USED).above(used, ZERO, value);
+            Pair::constant(MOST_USED).above(used, value, ZERO)
+        };
+        let eta = -(phi / (-(used * used) + 1.0)) + 1.0;
+        (saturates(eta), saturates(ONE / borne))
     }
+}
+
+/// 1 or -1.
+#[inline(always)]
+fn sign(of: Pair) -> Pair {
+    Pair(of.0.map(|x| 1.0_f64.copysign(x)))
 }

@@ -7,7 +7,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `stage` | intermediate result of the step |
-//! | `axle` | one axle: load, grip, and their derivatives |
+//! | `axle` | both axles: load, grip, and their derivatives |
 //! | `pass` | speeds under the loads and grips of the stage before |
 //!
 //! | symbol | code | meaning |
@@ -24,6 +24,7 @@ use crate::loader::layout::{
     CG_HEIGHT as H, CG_RATIO as LAM, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS as K, SPEED as V,
 };
 use crate::math::tanh;
+use crate::pair::Pair;
 use stage::Stage;
 
 mod axle;
@@ -32,6 +33,12 @@ mod stage;
 
 /// The wheel speeds.
 const W: [usize; 2] = [FRONT_WHEEL, REAR_WHEEL];
+
+/// Both wheel speeds of a motion.
+#[inline(always)]
+fn wheels(motion: &[f64; 3]) -> Pair {
+    Pair(W.map(|i| motion[i]))
+}
 
 /// The motion after a step, and its derivatives by the state before it.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +77,8 @@ struct Step<'a> {
     old: [f64; 3],
     p: &'a Parameters<f64>,
     u: &'a Inputs,
+    /// Of both axles.
+    torques: Pair,
     road: &'a Road<f64>,
     dt: f64,
     drag: Drag,
@@ -91,6 +100,7 @@ impl WheelDynamics {
             old: [old.speed, old.front_wheel_speed, old.rear_wheel_speed],
             p,
             u,
+            torques: Pair([u.front_torque, u.rear_torque]),
             road,
             dt,
             drag: self.drag_tangent(old.speed, p, u, road),

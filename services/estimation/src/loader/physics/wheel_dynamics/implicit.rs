@@ -7,9 +7,9 @@ use crate::scalar::Scalar;
 
 /// One axle in a pass of the implicit step.
 struct Axle<T> {
-    /// 0 in front, 1 behind.
-    axle: usize,
-    torque: f64,
+    /// Gain of its slip stiffness.
+    gain: T,
+    torque: T,
     /// Relative radius error.
     error: T,
     /// Error of the load sensitivity of the radius.
@@ -52,9 +52,9 @@ impl<T: Scalar> Step<'_, T> {
             road,
         );
         let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
-        let axle = |axle, torque, error, load| Axle {
-            axle,
-            torque,
+        let axle = |axle: usize, torque, error, load| Axle {
+            gain: T::constant(machine.tyres.gains[axle]),
+            torque: T::constant(torque),
             error,
             sensitivity_error: p.load_sensitivity_error,
             load,
@@ -130,7 +130,7 @@ impl WheelDynamics {
     ) -> Wheel<T> {
         let Axle { torque, load, .. } = *axle;
         let radius = self.radius(axle.error, axle.sensitivity_error, load);
-        let unbent = self.axle_stiffness(axle.axle, axle.stiffness, load);
+        let unbent = self.axle_stiffness(axle.gain, axle.stiffness, load);
         let stiffness = self.stiffness(unbent, torque, radius, load, axle.acceleration);
         let slip_speed = self.slip_denominator(speed, radius * wheel_speed);
         self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
@@ -159,7 +159,7 @@ impl WheelDynamics {
     pub(in crate::loader::physics) fn wheel<T: Scalar>(
         &self,
         force_per_slip_speed: T,
-        torque: f64,
+        torque: T,
         radius: T,
         old_speed: T,
         dt: f64,
@@ -170,7 +170,7 @@ impl WheelDynamics {
             pull,
             denominator,
             grip: force_per_slip_speed / denominator,
-            free_rim_speed: radius * (old_speed + dt * torque / self.axle_inertia),
+            free_rim_speed: radius * (old_speed + torque * dt / self.axle_inertia),
         }
     }
 

@@ -195,10 +195,10 @@ impl WheelDynamics {
         load / (0.5 * self.empty_mass * self.gravity) - 1.0
     }
 
-    /// Slip stiffness of an axle under its load, before it saturates.
+    /// Slip stiffness of an axle with this gain under its load, before it saturates.
     #[inline(always)]
-    pub(super) fn axle_stiffness<T: Scalar>(&self, axle: usize, stiffness: T, load: T) -> T {
-        let stiffness = stiffness * self.tyres.gains[axle];
+    pub(super) fn axle_stiffness<T: Scalar>(&self, gain: T, stiffness: T, load: T) -> T {
+        let stiffness = stiffness * gain;
         if self.tyres.load_exponent == 0.0 {
             return stiffness;
         }
@@ -211,7 +211,7 @@ impl WheelDynamics {
     pub(super) fn stiffness<T: Scalar>(
         &self,
         slip_stiffness: T,
-        torque: f64,
+        torque: T,
         radius: T,
         load: T,
         acceleration: T,
@@ -247,8 +247,12 @@ mod tests {
         let empty = WheelDynamics::of(&settings);
         let mut loaded = empty;
         loaded.mass *= 1.3;
-        let of =
-            |m: &WheelDynamics, load| [m.radius(0.0, 0.001, load), m.axle_stiffness(0, 19.0, load)];
+        let of = |m: &WheelDynamics, load| {
+            [
+                m.radius(0.0, 0.001, load),
+                m.axle_stiffness(m.tyres.gains[0], 19.0, load),
+            ]
+        };
         for load in [15_000.0, 40_000.0] {
             assert_eq!(of(&empty, load), of(&loaded, load));
         }
