@@ -16,7 +16,7 @@ use crate::math::sin_cos;
 const SMOOTH: f64 = 0.12;
 /// Speed against the force of the wheels beyond which they brake [m/s].
 const STANDS: f64 = 0.05;
-/// Longest time without a speed, or a torque [s].
+/// Longest time without a speed [s].
 const GAP: f64 = 0.5;
 /// Resistance beyond rolling, as a share of the weight, that is a push: a curve or soft soil has half of it.
 const PUSHES: f64 = 0.05;
@@ -37,8 +37,6 @@ pub(super) struct Drive {
     /// Time of the last row, and of the last speed [s].
     time: f64,
     told: f64,
-    /// Time of the last torque [s].
-    torque_told: f64,
     /// Smoothed speed [m/s], and its rate [m/s^2].
     speed: f64,
     rate: f64,
@@ -64,7 +62,6 @@ impl Drive {
             rolls: machine.mass / (machine.mass + wheels),
             time: f64::NEG_INFINITY,
             told: f64::NEG_INFINITY,
-            torque_told: f64::NEG_INFINITY,
             speed: 0.0,
             rate: 0.0,
             force: 0.0,
@@ -82,9 +79,6 @@ impl Drive {
         let slope = sample.slope.unwrap_or(0.0);
         self.measured = acceleration.is_some();
         self.felt = acceleration.unwrap_or_else(|| self.rate + GRAVITY * sin_cos(slope).0);
-        if sample.front_torque.or(sample.rear_torque).is_some() {
-            self.torque_told = sample.time;
-        }
         let torque = |axle: Option<f64>| axle.unwrap_or(0.0);
         let pull = self.per_torque * (torque(sample.front_torque) + torque(sample.rear_torque));
         // Against a reported brake wheels may drive with any force: no push is detected.
@@ -115,11 +109,6 @@ impl Drive {
         let away = speed - self.speed;
         self.speed += weight * away;
         self.rate += weight * (away / SMOOTH.max(since) - self.rate);
-    }
-
-    /// A torque is measured.
-    pub fn tells_torque(&self) -> bool {
-        (0.0..GAP).contains(&(self.time - self.torque_told))
     }
 
     /// Specific force, force of the wheels over `rolling` [m/s^2], and speed [m/s].

@@ -9,7 +9,7 @@
 //! | `signals` | last value of each signal, since a row need not hold all of them |
 //! | `silence` | missing signals: the load may have changed since the last weight |
 //! | `seals` | friction of the seals, a play operator: it depends on the rod's last direction |
-//! | `grading` | a low bucket that the ground may carry, where no torque is measured |
+//! | `grading` | a low bucket that ground or heap carries: it shows another weight than in the air |
 //! | `linkage` | how far the bucket turns with the arm: where the tilt cylinder sits |
 //! | `drive` | the specific force where there is no accelerometer; wheels that push |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
@@ -417,7 +417,9 @@ impl LiftWitness {
         let empty = drawing.empty_at(values, &stance);
         let known = (!motion.open).then_some(payload);
         let moment = shown.lifting / shown.per_load;
-        if !self.drive.tells_torque() && self.grading.see(known, low.then_some(bucket), moment) {
+        let at = low.then_some([lift, bucket]);
+        let forward = sample.speed.unwrap_or(0.0) * dt;
+        if self.grading.see(known, at, moment, forward) {
             motion = self.content.put_down(&motion);
         }
         // One number a row, but all in the first.

@@ -806,3 +806,48 @@ fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_trusted() {
     });
     assert!(blow.iter().all(|estimate| !estimate.wrong));
 }
+
+/// Estimates of an empty bucket that is lowered flat within two seconds, and then shows this part of its pressure for six; driven at `speed` [m/s],
+/// by torques that do not push.
+fn lowered_flat(part: f64, speed: f64) -> Vec<Weighed> {
+    let mut work: Vec<Second> = stays(8, [0.2, 0.0], 0.0).collect();
+    work.extend([Second(-0.2, 0.0, 0.0, -1.0), Second(-0.55, 0.0, 0.0, -1.0)]);
+    work.extend((0..6).map(|_| Second(-0.55, 0.0, 0.0, -1.0)));
+    let drives = |row: u32, sample: &mut Sample| {
+        sample.speed = Some(speed);
+        (sample.front_torque, sample.rear_torque) = (Some(0.0), Some(0.0));
+        // With noise: a working sensor repeats no value.
+        let noise = f64::from(row % 3);
+        sample.lift_head_pressure = sample.lift_head_pressure.map(|head| head + 1e4 * noise);
+        sample.lift_angle = sample.lift_angle.map(|lift| lift + 1e-4 * noise);
+    };
+    let sensors = Sensors {
+        shown: &|lift, head| if lift < -0.53 { part * head } else { head },
+        rod: Some(0.7e6),
+        lost: &drives,
+    };
+    let estimates = estimates_with_sensors(&work, 1.0, Some(1.0), &sensors);
+    estimates.into_iter().flatten().collect()
+}
+
+#[test]
+fn a_bucket_that_drags_over_the_ground_while_the_machine_backs_weighs_nothing() {
+    let drags = lowered_flat(0.6, -2.0);
+    assert!(
+        drags[11..].iter().all(|weighed| weighed.carried.rests),
+        "{drags:?}"
+    );
+    let hangs = lowered_flat(1.0, -2.0);
+    assert!(hangs[11..].iter().all(|weighed| !weighed.carried.open));
+}
+
+#[test]
+fn a_heap_that_a_flat_bucket_drives_into_is_no_load() {
+    let in_the_heap = lowered_flat(4.0, 0.5);
+    assert!(
+        in_the_heap[11..]
+            .iter()
+            .all(|weighed| weighed.carried.rests),
+        "{in_the_heap:?}"
+    );
+}
