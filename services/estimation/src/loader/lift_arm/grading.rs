@@ -14,10 +14,12 @@ use crate::math::norm;
 /// Standard deviations by which a low bucket must show less than it held in the air, to lie on the ground. Errors of drawing and seals are
 /// common to both weights, so by chance they differ by less. With twice of it buckets on the ground are
 /// wrong .8 times as often as without the test.
-const LESS: f64 = 1.0;
+const LESS: f64 = 2.0;
 /// The same for more, to be in a heap, which at once loads the edge by several times the empty bucket's weight. With two thirds of it empty
 /// buckets lose .02 more of their trusted rows.
 const MORE: f64 = 3.0;
+/// Least excess in a heap, as a share of the capacity: an arm that has just been lowered shows a tenth less than one that stands low.
+const HEAPED: f64 = 0.2;
 /// Standard deviation of the moment by a change of posture, as a share.
 const POSTURE: f64 = 0.015;
 /// Angle beyond its least one at which a bucket is turned up [rad]: setting a blade takes less, filling a bucket more.
@@ -54,13 +56,13 @@ impl Default for Grading {
 
 impl Grading {
     /// Updates with the payload, none where it is unknown [kg], the angles of arm and bucket to the horizontal where the bucket is `low`
-    /// [rad], the whole moment as a weight in the bucket [kg], and the distance driven `forward` since the last row [m]. Returns whether
+    /// [rad], the whole moment as a weight in the bucket and the capacity [kg], and the distance driven `forward` since the last row [m]. Returns whether
     /// ground or heap may carry the bucket.
     pub fn see(
         &mut self,
         payload: Option<Quantity>,
         low: Option<[f64; 2]>,
-        moment: f64,
+        [moment, capacity]: [f64; 2],
         forward: f64,
     ) -> bool {
         let Some([lift, bucket]) = low else {
@@ -80,7 +82,7 @@ impl Grading {
         } else if let (Some(payload), Some(held)) = (payload, self.in_the_air) {
             let std = norm(&[payload.std, held.std, POSTURE * moment]);
             let more = payload.value - held.value;
-            self.rests |= !(-LESS * std..=MORE * std).contains(&more);
+            self.rests |= more < -LESS * std || more > (MORE * std).max(HEAPED * capacity);
         }
         self.rests
     }
@@ -92,7 +94,8 @@ mod tests {
 
     /// Angles of arm and bucket of a flat bucket near the ground [rad].
     const FLAT: Option<[f64; 2]> = Some([-0.5, 0.1]);
-    const MOMENT: f64 = 900.0;
+    /// Whole moment as a weight in the bucket, and capacity [kg].
+    const MOMENT: [f64; 2] = [900.0, 4000.0];
 
     fn kg(value: f64) -> Option<Quantity> {
         Some(Quantity { value, std: 50.0 })

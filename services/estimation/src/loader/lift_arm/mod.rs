@@ -419,7 +419,10 @@ impl LiftWitness {
         let moment = shown.lifting / shown.per_load;
         let at = low.then_some([lift, bucket]);
         let forward = sample.speed.unwrap_or(0.0) * dt;
-        if self.grading.see(known, at, moment, forward) {
+        if self
+            .grading
+            .see(known, at, [moment, drawing.capacity], forward)
+        {
             motion = self.content.put_down(&motion);
         }
         // One number a row, but all in the first.
