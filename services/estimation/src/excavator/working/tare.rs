@@ -132,8 +132,8 @@ impl Working {
         let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
-        let close = value * value < 4.0 * (variance + std * std);
-        if self.bucket.weighs(value < 0.0 && !close) {
+        // The rest may still leave.
+        if self.bucket.weighs(value < 0.0 && value * value > variance + std * std) {
             return;
         }
         let apart = value * value > 9.0 * (claimed + std * std);
@@ -169,6 +169,7 @@ impl Working {
             let (usual, before) = (self.contradiction.usual(), self.weighed_something);
             self.weighed_something = self.parallel.weigh_again(both, gate, usual, before);
         }
+        let close = value * value < 4.0 * (variance + std * std);
         if !apart && !close {
             return;
         }
