@@ -132,8 +132,9 @@ impl Working {
         let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
-        // The rest may still leave.
-        if self.bucket.weighs(value < 0.0 && value * value > variance + std * std) {
+        let something = value < 0.0 && value * value > variance + std * std;
+        if self.bucket.weighs(something) {
+            // The rest may still leave.
             return;
         }
         let apart = value * value > 9.0 * (claimed + std * std);
