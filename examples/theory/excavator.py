@@ -208,6 +208,7 @@ class Bucket:
 
     def __init__(self, threshold):
         self.threshold, self.ring, self.open, self.settling, self.rate = threshold, [], 0, 0, 0.0
+        self.sliding, self.loses = 0, False
         self.joints = self.stopped = None
         self.unlocked, self.emptied, self.least, self.most = True, False, math.inf, -math.inf
 
@@ -218,6 +219,7 @@ class Bucket:
         self.open = 10 if rate > self.threshold else max(self.open - 1, 0)
         self.rate = max(rate, 0.0) if self.open else 0.0
         self.settling = 20 if self.open else max(self.settling - 1, 0)
+        self.sliding = 200 if self.open else max(self.sliding - 1, 0)
         before = self.joints or joints
         self.joints = now = [b + share * (q - b) for b, q in zip(before, joints)]
         self.least, self.most = min(self.least, now[2]), max(self.most, now[2])
@@ -389,7 +391,8 @@ class Estimator:
         for i in range(N):
             p[M][i] *= 1 - leaving
             p[i][M] *= 1 - leaving
-        p[M][M] += 0.5 * payload**2 * opened + e["q_m"] * machine.rated**2 * 1e-5 * dt
+        slides = 0.7 * dt if self.bucket.loses else 0.0
+        p[M][M] += 0.5 * payload**2 * (opened + slides) + e["q_m"] * machine.rated**2 * 1e-5 * dt
         self.turn += x[W] * dt
         # (9): correction by the velocity, which is late by tau.
         innovation = velocity - x[W] + x[TAU] * acceleration
@@ -408,11 +411,15 @@ class Estimator:
             self.filter.p[M][M] += 0.25 * self.machine.rated**2
 
     def tare(self):
-        """(6): an emptied bucket weighs nothing beside what sticks."""
-        f, rated = self.filter, self.machine.rated
-        if self.tared or not self.bucket.is_emptied() or f.p[M][M] > (0.15 * rated) ** 2:
+        """(6): an emptied bucket weighs nothing beside what sticks, or is losing the rest."""
+        f, rated, own = self.filter, self.machine.rated, (0.04 * self.machine.rated) ** 2
+        self.bucket.loses = False
+        if not self.bucket.is_emptied() or f.p[M][M] > (0.15 * rated) ** 2:
             return
-        own = (0.04 * rated) ** 2
+        something = f.x[M] > 0 and f.x[M] ** 2 > f.p[M][M] + own
+        self.bucket.loses = something and self.bucket.sliding > 0
+        if self.tared or self.bucket.loses:
+            return
         if f.x[M] ** 2 < 4 * (f.p[M][M] + own):
             self.tared = True
             f.p[MB][MB] += (0.005 * rated) ** 2
