@@ -207,8 +207,7 @@ class Bucket:
     """(5): what the joints say about the content."""
 
     def __init__(self, threshold):
-        self.threshold, self.ring, self.open, self.settling, self.rate = threshold, [], 0, 0, 0.0
-        self.sliding, self.loses = 0, False
+        self.threshold, self.ring, self.open, self.closed, self.rate = threshold, [], 0, 10**9, 0.0
         self.joints = self.stopped = None
         self.unlocked, self.emptied, self.least, self.most = True, False, math.inf, -math.inf
 
@@ -218,8 +217,7 @@ class Bucket:
         self.ring = self.ring[-9:] + [(t, joints[2])]
         self.open = 10 if rate > self.threshold else max(self.open - 1, 0)
         self.rate = max(rate, 0.0) if self.open else 0.0
-        self.settling = 20 if self.open else max(self.settling - 1, 0)
-        self.sliding = 200 if self.open else max(self.sliding - 1, 0)
+        self.closed = 0 if self.open else self.closed + 1
         before = self.joints or joints
         self.joints = now = [b + share * (q - b) for b, q in zip(before, joints)]
         self.least, self.most = min(self.least, now[2]), max(self.most, now[2])
@@ -235,7 +233,7 @@ class Bucket:
         return self.unlocked
 
     def is_emptied(self):
-        return self.emptied and not self.open and not self.settling
+        return self.emptied and self.closed >= 20
 
 
 class Estimator:
@@ -344,6 +342,7 @@ class Estimator:
             + ground**2 * 0.3 / dt
         )
         opened, payload = self.bucket.rate * dt, max(x[M], 0.0)
+        slides = 0.7 * dt if self.is_losing() else 0.0
         # (3): prediction.
         mean = {key: (now[key] + before[key]) / 2 for key in now}
         rate = {key: (now[key] - before[key]) / dt for key in now}
@@ -391,7 +390,6 @@ class Estimator:
         for i in range(N):
             p[M][i] *= 1 - leaving
             p[i][M] *= 1 - leaving
-        slides = 0.7 * dt if self.bucket.loses else 0.0
         p[M][M] += 0.5 * payload**2 * (opened + slides) + e["q_m"] * machine.rated**2 * 1e-5 * dt
         self.turn += x[W] * dt
         # (9): correction by the velocity, which is late by tau.
@@ -410,16 +408,21 @@ class Estimator:
             self.up = self.down = 0.0
             self.filter.p[M][M] += 0.25 * self.machine.rated**2
 
+    def weighs_empty(self):
+        """(6): whether the weight of an emptied bucket is known."""
+        return self.bucket.is_emptied() and self.filter.p[M][M] <= (0.15 * self.machine.rated) ** 2
+
+    def is_losing(self):
+        """(6): whether what an emptied bucket weighs may still slide out."""
+        m, variance = self.filter.x[M], self.filter.p[M][M] + (0.04 * self.machine.rated) ** 2
+        return self.weighs_empty() and self.bucket.closed < 200 and m > 0 and m * m > variance
+
     def tare(self):
-        """(6): an emptied bucket weighs nothing beside what sticks, or is losing the rest."""
-        f, rated, own = self.filter, self.machine.rated, (0.04 * self.machine.rated) ** 2
-        self.bucket.loses = False
-        if not self.bucket.is_emptied() or f.p[M][M] > (0.15 * rated) ** 2:
+        """(6): an emptied bucket weighs nothing beside what sticks."""
+        f, rated = self.filter, self.machine.rated
+        if self.tared or not self.weighs_empty() or self.is_losing():
             return
-        something = f.x[M] > 0 and f.x[M] ** 2 > f.p[M][M] + own
-        self.bucket.loses = something and self.bucket.sliding > 0
-        if self.tared or self.bucket.loses:
-            return
+        own = (0.04 * rated) ** 2
         if f.x[M] ** 2 < 4 * (f.p[M][M] + own):
             self.tared = True
             f.p[MB][MB] += (0.005 * rated) ** 2

@@ -30,6 +30,11 @@ impl Record {
         self.cells.iter().map(|[from, to]| &self.text[*from..*to])
     }
 
+    /// Whether a cell, in quotes, holds the end of a line.
+    pub(super) fn has_line_end(&self) -> bool {
+        memchr::memchr(b'\n', &self.text).is_some()
+    }
+
     fn clear(&mut self) {
         self.text.clear();
         self.cells.clear();

@@ -401,9 +401,9 @@ impl<S: Sensors> Columns<S> {
 
     /// How much there is of a row that was cut off; none if it was not, or if a quote that is never closed took the lines below it.
     pub(crate) fn cut(&self, record: &Record) -> Option<String> {
-        let is_one_line = !record.iter().any(|cell| cell.contains(&b'\n'));
         let (cells, width) = (record.len(), self.header.len());
-        (self.is_short(record) && is_one_line).then(|| format!("{cells} of {width} cells"))
+        (self.is_short(record) && !record.has_line_end())
+            .then(|| format!("{cells} of {width} cells"))
     }
 
     /// Why a row does not fit the table, and the remedy. A row that was cut off must not be taken for one with missing samples.
@@ -435,7 +435,7 @@ impl<S: Sensors> Columns<S> {
             (_, Dialect { separator: BLANK }) if !has_more => {
                 "complete or delete the row; where blanks separate, a missing sample is NaN"
             }
-            _ if record.iter().any(|cell| cell.contains(&b'\n')) => CLOSE,
+            _ if record.has_line_end() => CLOSE,
             _ if has_more && cells == width + 1 => {
                 "name every column, that of the rows' names too (in R: col.names = NA), or delete the row"
             }
@@ -538,6 +538,9 @@ pub(super) const CLOSE: &str = "close the quote that opens in this row, or delet
 
 /// What to say of rows of a table of this width that are within a cell of one record: a quote above them is not closed.
 pub(super) fn hidden_rows(record: &Record, width: usize, dialect: Dialect) -> Option<String> {
+    if !record.has_line_end() {
+        return None;
+    }
     let within = record
         .iter()
         .flat_map(|cell| cell.split(|b| *b == b'\n').skip(1));

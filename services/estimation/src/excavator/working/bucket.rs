@@ -13,8 +13,6 @@ const FILLED: f64 = 0.4;
 const SETTLING: u32 = 20;
 /// Ticks after an opening in which a bucket that still weighs something may be losing it: wet soil slides out slowly (2 s).
 const SLIDING: u32 = 200;
-/// Rate of opening that loses as much [rad/s]: a mass m changes by m in 1.7 s, one standard deviation.
-const SLIDES: f64 = 0.7;
 
 /// Knowledge of the content after a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,10 +40,8 @@ pub(super) struct Bucket {
     least: f64,
     most: f64,
     emptied: bool,
-    settling: u32,
-    /// Ticks left in which the rest may slide out, and whether it may be doing so.
-    sliding: u32,
-    loses: bool,
+    /// Ticks since the bucket last opened.
+    closed: u32,
 }
 
 impl Bucket {
@@ -59,9 +55,7 @@ impl Bucket {
             least: f64::INFINITY,
             most: f64::NEG_INFINITY,
             emptied: false,
-            settling: 0,
-            sliding: 0,
-            loses: false,
+            closed: u32::MAX,
         }
     }
 
@@ -80,14 +74,10 @@ impl Bucket {
             return Content::Unknown;
         }
         self.rate = self.opening.step(drive);
-        let was_settling = self.settling > 0;
-        (self.settling, self.sliding) = if self.is_open() {
-            (SETTLING, SLIDING)
+        self.closed = if self.is_open() {
+            0
         } else {
-            (
-                self.settling.saturating_sub(1),
-                self.sliding.saturating_sub(1),
-            )
+            self.closed.saturating_add(1)
         };
         let before = self.posture.unwrap_or(drive.posture);
         let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
@@ -100,8 +90,8 @@ impl Bucket {
         }
         let stopped = *self.stopped.get_or_insert(now);
         self.unlocked |= (0..3).any(|i| (now[i] - stopped[i]).abs() > MOVED);
-        let fixed = digs.is_some_and(|digs| !digs && self.settling == 0);
-        if fixed && was_settling && self.emptied {
+        let fixed = digs.is_some_and(|digs| !digs && !self.is_settling());
+        if fixed && self.closed == SETTLING && self.emptied {
             Content::Emptied
         } else if self.unlocked && !fixed {
             Content::Unknown
@@ -130,15 +120,14 @@ impl Bucket {
         self.opening.is_open()
     }
 
-    /// Returns whether material may still leave as fast as while the bucket opened.
+    /// Returns whether the bucket opens, or material may still leave as fast as while it did.
     pub(super) fn is_settling(&self) -> bool {
-        self.settling > 0
+        self.closed < SETTLING
     }
 
-    /// Notes whether the emptied bucket weighs something. Returns whether it may still be losing that.
-    pub(super) fn weighs(&mut self, something: bool) -> bool {
-        self.loses = something && self.sliding > 0;
-        self.loses
+    /// Returns whether the rest may still slide out of an emptied bucket.
+    pub(super) fn may_slide(&self) -> bool {
+        self.is_emptied() && self.closed < SLIDING
     }
 
     /// Returns whether joints have moved since the machine stopped.
@@ -151,14 +140,9 @@ impl Bucket {
         self.rate
     }
 
-    /// Rate of opening that would lose as much as slides out of the open bucket [rad/s].
-    pub(super) fn sliding_rate(&self) -> f64 {
-        if self.loses { SLIDES } else { 0.0 }
-    }
-
     /// Returns whether the bucket was opened wide and has not been filled since.
     pub(super) fn is_emptied(&self) -> bool {
-        self.emptied && !self.is_open() && self.settling == 0
+        self.emptied && !self.is_settling()
     }
 }
 
@@ -167,9 +151,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bucket_that_weighs_something_may_lose_it_for_two_seconds_after_its_opening() {
+    fn the_rest_may_slide_out_of_an_emptied_bucket_for_two_seconds_after_its_opening() {
         let mut bucket = Bucket::new(0.3);
-        let mut at = |angle: f64, something: bool| {
+        let mut may_slide = |angle: f64| {
             let drive = Drive {
                 period: 0.01,
                 posture: [0.6, -1.8, angle],
@@ -177,17 +161,12 @@ mod tests {
                 ..Drive::default()
             };
             bucket.step(&drive, 1.0, false, None);
-            (bucket.weighs(something), bucket.sliding_rate() > 0.0)
+            bucket.may_slide()
         };
-        assert_eq!(at(-1.5, true), (false, false), "it has not opened");
-        (0..100).for_each(|k| {
-            at(-1.5 + 0.015 * f64::from(k), true);
-        });
-        let lasts = (0..300).filter(|_| at(0.0, true).0).count();
-        assert!((200..230).contains(&lasts), "{lasts}");
-        (0..100).for_each(|k| {
-            at(-1.5 + 0.015 * f64::from(k), true);
-        });
-        assert_eq!(at(0.0, false), (false, false), "it weighs nothing");
+        assert!(!may_slide(-1.5), "it has not opened");
+        let opening = (0..100).map(|k| -1.5 + 0.015 * f64::from(k));
+        assert!(opening.into_iter().all(|angle| !may_slide(angle)));
+        let lasts = (0..300).filter(|_| may_slide(0.0)).count();
+        assert_eq!(lasts as u32, SLIDING - SETTLING);
     }
 }

@@ -100,6 +100,9 @@ const GAINS: f64 = 2.0 * SMOOTHING;
 const BRAKED: f64 = 0.04;
 /// Time for which that part is constant [s].
 const BRAKE_LASTS: f64 = 0.1;
+/// Rate of an opening in which as much leaves as may slide out of an emptied bucket [rad/s]: a mass m changes by m in 1.7 s, one
+/// standard deviation.
+const SLIDES: f64 = 0.7;
 /// Least velocity at which a gain error is distinguishable from a dragging brake [rad/s].
 const FREE: f64 = 0.1;
 
@@ -362,7 +365,7 @@ impl Working {
         } else {
             self.ground.ends_sweep();
         }
-        if self.bucket.is_open() || self.bucket.is_settling() {
+        if self.bucket.is_settling() {
             self.ground.opens();
         }
         let sets_off = velocity.abs() + SETS_OFF * self.gaining.abs() > SWEEPING;
@@ -385,7 +388,7 @@ impl Working {
             return false;
         };
         let motion = (self.turn, self.filter.x[W]);
-        let opens = self.bucket.is_open() || self.bucket.is_settling();
+        let opens = self.bucket.is_settling();
         let moment = weigh.step(
             settings,
             drive,
@@ -485,7 +488,7 @@ impl Working {
 
     /// Returns whether the bucket may still hold what was filled into it.
     fn carries(&self) -> bool {
-        !(self.bucket.is_open() || self.bucket.is_settling() || self.bucket.is_emptied())
+        !(self.bucket.is_settling() || self.bucket.is_emptied())
     }
 
     /// Returns whether pressures weigh and are trusted.
@@ -681,6 +684,11 @@ impl Working {
             0.0
         };
         let opening = self.bucket.opening_rate() * drive.period;
+        let slides = if self.is_losing() {
+            SLIDES * drive.period
+        } else {
+            0.0
+        };
         let m = self.filter.x[M].max(0.0);
         Input {
             period: drive.period,
@@ -696,7 +704,7 @@ impl Working {
                 + drive.changing_torque
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),
-            payload_variance: 0.5 * m * m * (opening + self.bucket.sliding_rate() * drive.period)
+            payload_variance: 0.5 * m * m * (opening + slides)
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         }
     }

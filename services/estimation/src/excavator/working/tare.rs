@@ -108,13 +108,21 @@ impl Working {
         STICKING[0] * self.rated
     }
 
+    /// Returns whether an emptied bucket weighs something that may still be sliding out.
+    pub(super) fn is_losing(&self) -> bool {
+        let (m, std) = (self.filter.x[M], self.sticking());
+        self.bucket.may_slide()
+            && self.content_variance() <= self.known_variance()
+            && m > 0.0
+            && m * m > self.filter.p[M][M] + std * std
+    }
+
     /// Tests an emptied bucket, and uses it as a weight of next to nothing, which determines the torque gain.
     pub(super) fn tare(&mut self, settings: &Settings, drive: &Drive, trail: &mut Option<Trail>) {
         let (gate, now) = (settings.estimator.gate, &drive.now);
         if self.filter.x[M] < 0.0 && !self.bucket.is_emptied() {
             self.weighs_less_than_nothing(gate, now, trail);
         }
-        self.bucket.weighs(false);
         if self.content_variance() > self.known_variance() {
             return;
         }
@@ -122,7 +130,7 @@ impl Working {
             self.contradiction.is_weighed();
         }
         if !self.bucket.is_emptied() {
-            if !self.bucket.is_open() && !self.bucket.is_settling() {
+            if !self.bucket.is_settling() {
                 self.carried = Some(self.filter.x[M]);
             }
             return;
@@ -132,9 +140,7 @@ impl Working {
         let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
         let [value, other] = [-self.filter.x[M], -parallel.x[M]];
-        let something = value < 0.0 && value * value > variance + std * std;
-        if self.bucket.weighs(something) {
-            // The rest may still leave.
+        if self.is_losing() {
             return;
         }
         let apart = value * value > 9.0 * (claimed + std * std);

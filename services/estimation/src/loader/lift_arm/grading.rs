@@ -56,8 +56,8 @@ impl Default for Grading {
 
 impl Grading {
     /// Updates with the payload, none where it is unknown [kg], the angles of arm and bucket to the horizontal where the bucket is `low`
-    /// [rad], the whole moment as a weight in the bucket and the capacity [kg], and the distance driven `forward` since the last row [m]. Returns whether
-    /// ground or heap may carry the bucket.
+    /// [rad], the whole moment as a weight in the bucket and the capacity [kg], and the distance driven `forward` since the last row [m].
+    /// Returns whether ground or heap may carry the bucket.
     pub fn see(
         &mut self,
         payload: Option<Quantity>,

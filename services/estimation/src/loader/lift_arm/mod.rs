@@ -418,11 +418,9 @@ impl LiftWitness {
         let known = (!motion.open).then_some(payload);
         let moment = shown.lifting / shown.per_load;
         let at = low.then_some([lift, bucket]);
+        let weights = [moment, drawing.capacity];
         let forward = sample.speed.unwrap_or(0.0) * dt;
-        if self
-            .grading
-            .see(known, at, [moment, drawing.capacity], forward)
-        {
+        if self.grading.see(known, at, weights, forward) {
             motion = self.content.put_down(&motion);
         }
         // One number a row, but all in the first.

@@ -807,8 +807,8 @@ fn a_lift_pressure_that_steps_while_a_load_is_carried_is_not_trusted() {
     assert!(blow.iter().all(|estimate| !estimate.wrong));
 }
 
-/// Estimates of an empty bucket that is lowered flat within two seconds, and then shows this part of its pressure for six; driven at `speed` [m/s],
-/// by torques that do not push.
+/// Estimates of an empty bucket that is lowered flat within two seconds, and then shows this part of its pressure for six; driven at
+/// `speed` [m/s], by torques that do not push.
 fn lowered_flat(part: f64, speed: f64) -> Vec<Weighed> {
     let mut work: Vec<Second> = stays(8, [0.2, 0.0], 0.0).collect();
     work.extend([Second(-0.2, 0.0, 0.0, -1.0), Second(-0.55, 0.0, 0.0, -1.0)]);
