@@ -60,7 +60,7 @@ impl Loads {
         let events = self.ledger.step(&Row {
             time: row.t,
             payload: payload.map(|(value, std)| Quantity { value, std }),
-            common_std: None,
+            common: None,
             speed: present(row.speed).unwrap_or_default(),
             changing: row.changing != 0,
             hangs: is_excavator && row.reason == Reason::Hanging as u32,

@@ -15,6 +15,7 @@ struct Site {
     said: Vec<Load>,
     trucks: Vec<Truck>,
     truck: Option<f64>,
+    common: Option<CommonError>,
 }
 
 impl Site {
@@ -29,6 +30,7 @@ impl Site {
             said: Vec::new(),
             trucks: Vec::new(),
             truck: None,
+            common: None,
         }
     }
 
@@ -46,6 +48,7 @@ impl Site {
             changing,
             trusted: std < 100.0,
             truck: self.truck,
+            common: self.common,
             ..Row::default()
         };
         let events = self.ledger.step(&row);
@@ -525,6 +528,63 @@ fn a_load_dumped_in_two_halves_is_two_loads_that_add_up() {
     assert!((site.ledger.all().kg - 900.0).abs() < 1.0);
 }
 
+/// Total of ten loads of 800 kg whose weight has these standard deviations: of rests, of common zero and scale.
+fn ten_loads(rest: f64, zero_std: f64, scale_std: f64) -> (Quantity, Vec<Load>) {
+    let mut site = Site::new(None);
+    site.common = Some(CommonError {
+        scale_std,
+        zero_std,
+    });
+    for k in 0..10 {
+        site.stand(
+            2.0,
+            (800.0, 15.0_f64.hypot(zero_std).hypot(800.0 * scale_std)),
+        );
+        let noise = if k % 2 == 0 { rest } else { -rest };
+        site.stand(2.0, (noise, rest.max(15.0).hypot(zero_std)));
+    }
+    let loads = site.loads();
+    let all = site.ledger.all();
+    let total = Quantity {
+        value: all.kg,
+        std: all.std(),
+    };
+    (total, loads)
+}
+
+#[test]
+fn a_zero_error_cancels_between_load_and_rest_and_a_scale_error_does_not() {
+    let [sound, zero, scale] = [[0.0; 2], [60.0, 0.0], [0.0, 0.06]].map(|[zero, scale]| {
+        let (total, loads) = ten_loads(0.0, zero, scale);
+        assert_eq!(loads.len(), 10);
+        total.std
+    });
+    assert!(zero < 1.5 * sound, "{zero} {sound}");
+    assert!((scale - 0.06 * 8000.0).abs() < 0.1 * scale, "{scale}");
+}
+
+#[test]
+fn a_rest_that_is_weighed_badly_adds_no_more_than_an_emptied_bucket_can_keep() {
+    let (total, loads) = ten_loads(150.0, 0.0, 0.0);
+    assert!(loads.iter().all(|load| load.is_emptied), "{loads:?}");
+    let left = |load: &Load| load.carry_back.kg.abs();
+    assert!(loads.iter().all(|load| left(load) < 60.0), "{loads:?}");
+    assert!(
+        total.holds(8000.0) && total.std < 10.0_f64.sqrt() * 60.0,
+        "{total:?}"
+    );
+}
+
+#[test]
+fn what_is_left_for_a_second_truck_is_no_emptied_bucket() {
+    let mut site = Site::new(None);
+    for kg in [900.0, 300.0, 20.0] {
+        site.stand(2.0, (kg, 60.0));
+    }
+    let loads = site.loads();
+    assert!(!loads[0].is_emptied && (loads[0].carry_back.kg - 300.0).abs() < 1.0);
+}
+
 #[test]
 fn ten_loads_are_not_ten_times_as_certain() {
     let mut site = Site::new(None);
@@ -652,7 +712,10 @@ fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
                     value: any(4, 900.0 * f64::from((i / 500) % 2)),
                     std: any(6, 20.0),
                 }),
-                common_std: Some(any(8, 10.0)),
+                common: Some(CommonError {
+                    scale_std: any(8, 0.02),
+                    zero_std: any(9, 10.0),
+                }),
                 speed: any(10, 0.3),
                 changing: pick.is_multiple_of(7),
                 truck: Some(any(12, 1.0)),

@@ -158,6 +158,7 @@ mod tests {
                 kg: 437.0,
                 std: 21.0,
                 common_std: 10.0,
+                ..Weight::default()
             },
             trusted: true,
             ..Load::default()

@@ -5,8 +5,8 @@
 use std::collections::VecDeque;
 
 use config::Description;
-use estimation::Quantity;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
+use estimation::{CommonError, Quantity};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
     excavator_bits, loader_bits,
@@ -29,6 +29,9 @@ pub use why::{outage_words, reason_and_flags, why_words};
 
 /// Number of loads stored while the machine works; the sums include all.
 const REMEMBERED: usize = 1000;
+
+/// Largest standard deviation by common errors, as a share of that of a load by lift pressures: an emptied bucket may have shown them.
+const MOST_COMMON: f64 = 0.87;
 
 /// Largest age of the pressures that weigh a boom \[s\].
 const PRESSED: f64 = 0.25;
@@ -63,6 +66,8 @@ pub struct LoadCounter {
     mass: Option<f64>,
     /// Whether the cylinders are described, so that their pressures weigh.
     is_described: bool,
+    /// Errors common to all loads that a lift arm weighs.
+    common: Option<CommonError>,
     guessed: Option<String>,
     /// Whether the latest sample has pressures; `None` where only estimates are received.
     pressure: Option<bool>,
@@ -99,6 +104,10 @@ impl LoadCounter {
             truck: None,
             mass: None,
             is_described,
+            common: match description {
+                Description::Excavator(_) => None,
+                Description::Loader(d) => d.loads_common(),
+            },
             guessed: guessed(description),
             pressure: None,
             pressed: f64::NEG_INFINITY,
@@ -270,7 +279,7 @@ impl LoadCounter {
         let row = Row {
             time: m.stamp.time,
             payload: (m.estimated & excavator_bits::PAYLOAD != 0).then_some(payload),
-            common_std: None,
+            common: None,
             speed: m.velocity,
             changing: flag(excavator_bits::CHANGING),
             hangs: m.reason == estimation::excavator::Reason::Hanging as u32,
@@ -305,9 +314,12 @@ impl LoadCounter {
         let row = Row {
             time: m.stamp.time,
             payload: weighed.or(scale.map(|shown| shown.payload)),
-            common_std: scale
-                .filter(|_| weighed.is_none())
-                .map(|shown| shown.common),
+            common: match weighed {
+                Some(weighed) => self
+                    .common
+                    .map(|common| common.at_most(MOST_COMMON * weighed.std, weighed.value)),
+                None => scale.map(|shown| shown.common),
+            },
             speed: m.speed,
             changing: match weighed {
                 // Also where a broken sensor is the reason: its value before the change belongs to the load before.

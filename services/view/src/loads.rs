@@ -467,6 +467,7 @@ pub(crate) fn account() -> Account {
         kg,
         std,
         common_std: 0.8 * std,
+        ..Weight::default()
     };
     let load = Load {
         number: 1,

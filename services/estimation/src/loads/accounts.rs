@@ -14,6 +14,8 @@ pub(super) struct Accounts {
     pub carry_back: CarryBack,
     /// Dumped load whose carry-back is still being weighed.
     pub pending: Option<Load>,
+    /// What the bucket shows after it.
+    shown: Weight,
     /// Number of loads so far.
     pub loads: u32,
     pub truck: Truck,
@@ -29,6 +31,7 @@ impl Accounts {
             settings,
             carry_back: CarryBack::new(settings.rated),
             pending: None,
+            shown: Weight::default(),
             loads: 0,
             truck: Truck {
                 number: 1,
@@ -97,21 +100,35 @@ impl Accounts {
         if pause > 0.0 && self.truck.to.is_some_and(|last| time - last > pause) {
             self.change_truck(self.truck.signal, events);
         }
-        let dumped = Load {
+        let mut dumped = Load {
             truck: self.truck.number,
             day: self.day.number,
-            carry_back: rest.unwrap_or(load.carry_back),
             carry_back_weighed: rest.is_some(),
             ..load
         };
+        if let Some(rest) = rest {
+            self.leave(&mut dumped, rest);
+        }
         self.pending = Some(dumped);
         dumped
     }
 
+    /// Sets what stays in the bucket, by what the bucket shows: what an emptied one keeps, or a part of the load.
+    fn leave(&mut self, load: &mut Load, shown: Weight) {
+        load.is_emptied = self.carry_back.is_emptied(&shown, load.weight.kg) > 0.5;
+        load.carry_back = if load.is_emptied {
+            self.carry_back.weighed(&shown)
+        } else {
+            shown
+        };
+        self.shown = shown;
+    }
+
     /// Replaces the weight of what stays in the bucket by a better one.
     pub fn weigh_rest(&mut self, weight: Weight) {
-        if let Some(load) = self.pending.as_mut().filter(|l| l.carry_back_weighed) {
-            load.carry_back = weight;
+        if let Some(mut load) = self.pending.filter(|l| l.carry_back_weighed) {
+            self.leave(&mut load, weight);
+            self.pending = Some(load);
         }
     }
 
@@ -120,8 +137,8 @@ impl Accounts {
         let Some(mut load) = self.pending.take() else {
             return;
         };
-        if load.carry_back_weighed {
-            self.carry_back.add(&load.carry_back);
+        if load.carry_back_weighed && load.is_emptied {
+            self.carry_back.add(&self.shown);
         }
         load.stage = Stage::Settled;
         self.truck.add(&load);

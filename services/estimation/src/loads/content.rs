@@ -4,7 +4,7 @@ use super::level::{Level, log_likelihood};
 use super::open::{CHANGING, Open};
 use super::row::Row;
 use crate::Quantity;
-use crate::math::{norm, sqrt};
+use crate::math::norm;
 
 /// Contents differ if they are further apart than this, in standard deviations of their difference,
 const CLEAR: f64 = 2.5;
@@ -29,8 +29,6 @@ const OPENED_FOR_A_LOAD: f64 = 0.7;
 const UNKNOWN: f64 = 0.4;
 /// Ratio of a payload's variance to the smallest so far at which the estimator has reset it: the content that follows is another.
 const OPENED: f64 = 1.5;
-/// Share of a payload's variance that is common to all loads of a machine, where the estimator does not state it.
-const COMMON: f64 = 0.7;
 
 /// The content of the bucket.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,10 +136,9 @@ impl Content {
 
     /// Takes a weighed content.
     pub fn weigh(&mut self, row: &Row, value: Quantity, carries: Carries) -> Shown {
-        let common = common(row, value);
         let floor = SAME * self.rated;
         let Some(level) = self.level else {
-            let mut first = Level::new(row, value, common, row.time);
+            let mut first = Level::new(row, value, row.time);
             first.left = self.filled(&first);
             (self.level, self.open, self.may_be_empty) = (Some(first), None, true);
             self.path = 0.0;
@@ -161,18 +158,18 @@ impl Content {
             let is_at_a_truck = self.path >= row.witness.trip();
             if let Some(level) = &mut self.level {
                 level.may_lack_a_part |= carries.leaving && is_at_a_truck;
-                level.join(row, value, common);
+                level.join(row, value);
             }
             (self.next, self.open) = (None, None);
             (self.rough, self.unchanged) = (None, None);
             return Shown::Same;
         }
         match &mut self.next {
-            Some(next) if next.holds(value, floor) => next.join(row, value, common),
+            Some(next) if next.holds(value, floor) => next.join(row, value),
             other => {
                 let since = self.open.map_or(row.time, |open| open.since);
                 let left = other.map_or(since, |next| next.left.min(since));
-                *other = Some(Level::new(row, value, common, left));
+                *other = Some(Level::new(row, value, left));
             }
         }
         self.next
@@ -248,7 +245,6 @@ impl Content {
 
     /// Takes a content that is not weighed, while the machine moves: improves the estimate of a load that leaves later.
     pub fn notice(&mut self, row: &Row, value: Quantity) {
-        let common = common(row, value);
         let opened =
             |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
         if self.begins_to_change {
@@ -259,8 +255,8 @@ impl Content {
         self.rough = self.rough.filter(|best| !is_old(best));
         match &mut self.rough {
             Some(best) if opened(*best) => best.is_over = true,
-            Some(best) if !best.is_over && row.moves() => best.join(row, value, common),
-            _ if row.moves() => self.rough = Some(Level::new(row, value, common, row.time)),
+            Some(best) if !best.is_over && row.moves() => best.join(row, value),
+            _ if row.moves() => self.rough = Some(Level::new(row, value, row.time)),
             _ => {}
         }
     }
@@ -286,7 +282,7 @@ impl Content {
             ..self.any_load()
         };
         let seen = self.rough.or(self.level);
-        let hung = seen.unwrap_or(Level::new(row, any, any.std, since));
+        let hung = seen.unwrap_or(Level::new(row, any, since));
         (self.odds(hung.weight.quantity()) > -OPENED_FOR_A_LOAD).then_some(hung)
     }
 
@@ -343,12 +339,6 @@ impl Content {
             _ => next.from,
         }
     }
-}
-
-/// Standard deviation of the error of a payload that is common to all loads \[kg\].
-fn common(row: &Row, value: Quantity) -> f64 {
-    let stated = row.common_std.filter(|common| common.is_finite());
-    stated.unwrap_or(sqrt(COMMON) * value.std)
 }
 
 #[cfg(test)]

@@ -386,6 +386,7 @@ impl Ledger {
                 .unwrap_or_default(),
             carry_back: accounts.carry_back.expected(),
             carry_back_weighed: false,
+            is_emptied: false,
             trusted: level.is_some_and(|l| l.trusted),
             why: level.map_or(0, |l| l.why),
             witness: level.map(|l| l.witness).unwrap_or_default(),

@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 
 use super::load::Weight;
 use super::row::{Row, Witness};
-use crate::Quantity;
 use crate::math::{ln, norm, sqrt};
+use crate::{CommonError, Quantity};
 
 /// Distance of two values above which they are two contents, in standard deviations of the less certain one. Rows of one
 /// filter share their errors, so the larger standard deviation bounds their difference.
@@ -45,9 +45,9 @@ pub(super) struct Level {
 
 impl Level {
     /// A level of one row.
-    pub(super) fn new(row: &Row, value: Quantity, common: f64, left: f64) -> Self {
+    pub(super) fn new(row: &Row, value: Quantity, left: f64) -> Self {
         Self {
-            weight: Weight::new(value, common),
+            weight: Weight::new(value, row.common),
             trusted: row.trusted,
             why: row.why,
             witness: row.witness,
@@ -63,7 +63,7 @@ impl Level {
 
     /// Takes one more row: a more certain one replaces the estimate, an equally certain one joins the mean. The weight of a rest replaces
     /// none that is as trusted.
-    pub(super) fn join(&mut self, row: &Row, value: Quantity, common: f64) {
+    pub(super) fn join(&mut self, row: &Row, value: Quantity) {
         let dt = row.time - self.to;
         self.to = row.time;
         let replaces = row.trusted && !self.trusted;
@@ -71,7 +71,7 @@ impl Level {
             return;
         }
         if (row.trusted && !self.trusted) || value.std < MORE_CERTAIN * self.weight.std {
-            self.weight = Weight::new(value, common);
+            self.weight = Weight::new(value, row.common);
             (self.trusted, self.why, self.witness) = (row.trusted, row.why, row.witness);
             self.mean_of = 0.0;
         } else if value.std * MORE_CERTAIN <= self.weight.std {
@@ -110,6 +110,7 @@ impl Level {
         self.witness = Witness::Nothing;
         self.trusted = false;
         self.weight.common_std = self.weight.std;
+        self.weight.known = CommonError::default();
     }
 
     /// Whether a value may belong to this content; differences up to `floor` count as none.

@@ -63,9 +63,9 @@ pub struct Row {
     pub time: f64,
     /// Payload with its standard deviation; `None` where nothing is estimated \[kg\].
     pub payload: Option<Quantity>,
-    /// Standard deviation of those errors of the payload that are common to all loads (span, zero, gain, description); `None`
-    /// where the estimator does not separate them \[kg\].
-    pub common_std: Option<f64>,
+    /// Those errors of the payload that are common to all loads (span, zero, gain, description); `None` where the estimator does not
+    /// separate them.
+    pub common: Option<CommonError>,
     /// Swing rate [rad/s] or driving speed [m/s], with any sign.
     pub speed: f64,
     /// Whether the content is changing.

@@ -63,7 +63,7 @@ fn tilt_cylinder(d: &Loader) -> Option<String> {
 /// Reports emptied buckets of a loader with rated payload `rated` [kg] that weigh more than soil does.
 pub fn shown_empty<'a>(loads: impl Iterator<Item = &'a Load>, rated: f64) -> Option<String> {
     let (mut count, mut sum) = (0, 0.0);
-    for load in loads.filter(|load| load.carry_back_weighed && load.witness == Witness::Pressure) {
+    for load in loads.filter(|load| load.is_emptied && load.witness == Witness::Pressure) {
         count += 1;
         sum += load.carry_back.kg;
     }
@@ -194,7 +194,7 @@ mod tests {
                 .iter()
                 .map(|kg| {
                     let mut load = Load {
-                        carry_back_weighed: true,
+                        is_emptied: true,
                         witness: Witness::Pressure,
                         ..Load::default()
                     };

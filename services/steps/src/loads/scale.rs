@@ -3,8 +3,8 @@
 //! The empty mass is the least mass that has held constant. It counts where it is near the described one or a load has left the machine
 //! with it; an offset of the scale then cancels. A mass that does not hold is a bucket that fills or empties, and no load.
 
-use estimation::Quantity;
 use estimation::math::norm;
+use estimation::{CommonError, Quantity};
 
 /// Assumed standard deviation of such a scale: half a percent of the machine, two percent of the load.
 const SCALE_STD: [f64; 2] = [0.005, 0.02];
@@ -44,8 +44,8 @@ pub(super) struct Scale {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shown {
     pub payload: Quantity,
-    /// Standard deviation of the error that is common to all loads [kg].
-    pub common: f64,
+    /// Errors that are common to all loads.
+    pub common: CommonError,
     /// Whether the mass does not hold: the bucket fills or empties.
     pub changing: bool,
 }
@@ -103,11 +103,14 @@ impl Scale {
             EMPTY * self.described
         };
         // From the constant mass, so that all of its rows have equal variances.
-        let common = norm(&[SCALE_STD[1] * (held - empty), zero]);
+        let common = CommonError {
+            scale_std: SCALE_STD[1],
+            zero_std: zero,
+        };
         Some(Shown {
             payload: Quantity {
                 value: mass - empty,
-                std: norm(&[SCALE_STD[0] * held, common]),
+                std: norm(&[SCALE_STD[0] * held, common.std(held - empty)]),
             },
             common,
             changing: time - since < HOLDS,

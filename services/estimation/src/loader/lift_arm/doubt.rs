@@ -133,7 +133,7 @@ pub(super) struct Doubted {
 }
 
 /// Variance of a number over its stated one.
-fn weight(number: usize) -> f64 {
+pub(super) fn weight(number: usize) -> f64 {
     match number {
         LIFT_ZERO | TILT_ZERO | TURN => 1.0,
         _ => MISSTATED * MISSTATED,

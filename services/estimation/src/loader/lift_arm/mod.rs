@@ -5,6 +5,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `drawing`, `numbers` | the described numbers, each with its standard deviation |
+//! | `common` | which of their errors all loads share, as a zero and a scale |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
 //! | `signals` | last value of each signal, since a row need not hold all of them |
 //! | `silence` | missing signals: the load may have changed since the last weight |
@@ -42,6 +43,7 @@
 
 mod below;
 mod changed;
+mod common;
 mod content;
 mod doubt;
 mod drawing;
