@@ -26,11 +26,24 @@ macro_rules! descriptions {
                 file_name: &str,
                 machine: Option<Machine>,
             ) -> Result<Self, Errors> {
+                Self::parse_of_class(text, file_name, machine, None)
+            }
+
+            /// The same, for a machine of the mass `class` where the text states none \[kg\].
+            ///
+            /// # Errors
+            /// As [`Self::parse`].
+            pub fn parse_of_class(
+                text: &str,
+                file_name: &str,
+                machine: Option<Machine>,
+                class: Option<f64>,
+            ) -> Result<Self, Errors> {
                 let Some(machine) = parse::machine(text, file_name)?.or(machine) else {
                     return Err(unclear(text, file_name).into());
                 };
                 Ok(match machine {
-                    $( Machine::$name => Self::$name(Box::new($name::parse(text, file_name)?)), )*
+                    $( Machine::$name => Self::$name(Box::new(parse::parse(text, file_name, class)?)), )*
                 })
             }
 

@@ -12,11 +12,14 @@ use crate::{
     Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print, stated,
 };
 
-pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
+/// Parses a text. `class`: mass of the machine where the text states none \[kg\].
+pub(crate) fn parse<M: Keyed>(text: &str, file: &str, class: Option<f64>) -> Result<M, Errors> {
     let document = document(text, file)?;
     let mut machine = M::default();
     let (mut entries, mut errors) = entries::<M>(&document, text, file);
     leave_out_what_was_printed::<M>(&mut entries);
+    let mass = mass_key(M::MACHINE);
+    let class = class.filter(|_| !states::<M>(text, mass));
     for entry in &entries {
         let outcome = value_of(entry.item)
             .map_err(Defect::Form)
@@ -30,11 +33,18 @@ pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
         if is_reference::<M>(&entries) {
             entries.iter().for_each(|e| machine.note(&e.path, false));
         }
+        let set_class = |machine: &mut M| match class {
+            Some(class) => assign(machine, mass, &Value::Number(class))
+                .map_err(|defect| explain::<M>(defect, mass, file, None)),
+            None => Ok(()),
+        };
+        set_class(&mut machine)?;
         machine = machine.of_its_size();
         for entry in &entries {
             // Each value has been accepted above.
             let _ = value_of(entry.item).map(|value| set_value(&mut machine, &entry.path, &value));
         }
+        set_class(&mut machine)?;
         errors = machine.contradictions();
         for error in &mut errors {
             error.file = file.into();

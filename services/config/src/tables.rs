@@ -9,7 +9,7 @@ pub trait Tables: Keyed {
     /// # Errors
     /// All defects of the text, each with its line.
     fn parse(text: &str, file_name: &str) -> Result<Self, Errors> {
-        parse::parse(text, file_name)
+        parse::parse(text, file_name, None)
     }
 
     /// Sets one key, as `--set` does: `sensors.swing_velocity_std=0.008`.

@@ -132,16 +132,18 @@ pub fn description(
     machine: Option<Machine>,
     args: &DescriptionArgs,
 ) -> Result<Description, Failure> {
+    let class = class_or_set(args.class, &args.set);
     let mut description = match (&args.config, machine) {
         (Some(path), _) => {
             let text = small_file::text(path)?;
             tell_old_names(&config::old_names(&text));
-            let description = Description::parse(&text, &path.display().to_string(), machine)?;
+            let description =
+                Description::parse_of_class(&text, &path.display().to_string(), machine, class)?;
             let machine = machine.unwrap_or(description.machine());
             is_for(machine, &description, path.display())?;
             description
         }
-        (None, Some(machine)) => Description::default_of(machine),
+        (None, Some(machine)) => Description::parse_of_class("", "--class", Some(machine), class)?,
         (None, None) => {
             return Err(Failure::input(
                 "the machine is not known",
@@ -150,24 +152,13 @@ pub fn description(
             ));
         }
     };
-    let key = config::mass_key(description.machine());
-    let is_stated =
-        description.stated().contains_key(key) || states(description.machine(), args, key)?;
-    let class = of_class(description.machine(), args.class, is_stated);
-    let sets: Vec<&String> = class.iter().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
     let keys = keys
         .map(|(key, _)| key.trim())
         .filter(|key| config::renamed(key).is_some());
     tell_old_names(&keys.collect::<Vec<_>>());
-    description.set_all(&sets)?;
+    description.set_all(&args.set)?;
     Ok(description)
-}
-
-/// What `--class` sets: the mass, unless that is stated.
-pub fn of_class(machine: Machine, class: Option<f64>, is_stated: bool) -> Option<String> {
-    let mass = class.filter(|_| !is_stated)?;
-    Some(format!("{}={mass:?}", config::mass_key(machine)))
 }
 
 /// Whether `--config` or `--set` states a key, at whatever value.
@@ -177,10 +168,15 @@ pub fn states(machine: Machine, args: &DescriptionArgs, key: &str) -> Result<boo
     Ok(of_file || sets(&args.set, key))
 }
 
-/// Whether a machine file's text or `--set` states the machine's mass.
-pub fn is_mass_stated(machine: Machine, text: &str, set: &[String]) -> bool {
-    let key = config::mass_key(machine);
-    Description::states(machine, text, key) || sets(set, key)
+/// Mass by `--set`, or else by `--class` \[kg\]: the file is checked as one of this machine.
+pub fn class_or_set(class: Option<f64>, set: &[String]) -> Option<f64> {
+    let is_mass = |key: &str| Machine::ALL.iter().any(|m| config::mass_key(*m) == key);
+    let masses = set.iter().filter_map(|set| set.split_once('='));
+    let mut masses = masses.filter(|(key, _)| is_mass(key.trim()));
+    match masses.next_back() {
+        Some((_, mass)) => mass.trim().parse().ok(),
+        None => class,
+    }
 }
 
 /// Whether one of these assignments is of a key.
@@ -356,5 +352,31 @@ mod tests {
         assert_eq!(wheelbase("[machine]\nmass = 12000\n")[0], 12_000.0);
         // Also that of the reference machine.
         assert_eq!(wheelbase("[machine]\nmass = 4700\n")[0], 4700.0);
+    }
+
+    #[test]
+    fn a_class_counts_before_the_file_is_checked() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("long.toml");
+        std::fs::write(
+            &file,
+            "[machine.geometry]\nboom_length = 6.6\narm_length = 3.2\n",
+        )
+        .unwrap();
+        let of = |class: Option<f64>, set: &[&str]| {
+            let args = DescriptionArgs {
+                config: Some(file.clone()),
+                class,
+                set: set.iter().map(|set| (*set).to_owned()).collect(),
+            };
+            description(Some(Machine::Excavator), &args)
+                .map(|d| d.number("machine.operating_mass").unwrap())
+        };
+        assert_eq!(of(Some(36_000.0), &[]).ok(), Some(36_000.0));
+        for class in [None, Some(14_000.0)] {
+            let set = of(class, &["machine.operating_mass=34000"]);
+            assert_eq!(set.ok(), Some(34_000.0));
+        }
+        assert!(of(Some(14_000.0), &["machine.operating_mass=heavy"]).is_err());
     }
 }

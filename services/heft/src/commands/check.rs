@@ -7,7 +7,7 @@ use config::Description;
 use messages::Machine;
 use recording::{Kind, Reader};
 
-use crate::args::{assignment, is_for, is_mass_stated, machine, of_class, tell_old_names, tonnes};
+use crate::args::{assignment, class_or_set, is_for, machine, tell_old_names, tonnes};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::size;
@@ -43,14 +43,12 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     tell_old_names(&config::old_names(&text));
     let name = args.file.as_ref().map(|file| file.display().to_string());
     let name = name.unwrap_or_else(|| "--print".to_owned());
-    let mut description = Description::parse(&text, &name, args.machine)?;
+    let class = class_or_set(args.class, &args.set);
+    let mut description = Description::parse_of_class(&text, &name, args.machine, class)?;
     if let Some(machine) = args.machine {
         is_for(machine, &description, &name)?;
     }
-    let is_stated = is_mass_stated(description.machine(), &text, &args.set);
-    let class = of_class(description.machine(), args.class, is_stated);
-    let sets: Vec<&String> = class.iter().chain(&args.set).collect();
-    description.set_all(&sets)?;
+    description.set_all(&args.set)?;
     if args.print {
         print!("{}", description.to_toml());
     } else {
