@@ -27,6 +27,9 @@ const ACCELERATION: f64 = 3.0;
 /// such a sensor repeats a value, it is not measured, and the joint may have moved.
 const FLICKERS: f64 = 10.0;
 
+/// Growth of the shortest repetition from one value to the next: a signal may be sent less often from now on.
+const LONGER: f64 = 1.02;
+
 /// Time without a step after which a displaced angle stays as it is [s].
 const STAYS: f64 = 60.0;
 
@@ -43,6 +46,9 @@ pub(in crate::excavator) struct Jump {
     held: f64,
     /// Time since the last long repetition [s].
     flickers: f64,
+    /// Shortest time from one value to the next of late [s]. Of a signal that is sent less often than rows are written, it is the time
+    /// between two messages, in which nothing is measured.
+    renews: f64,
     /// Mean square of the second differences, six times the variance of the noise [rad^2].
     rough: f64,
     /// Sum of the impossible steps [rad]; while it is not 0, values do not count.
@@ -84,6 +90,13 @@ impl Jump {
             (0.0, held, held)
         };
         let noise = COARSE + NOISE * sqrt(self.rough / 6.0);
+        let run = held + self.gap;
+        self.renews = match self.rate {
+            // The first value may have come before the first row.
+            None => HELD,
+            Some(_) => run.min(LONGER * self.renews),
+        };
+        let unmeasured = unmeasured.max(held.min(self.renews - self.gap));
         let possible = RATE * (self.gap + unmeasured)
             + noise
             + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * moves_on
@@ -240,6 +253,42 @@ mod tests {
         assert!(!jumped(0.001));
         // A sensor without noise was measured: it slipped.
         assert!(jumped(0.0));
+    }
+
+    #[test]
+    fn of_a_signal_that_is_sent_less_often_than_rows_nothing_is_measured_between_two_messages() {
+        // A bucket that sets off to 2 rad/s within .1 s each two seconds, with or without noise, each of its values in some rows; while
+        // it moves at 30.3 s it comes to be `away` beside it.
+        let jumped = |rows: u32, noise: f64, away: f64| {
+            let mut jump = Jump::default();
+            let mut angle = 0.0;
+            for k in 0..4000_u32 {
+                let phase = k % 200;
+                let direction = if k % 400 < 200 { 1.0 } else { -1.0 };
+                let rate = if phase < 60 {
+                    0.2 * f64::from(phase.min(10))
+                } else {
+                    0.0
+                };
+                angle += 0.01 * direction * rate;
+                if k % rows == 0 {
+                    let noise = noise * f64::from(k * 7919 % 13);
+                    jump.pass(
+                        Some(angle + noise + if k < 3030 { 0.0 } else { away }),
+                        0.01,
+                    );
+                } else if let Some(last) = jump.last {
+                    jump.pass(Some(last), 0.01);
+                }
+            }
+            jump.has_jumped()
+        };
+        for rows in [5, 8, 10, 14] {
+            for noise in [0.0, 1e-4] {
+                assert!(!jumped(rows, noise, 0.0), "{rows} {noise}");
+                assert!(jumped(rows, noise, 2.0), "{rows} {noise}");
+            }
+        }
     }
 
     #[test]
