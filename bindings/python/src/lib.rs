@@ -8,8 +8,7 @@ mod kind;
 use std::path::Path;
 
 use config::Description;
-use messages::channels::{self, Visitor};
-use messages::{Machine, Message, NumberType, Value};
+use messages::{Machine, NumberType, Value, channels};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -342,26 +341,17 @@ type Fields = Vec<(&'static str, &'static str, &'static str, &'static str)>;
 /// The messages with their fields: name, unit, meaning, type.
 #[pyfunction]
 fn schema() -> Vec<(&'static str, Fields)> {
-    struct Tell;
-    impl Visitor for Tell {
-        type Output = (&'static str, Fields);
-        fn visit<M: Message>(self) -> Self::Output {
-            let kind = |kind| match kind {
-                NumberType::F64 => "f64",
-                NumberType::U32 => "u32",
-                NumberType::U64 => "u64",
-            };
-            let fields = M::FIELDS
-                .iter()
-                .map(|f| (f.name, f.unit, f.doc.trim(), kind(f.kind)));
-            (M::NAME, fields.collect())
-        }
-    }
+    let kind = |kind| match kind {
+        NumberType::F64 => "f64",
+        NumberType::U32 => "u32",
+        NumberType::U64 => "u64",
+    };
     let mut all: Vec<(&'static str, Fields)> = Vec::new();
-    for channel in channels::all() {
-        let message = channel.payload.visit(Tell);
-        if !all.iter().any(|(name, _)| *name == message.0) {
-            all.push(message);
+    for message in channels::all().map(|channel| channel.payload.shape()) {
+        if !all.iter().any(|(name, _)| *name == message.name) {
+            let fields = message.fields.iter();
+            let fields = fields.map(|f| (f.name, f.unit, f.doc.trim(), kind(f.kind)));
+            all.push((message.name, fields.collect()));
         }
     }
     all

@@ -1,6 +1,7 @@
 //! Runs the same work for many items on all cores.
 
 use std::cell::Cell;
+use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -12,8 +13,17 @@ thread_local! {
 
 /// Results of `make` for 0 to `count`, in that order.
 pub fn map<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let workers = thread::available_parallelism().map_or(1, usize::from);
-    let workers = workers.min(count);
+    map_on(None, count, make)
+}
+
+/// Like [`map`], on this many threads; `None` for one on each core.
+pub fn map_on<T: Send>(
+    workers: Option<NonZeroUsize>,
+    count: usize,
+    make: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let cores = || thread::available_parallelism().ok();
+    let workers = workers.or_else(cores).map_or(1, usize::from).min(count);
     if workers < 2 || AT_WORK.get() {
         return (0..count).map(make).collect();
     }

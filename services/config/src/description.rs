@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Error, Errors, Key, Keyed, Tables, asked, parse, stated};
+use crate::{Error, Errors, Key, Keyed, Tables, parse, stated};
 use messages::Machine;
 
 macro_rules! descriptions {
@@ -68,6 +68,20 @@ macro_rules! descriptions {
                 }
             }
 
+            /// Whether a machine's text states a key itself, at any value. A printed description of the reference machine states none.
+            pub fn states(machine: Machine, text: &str, key: &str) -> bool {
+                match machine {
+                    $( Machine::$name => parse::states::<$name>(text, key), )*
+                }
+            }
+
+            /// Error for a key or table that is nearly one of a machine's.
+            fn misspelt(machine: Machine, text: &str, file: &str) -> Option<Error> {
+                match machine {
+                    $( Machine::$name => parse::misspelt::<$name>(text, file), )*
+                }
+            }
+
             /// Sets several keys in their order, as several `--set` do.
             ///
             /// # Errors
@@ -120,11 +134,6 @@ impl Description {
         self.set_all(&[assignment])
     }
 
-    /// Whether a machine's text states a key itself, at any value. A printed description of the reference machine states none.
-    pub fn states(machine: Machine, text: &str, key: &str) -> bool {
-        asked::states(machine, text, key)
-    }
-
     /// The keys whose stated values differ from an earlier description of this machine, given as [`Self::stated`] of any version of
     /// heft. A new key at its default is not among them.
     pub fn changed_since(&self, stated: &BTreeMap<String, String>) -> Vec<String> {
@@ -133,8 +142,8 @@ impl Description {
 }
 
 fn unclear(text: &str, file_name: &str) -> Error {
-    let mut misspelt = Machine::ALL.into_iter();
-    if let Some(error) = misspelt.find_map(|machine| asked::misspelt(machine, text, file_name)) {
+    let misspelt = |machine| Description::misspelt(machine, text, file_name);
+    if let Some(error) = Machine::ALL.into_iter().find_map(misspelt) {
         return error;
     }
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");

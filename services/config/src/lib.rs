@@ -7,7 +7,6 @@
 //! complete: keys that a file does not state have the default of the specification. [`Tables::to_toml`] prints
 //! all of it, so that a recording can contain the settings of its run.
 
-mod asked;
 mod class;
 mod description;
 mod entries;

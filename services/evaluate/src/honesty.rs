@@ -66,9 +66,8 @@ pub fn json(lines: &[Line]) -> Value {
 
 /// The table as text.
 pub fn text(lines: &[Line]) -> String {
-    let mut table = Table::new(&[
-        "effect", "severity", "what", "trusted", "wrong", "rms %", "covered", "reason", "",
-    ]);
+    let mut table =
+        Table::headed("effect; severity; what; trusted; wrong; rms %; covered; reason; ");
     for line in lines {
         let t = &line.tally;
         let reason = t.reason().map_or("-".to_owned(), |(reason, share)| {

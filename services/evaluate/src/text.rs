@@ -16,6 +16,11 @@ impl Table {
         }
     }
 
+    /// A table whose header is one text, its cells separated by semicolons: `mode; mean; std`.
+    pub fn headed(header: &str) -> Self {
+        Self::new(&header.split(';').map(str::trim).collect::<Vec<_>>())
+    }
+
     /// Adds a row. A line end in a cell, as names of files have, is written as `\n`.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         let one_line = |cell: S| cell.into().replace('\n', "\\n");

@@ -63,10 +63,10 @@ pub fn assignment(text: &str) -> Result<String, String> {
 
 /// A mass such as 21t, 21.5 t or 21500kg \[kg\].
 pub fn tonnes(text: &str) -> Result<f64, String> {
-    let text = text.trim().to_lowercase();
-    let (number, factor) = in_mass_unit(&text).ok_or("write it like 21t or 21500kg")?;
-    let number = number.trim().parse::<f64>();
-    let mass = number.map_err(|_| "write it like 21.5t or 21500kg")? * factor;
+    let mass = match mass(text) {
+        (_, false) => return Err("write it like 21t or 21500kg".into()),
+        (mass, true) => mass.ok_or("write it like 21.5t or 21500kg")?,
+    };
     match (200.0..=1e6).contains(&mass) {
         true => Ok(mass),
         false => Err("a mass from 200kg to 1000t".into()),
@@ -75,17 +75,20 @@ pub fn tonnes(text: &str) -> Result<f64, String> {
 
 /// A load such as 300, 300kg or 0.3t \[kg\].
 pub fn kilograms(text: &str) -> Result<f64, String> {
-    let text = text.trim().to_lowercase();
-    let (number, factor) = in_mass_unit(&text).unwrap_or((&text, 1.0));
-    let number = number.trim().parse::<f64>();
-    let number = number.map_err(|_| "write it in kg, such as 300, 300kg or 0.3t")?;
-    Ok(number * factor)
+    let number = mass(text).0;
+    number.ok_or_else(|| "write it in kg, such as 300, 300kg or 0.3t".into())
 }
 
-/// The number before `t` or `kg`, and the unit in kilograms.
-pub fn in_mass_unit(text: &str) -> Option<(&str, f64)> {
-    let kilograms = text.strip_suffix("kg").map(|number| (number, 1.0));
-    kilograms.or_else(|| Some((text.strip_suffix('t')?, 1000.0)))
+/// A number in `t` or `kg`, or in kilograms without a unit \[kg\]; and whether it has a unit.
+pub fn mass(text: &str) -> (Option<f64>, bool) {
+    let text = text.trim().to_lowercase();
+    let (number, unit) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {
+        (Some(number), _) => (number, Some(1.0)),
+        (None, Some(number)) => (number, Some(1000.0)),
+        (None, None) => (text.as_str(), None),
+    };
+    let number = number.trim().parse::<f64>().ok();
+    (number.map(|n| n * unit.unwrap_or(1.0)), unit.is_some())
 }
 
 /// Help of `--method`: the methods of each machine, the default first.

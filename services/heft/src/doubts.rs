@@ -9,7 +9,7 @@ use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
 use recording::{Gaps, Lacks, Map, Sensors, Together};
 
-use crate::already::advised;
+use crate::advice::advised;
 use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};

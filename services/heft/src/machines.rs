@@ -99,7 +99,7 @@ impl Entry {
             shown_scenario: M::SHOWN,
             shown_settings: M::SHOWN_SETTINGS,
             simulated_mass: M::SIMULATED_MASS,
-            simulated_cylinders: M::simulated_cylinders,
+            simulated_cylinders: M::SIMULATED_CYLINDERS,
             scenarios: M::scenarios,
             quantities: || M::Estimate::headlines().map(|p| p.label).collect(),
             check_source: |plan| sources::check::<M::Sensors, _>(plan, || M::simulator(plan)),
@@ -113,8 +113,8 @@ impl Entry {
             follow: follow::<M>,
             doubts: |description| Box::new(Seen::<M::Look, M::Estimate>::of(description)),
             calibrate: M::calibrate,
-            evaluate: M::evaluate,
-            figures: M::figures,
+            evaluate: M::EVALUATE,
+            figures: M::FIGURES,
         }
     }
 }
@@ -138,9 +138,12 @@ trait MachineKind {
     type Look: Look<Sensors = Self::Sensors> + Send + 'static;
 
     /// Cylinder settings of the simulated machine, as `KEY=VALUE` of its description.
-    fn simulated_cylinders() -> Vec<String> {
-        Vec::new()
-    }
+    const SIMULATED_CYLINDERS: fn() -> Vec<String>;
+    /// The tables of `heft evaluate`.
+    const EVALUATE: fn(&evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
+    /// The figures of the paper.
+    const FIGURES: fn() -> Outcome<Vec<Figure>>;
+
     /// Names and texts of the scenarios.
     fn scenarios() -> Vec<(String, String)>;
     /// The simulator of a plan.
@@ -181,8 +184,6 @@ trait MachineKind {
             "describe the machine by hand",
         ))
     }
-    fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
-    fn figures() -> Result<Vec<Figure>, Failure>;
 }
 
 fn route<M: MachineKind>(input: Input, form: Form, common: Common<'_>) -> Result<(), Failure> {

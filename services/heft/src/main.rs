@@ -3,7 +3,7 @@
 #[macro_use]
 mod out;
 
-mod already;
+mod advice;
 mod args;
 mod attached;
 mod bounds;

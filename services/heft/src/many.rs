@@ -10,6 +10,7 @@ use std::process::{Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use calibrate::parallel;
 use recording::{Kind, OneLine};
 
 use crate::failure::Failure;
@@ -233,50 +234,29 @@ pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
 
 /// Runs all jobs; returns their outcomes in the same order.
 pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
-    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
-    let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let ended = AtomicUsize::new(0);
     let (children, printed) = (Children::default(), Printed::default());
     if let Err(failure) = end_together(&children) {
         tracing::warn!("a signal would end this process alone: {failure}");
     }
-    let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(jobs.iter().map(|_| None).collect());
-    let work = || {
-        while let Some((at, job)) = {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(at).map(|job| (at, job))
-        } {
-            let end = if job.is_done {
-                Outcome::Kept
-            } else {
-                one(job, &children, &printed)
-            };
-            if let Ok(mut results) = results.lock() {
-                results[at] = Some(end);
-            }
-            let count = ended.fetch_add(1, Ordering::Relaxed) + 1;
-            if std::io::stderr().is_terminal() {
-                let name = Plain(job.input.display());
-                out::draw(&format!("\r\x1b[2K{count} of {} {name}", jobs.len()));
-            }
+    let results = parallel::map_on(most, jobs.len(), |at| {
+        let job = &jobs[at];
+        let end = if job.is_done {
+            Outcome::Kept
+        } else {
+            one(job, &children, &printed)
+        };
+        let count = ended.fetch_add(1, Ordering::Relaxed) + 1;
+        if std::io::stderr().is_terminal() {
+            let name = Plain(job.input.display());
+            out::draw(&format!("\r\x1b[2K{count} of {} {name}", jobs.len()));
         }
-    };
-    std::thread::scope(|scope| {
-        // If the system gives fewer threads, these do all jobs.
-        for _ in 1..workers {
-            let _ = std::thread::Builder::new().spawn_scoped(scope, work);
-        }
-        work();
+        end
     });
     if std::io::stderr().is_terminal() {
         out::draw("\r\x1b[2K");
     }
-    let results = results.into_inner().unwrap_or_default();
-    let lost = || Outcome::Failed("it was not begun".into());
     results
-        .into_iter()
-        .map(|r| r.unwrap_or_else(lost))
-        .collect()
 }
 
 /// Runs a process to its end; it is one of the children meanwhile.

@@ -82,20 +82,13 @@ mod tests {
 
     #[test]
     fn every_channel_of_estimates_has_quantities_whose_fields_exist() {
-        struct Names;
-        impl channels::Visitor for Names {
-            type Output = &'static [messages::Field];
-            fn visit<M: Message>(self) -> Self::Output {
-                M::FIELDS
-            }
-        }
         for machine in Machine::ALL {
             for channel in Pipeline::of(machine).estimates() {
                 assert!(of_channel(channel.name).next().is_some());
                 for q in of_channel(channel.name) {
                     let fields = |channel: &str| {
                         let channel = channels::find(channel).expect("a channel");
-                        channel.payload.visit(Names)
+                        channel.payload.shape().fields
                     };
                     let has = |channel: &str, name| fields(channel).iter().any(|f| f.name == name);
                     for name in [q.row.name, q.std, "flags"] {

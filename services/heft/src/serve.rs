@@ -16,7 +16,7 @@ use std::ffi::OsString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, Read};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use config::Description;
 use messages::Message as _;
@@ -24,7 +24,7 @@ use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine};
 
 pub use self::play::{Machines, Played, play};
 use self::records::Records;
-use self::remote::RemoteShard;
+use self::remote::{RemoteShard, Served};
 pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
 pub use self::suspects::{Findings, Suspects};
@@ -44,18 +44,6 @@ const TOO_MANY: &str = "is of a machine beyond the first 100 000";
 const MOST_NAMED: usize = 10;
 /// Longest name \[bytes\].
 const LONGEST_NAME: usize = 200;
-
-/// Totals over all shards.
-pub struct Served {
-    /// Number of samples that they answered.
-    pub answered: u64,
-    /// Of these, those that were refused.
-    pub refused: u64,
-    /// Number of processes that died and were replaced.
-    pub replaced: u32,
-    /// Their processor time; zero if the system does not report it.
-    pub processor: Duration,
-}
 
 /// A stream of samples, and its name in messages.
 pub struct Input {
@@ -83,12 +71,8 @@ fn with_shards<T>(
     if let Some(failure) = shards.iter().find_map(RemoteShard::failure) {
         return Err(failure);
     }
-    let served = Served {
-        answered: shards.iter().map(RemoteShard::answered).sum(),
-        refused: shards.iter().map(RemoteShard::refused).sum(),
-        replaced: shards.iter().map(RemoteShard::restarts).sum(),
-        processor: shards.iter().map(RemoteShard::processor_time).sum(),
-    };
+    let mut served = Served::default();
+    shards.iter().for_each(|shard| shard.add_to(&mut served));
     Ok((fed?, served))
 }
 

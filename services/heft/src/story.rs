@@ -1,8 +1,6 @@
 //! Loads of a run as text: a line for each load when it is carried and when it is dumped, and a table at the end. All numbers are
 //! the ledger's; only the truth is added.
 
-use std::fmt::Write;
-
 use estimation::loads::{Load, Stage};
 use evaluate::text::Table;
 use messages::{Envelope, Machine};
@@ -86,26 +84,13 @@ impl Story {
 
     /// Number of trusted loads, and of their intervals that contain the truth.
     fn heading(&self) -> String {
-        let trusted: Vec<_> = self.ended.iter().filter(|(load, _)| load.trusted).collect();
-        let (reported, all) = (trusted.len(), self.ended.len());
-        let mut out = format!("{reported} of {all} loads trusted");
-        let known: Vec<_> = trusted
-            .iter()
-            .filter_map(|(l, t)| Some((l, (*t)?)))
-            .collect();
-        if !known.is_empty() {
-            let holds = |(load, truth): &&(&Load, f64)| {
-                let [low, high] = load.weight.interval();
-                (low..=high).contains(truth)
-            };
-            let held = known.iter().filter(holds).count();
-            let _ = write!(
-                out,
-                "; the truth lies inside {held} of {} intervals",
-                known.len()
-            );
-        }
-        out + "\n"
+        let trusted = self.ended.iter().filter(|(load, _)| load.trusted).count();
+        let truth = match loads::covered(self.ended.iter().map(|(load, truth)| (load, *truth))) {
+            (_, 0) => String::new(),
+            (held, known) => format!("; the truth lies inside {held} of {known} intervals"),
+        };
+        let all = self.ended.len();
+        format!("{trusted} of {all} loads trusted{truth}\n")
     }
 }
 

@@ -4,7 +4,7 @@ use config::Description;
 use steps::loads::{LoadCounter, Options};
 use view::number::grouped;
 
-use crate::args::in_mass_unit;
+use crate::args::mass;
 use crate::failure::Failure;
 
 /// A mass such as 24t, 24 t, 24000kg or 24000 \[kg\].
@@ -12,10 +12,8 @@ use crate::failure::Failure;
 /// # Errors
 /// The text is no mass, or not above 0.
 pub fn parsed(text: &str) -> Result<f64, String> {
-    let text = text.trim().to_lowercase();
-    let (number, factor) = in_mass_unit(&text).unwrap_or((&text, 1.0));
-    let mass = number.trim().parse::<f64>().map(|number| number * factor);
-    mass.ok()
+    mass(text)
+        .0
         .filter(|mass| mass.is_finite() && *mass > 0.0)
         .ok_or_else(|| "a mass above 0, like 24t, 24000kg or 24000".into())
 }

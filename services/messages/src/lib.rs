@@ -38,7 +38,7 @@ pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use loads::{ExcavatorLoads, LoaderLoads, loads_bits};
 pub use machine::Machine;
-pub use message::{Carries, Envelope, Message, Receiver, SIMULATED};
+pub use message::{Carries, Envelope, Message, Receiver, SIMULATED, Shape};
 pub use stamp::{Hop, Hops, Stamp};
 
 macro_rules! messages_of_machines {

@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-use crate::{Field, Hops, Stamp, Value};
+use crate::{Field, Hops, Stamp, Value, Words};
 
 /// Bit of the messages of a machine (in `columns`, `known` or `flags`): made from simulated samples, not from measurements.
 pub const SIMULATED: u32 = 1 << 31;
@@ -18,7 +18,7 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     /// All fields in the order of the structure, those of stamp and hops first.
     const FIELDS: &'static [Field];
     /// Names of the bits or codes in its fields.
-    const WORDS: &'static [(&'static str, crate::Words)] = &[];
+    const WORDS: &'static [(&'static str, Words)] = &[];
 
     /// Identity of the sample.
     fn stamp(&self) -> &Stamp;
@@ -83,8 +83,39 @@ pub trait Receiver {
     fn receive<M: Message>(self, message: &M) -> Self::Output;
 }
 
-fn fields<M: Message>(_: &M) -> &'static [Field] {
-    M::FIELDS
+/// A message type as data.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    /// See [`Message::NAME`].
+    pub name: &'static str,
+    /// Length of its structure \[bytes\].
+    pub size: usize,
+    /// See [`Message::FIELDS`].
+    pub fields: &'static [Field],
+    /// See [`Message::WORDS`].
+    pub words: &'static [(&'static str, Words)],
+}
+
+impl Shape {
+    /// That of a message type.
+    pub const fn of<M: Message>() -> Self {
+        Self {
+            name: M::NAME,
+            size: size_of::<M>(),
+            fields: M::FIELDS,
+            words: M::WORDS,
+        }
+    }
+
+    /// Position of the field called `name`.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.fields.iter().position(|f| f.name == name)
+    }
+
+    /// Names of the bits or codes in the field called `name`.
+    pub fn words_of(&self, name: &str) -> Option<&'static Words> {
+        Words::of_field(self.words, name)
+    }
 }
 
 /// Role of a message for its machine.
@@ -125,6 +156,13 @@ macro_rules! payloads {
             pub const fn carries(self) -> Carries {
                 match self {
                     $( Self::$name => Carries::$carries, )*
+                }
+            }
+
+            /// Its type as data.
+            pub const fn shape(self) -> Shape {
+                match self {
+                    $( Self::$name => Shape::of::<crate::$name>(), )*
                 }
             }
 
@@ -181,9 +219,7 @@ macro_rules! payloads {
 
             /// All fields, those of stamp and hops first.
             pub fn fields(&self) -> &'static [Field] {
-                match self {
-                    $( Self::$name(m) => fields(m), )*
-                }
+                self.payload().shape().fields
             }
 
             /// Value of field `index`; `None` past the end.

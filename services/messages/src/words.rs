@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 pub use crate::codes::{Entry, UNKNOWN, Words};
-use crate::{Message, Value};
+use crate::{Message, Shape, Value};
 
 /// A field, or a bit of one, as shown to people.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,8 +30,8 @@ pub struct Presence {
 
 impl Presence {
     /// The presence bits of a message; `None` if all its numbers are always present.
-    pub fn of<M: Message>() -> Option<Self> {
-        let of = |field, is_estimate| match Words::of_field(M::WORDS, field) {
+    pub fn of(message: &Shape) -> Option<Self> {
+        let of = |field, is_estimate| match message.words_of(field) {
             Some(Words::Bits(entries)) => Some(Self {
                 field,
                 entries,
@@ -57,14 +57,14 @@ impl Presence {
 
 /// The flags of a message by their names in every output, each with its mask and meaning. A flag with the name of a field gets
 /// the suffix `_now`.
-pub fn flags<M: Message>() -> impl Iterator<Item = (Cow<'static, str>, &'static Entry)> {
-    let flags = match Words::of_field(M::WORDS, "flags") {
+pub fn flags(message: Shape) -> impl Iterator<Item = (Cow<'static, str>, &'static Entry)> {
+    let flags = match message.words_of("flags") {
         Some(Words::Bits(entries)) => *entries,
         _ => &[],
     };
     let simulated = Some(&SIMULATED_ENTRY).filter(|_| !flags.is_empty());
-    flags.iter().chain(simulated).map(|entry| {
-        let name = match M::index(entry.name) {
+    flags.iter().chain(simulated).map(move |entry| {
+        let name = match message.index(entry.name) {
             Some(_) => Cow::Owned(format!("{}_now", entry.name)),
             None => Cow::Borrowed(entry.name),
         };
@@ -81,7 +81,8 @@ pub const SIMULATED_ENTRY: Entry = Entry {
 
 /// All fields of a message without the reserved ones, with codes by their names, then its flags.
 pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>, Said)> {
-    let presence = Presence::of::<M>();
+    let shape = Shape::of::<M>();
+    let presence = Presence::of(&shape);
     let set = presence.map_or(0, |p| message.bits_of(p.field));
     let is_missing =
         move |name, value| presence.is_some_and(|p| p.is_missing(value, p.bit(name), set));
@@ -89,7 +90,7 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
     let fields = fields.filter(|(_, field)| !field.name.starts_with("reserved"));
     let fields = fields.filter_map(move |(i, field)| {
         let value = message.get(i)?;
-        let said = match (Words::of_field(M::WORDS, field.name), value) {
+        let said = match (shape.words_of(field.name), value) {
             (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
             _ if is_missing(field.name, value) => Said::Missing,
             // The time of a row without a time is not finite, although its bit is set.
@@ -99,7 +100,7 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
         Some((Cow::Borrowed(field.name), said))
     });
     let bits = message.bits_of("flags");
-    let flags = flags::<M>().map(move |(name, f)| (name, Said::Flag(bits & f.number != 0)));
+    let flags = flags(shape).map(move |(name, f)| (name, Said::Flag(bits & f.number != 0)));
     fields.chain(flags)
 }
 

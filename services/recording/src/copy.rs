@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mcap::records::op;
 
 use crate::Error;
-use crate::reader::Reader;
+use crate::reader::{Part, Reader};
 use crate::record;
 use crate::scan::{Damage, Unpacked};
 
@@ -35,51 +35,65 @@ pub(crate) fn copy(
     mut take: impl FnMut(usize, &record::Message, &[u8]) -> Result<(), Error>,
 ) -> Result<u64, Error> {
     let mut messages = 0;
-    let mut unpacked = Unpacked::default();
     for (i, part) in reader.parts.iter().enumerate() {
-        for chunk in &part.scan.chunks {
-            reader.tell(i, chunk.at);
-            if unpacked.load(chunk, &part.bytes).is_none() {
-                reader.note(i, chunk.damage());
-                continue;
+        for_each_message(reader, i, |head, data| {
+            if !part.is_whole(head, data) {
+                return Ok(Some(DAMAGED));
             }
-            let mut damaged = false;
-            while let Some((opcode, body)) = unpacked.next() {
-                if opcode != op::MESSAGE {
-                    continue;
-                }
-                match record::message(body).filter(|(head, data)| part.is_whole(head, data)) {
-                    Some((head, data)) => {
-                        take(i, &head, data)?;
-                        messages += 1;
-                    }
-                    None => damaged = true,
-                }
-            }
-            if damaged || !unpacked.is_at_end() {
-                let what = "a damaged message in the block";
-                let damage = chunk.damage();
-                reader.note(i, Damage { what, ..damage });
-            }
-        }
-        for (start, end) in &part.scan.loose {
-            let body = part.bytes.range(*start, *end);
-            let message = body.as_deref().and_then(record::message);
-            match message.filter(|(head, data)| part.is_whole(head, data)) {
-                Some((head, data)) => {
-                    take(i, &head, data)?;
-                    messages += 1;
-                }
-                None => reader.note(
-                    i,
-                    Damage {
-                        at: *start,
-                        bytes: end - start,
-                        what: "a message that cannot be read",
-                    },
-                ),
-            }
-        }
+            messages += 1;
+            take(i, head, data).map(|()| None)
+        })?;
     }
     Ok(messages)
+}
+
+/// Damage of a block in which the records are not whole.
+const DAMAGED: &str = "a damaged message in the block";
+/// Damage of a block with a message that does not conform to its schema.
+pub(crate) const UNREADABLE: &str = "a message that cannot be read in the block";
+
+/// Calls `found` with head and content of each message of a part, in the order of the file; it returns the damage of one that it cannot
+/// read. Damage is noted by the reader.
+pub(crate) fn for_each_message<E>(
+    reader: &Reader,
+    part: usize,
+    mut found: impl FnMut(&record::Message, &[u8]) -> Result<Option<&'static str>, E>,
+) -> Result<(), E> {
+    let mut unpacked = Unpacked::default();
+    let Part { bytes, scan, .. } = &reader.parts[part];
+    for chunk in &scan.chunks {
+        reader.tell(part, chunk.at);
+        let note = |what| {
+            let damage = chunk.damage();
+            reader.note(part, Damage { what, ..damage });
+        };
+        if unpacked.load(chunk, bytes).is_none() {
+            reader.note(part, chunk.damage());
+            continue;
+        }
+        while let Some((opcode, body)) = unpacked.next() {
+            if opcode == op::MESSAGE {
+                match record::message(body) {
+                    Some((head, data)) => found(&head, data)?.into_iter().for_each(note),
+                    None => note(DAMAGED),
+                }
+            }
+        }
+        if !unpacked.is_at_end() {
+            note(DAMAGED);
+        }
+    }
+    for &(at, end) in &scan.loose {
+        let body = bytes.range(at, end);
+        let damage = match body.as_deref().and_then(record::message) {
+            Some((head, data)) => found(&head, data)?,
+            None => Some(DAMAGED),
+        };
+        if damage.is_some() {
+            let what = "a message that cannot be read";
+            let bytes = end - at;
+            reader.note(part, Damage { at, bytes, what });
+        }
+    }
+    Ok(())
 }

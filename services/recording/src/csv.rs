@@ -1,5 +1,6 @@
 //! CSV in and out.
 
+mod absent;
 mod cells;
 mod columns;
 mod dialect;
@@ -8,11 +9,13 @@ mod export;
 mod front;
 mod header;
 mod marks;
+mod no_number;
 mod read;
 
+pub(crate) use absent::{listed, misread};
 pub(crate) use cells::Cells;
+pub(crate) use columns::Columns;
 pub use columns::label;
-pub(crate) use columns::{Columns, ZEROS, listed, misread};
 pub(crate) use dialect::Dialect;
 pub(crate) use dialect::name;
 pub use estimate::{Cell, Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
@@ -20,6 +23,7 @@ pub(crate) use estimate::{Values as EstimateValues, columns, count, estimate_of}
 pub use export::{export, is_export};
 pub(crate) use front::{Front, Line, Lines, MOST_ABOVE, comment, is_by_blanks};
 pub(crate) use header::{check_units, header};
+pub(crate) use no_number::ZEROS;
 pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 

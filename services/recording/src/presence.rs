@@ -1,8 +1,8 @@
 //! Presence of the numbers of a recorded channel.
 
-use messages::channels::{self, Visitor};
+use messages::Value;
+use messages::channels;
 use messages::words::Presence;
-use messages::{Message, Value};
 
 use crate::RecordedField;
 
@@ -18,7 +18,7 @@ pub(crate) struct Recorded {
 impl Recorded {
     /// For a channel with these fields; all are present in an unknown channel.
     pub(crate) fn of(channel: &str, fields: &[RecordedField]) -> Self {
-        let presence = channels::find(channel).and_then(|c| c.payload.visit(Known));
+        let presence = channels::find(channel).and_then(|c| Presence::of(&c.payload.shape()));
         let at = presence.and_then(|p| fields.iter().position(|f| f.name == p.field));
         let presence = presence.filter(|_| at.is_some());
         let bits = fields
@@ -38,14 +38,5 @@ impl Recorded {
             let is_missing = |p: Presence| p.is_missing(values[i], self.bits[i], set);
             self.presence.is_some_and(is_missing)
         }
-    }
-}
-
-struct Known;
-
-impl Visitor for Known {
-    type Output = Option<Presence>;
-    fn visit<M: Message>(self) -> Self::Output {
-        Presence::of::<M>()
     }
 }

@@ -2,6 +2,7 @@
 //! line with its reason. Guesses are marked as such; missing signals are left to be filled in.
 
 mod absolute;
+mod guessed_unit;
 mod languages;
 mod log;
 pub(crate) mod names;
@@ -20,10 +21,10 @@ use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
 use crate::{Error, Kind, Quoted, foreign, parts, steers};
+pub use guessed_unit::STEEPEST;
 use names::wanted;
 pub use sizes::LARGEST_PRESSURES;
 pub use suggestion::Suggestion;
-pub use table::STEEPEST;
 
 /// A first map for the table, CAN log or foreign MCAP file `path`; a log needs its DBC files. Without
 /// a machine, the one whose signals fit best.

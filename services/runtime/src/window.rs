@@ -77,7 +77,7 @@ fn layout(machine: Machine) -> (Vec<Place>, u64) {
     let mut end = HEAD + WORD * shown.len() as u64;
     let places = (0..).zip(shown).map(|(n, channel)| {
         let (count, first) = (HEAD + WORD * n, end);
-        let size = WORD * (channel.payload.visit(Fields) + 2);
+        let size = WORD * (channel.payload.shape().fields.len() as u64 + 2);
         end += size * channel.depth as u64;
         Place {
             channel,
@@ -89,29 +89,13 @@ fn layout(machine: Machine) -> (Vec<Place>, u64) {
     (places.collect(), end)
 }
 
-struct Fields;
-
-impl Visitor for Fields {
-    type Output = u64;
-    fn visit<M: Message>(self) -> u64 {
-        M::FIELDS.len() as u64
-    }
-}
-
 /// The first line; it differs for a reader with other messages.
 fn head(machine: Machine) -> String {
-    struct Names;
-    impl Visitor for Names {
-        type Output = String;
-        fn visit<M: Message>(self) -> String {
-            let names = M::FIELDS
-                .iter()
-                .map(|f| format!("{} {:?} ", f.name, f.kind));
-            names.collect()
-        }
-    }
-    let names = layout(machine).0.into_iter();
-    let names = names.map(|p| format!("{} {} ", p.channel.name, p.channel.payload.visit(Names)));
+    let names = layout(machine).0.into_iter().map(|place| {
+        let fields = place.channel.payload.shape().fields.iter();
+        let fields = fields.map(|f| format!("{} {:?} ", f.name, f.kind));
+        format!("{} {} ", place.channel.name, fields.collect::<String>())
+    });
     let sum = fnv64(names.collect::<String>().as_bytes());
     format!("{MAGIC} {} {sum:016x}\n", machine.name())
 }

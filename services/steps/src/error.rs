@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use config::{Description, Keyed};
 use messages::Machine;
 
 /// Why a step cannot be constructed.
@@ -61,3 +62,11 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+/// The contents of a description of this machine.
+///
+/// # Errors
+/// It is of another machine.
+pub fn described<M: Keyed>(description: &Description) -> Result<&M, Error> {
+    M::inside(description).ok_or(Error::OtherMachine(description.machine()))
+}

@@ -23,5 +23,5 @@ mod rows;
 mod source;
 pub mod stages;
 
-pub use error::Error;
+pub use error::{Error, described};
 pub use idle::{Idle, idle_keys};

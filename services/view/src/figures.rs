@@ -7,14 +7,8 @@ use crate::plot::{Plot, Style};
 const WIDTH: u32 = 640;
 const HEIGHT: u32 = 230;
 
-/// A line of a panel.
-#[derive(Debug, Clone)]
-pub struct Curve<'a> {
-    /// Name in the legend.
-    pub label: &'a str,
-    /// Values, one for each time.
-    pub values: &'a [f64],
-}
+/// A line of a panel: its name in the legend and its values, one for each time.
+pub type Curve<'a> = (&'a str, &'a [f64]);
 
 /// A figure with caption and panels; "heft" marks the data as those of this project.
 pub(crate) fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
@@ -40,8 +34,8 @@ pub(crate) fn panel(
     curves: &[Curve<'_>],
 ) -> Plot {
     let mut plot = Plot::new(title, "Time [s]");
-    for (i, curve) in curves.iter().enumerate() {
-        plot.line(curve.label, Style::Series(i), &points(t, curve.values));
+    for (i, (label, values)) in curves.iter().enumerate() {
+        plot.line(*label, Style::Series(i), &points(t, values));
     }
     if let Some(reference) = reference {
         plot.line("reference", Style::Truth, &points(t, reference));
@@ -60,16 +54,7 @@ mod tests {
         let t: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.02).collect();
         let wave: Vec<f64> = t.iter().map(|t| t.sin()).collect();
         let on: Vec<bool> = wave.iter().map(|w| *w > 0.0).collect();
-        let curves = [
-            Curve {
-                label: "isr-ukf",
-                values: &wave,
-            },
-            Curve {
-                label: "ekf",
-                values: &wave,
-            },
-        ];
+        let curves: [Curve<'_>; 2] = [("isr-ukf", &wave), ("ekf", &wave)];
         let cg = loader::Series {
             t: &t,
             front_torque: &wave,
@@ -92,13 +77,7 @@ mod tests {
         let files = [
             excavator::attachments(&[("bucket, 0 kg", 1.0, 0.6), ("crusher, 423 kg", 1.4, 0.9)]),
             excavator::working_angles(&t, [&wave, &wave, &wave], &wave, &wave),
-            excavator::analytic_inertia(
-                &t,
-                &[Curve {
-                    label: "288 kg",
-                    values: &wave,
-                }],
-            ),
+            excavator::analytic_inertia(&t, &[("288 kg", &wave)]),
             excavator::results("11", "no material", &results),
             excavator::updates("12", "no material", &t, &on, &on),
             excavator::error_distribution("13", "no material", &wave),

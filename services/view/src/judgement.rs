@@ -14,6 +14,16 @@ pub struct Judgement {
 }
 
 impl Judgement {
+    /// Of a quantity without an estimate; `value` says so.
+    pub(crate) fn without_estimate(value: &str) -> Self {
+        Self {
+            value: value.into(),
+            trusted: false,
+            reasons: vec!["no sample has been accepted so far".into()],
+            advice: "check that the sensors send, and that the map names the right columns",
+        }
+    }
+
     /// Verdict and reasons: "heft trusts it: ...", "heft does not trust it, because ...".
     pub fn verdict(&self) -> String {
         let reasons = list(&self.reasons);

@@ -1,15 +1,19 @@
-//! Presentation of loads: a table, JSON, a printable page.
+//! The loads of a recording or a run, with what is doubtful in them.
+
+mod json;
+mod table;
+mod words;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::fmt::Write;
 
-use estimation::HALF_WIDTH_95;
-use estimation::loads::{Load, Now, Stage, Total, Truck, Weight, Witness};
+use estimation::loads::{Load, Total, Truck, Witness};
 use messages::Machine;
-use serde_json::{Value, json};
 use steps::loads::{LoadCounter, Outage, are_doubtful, outage_words, reason_and_flags, why_words};
 
-use crate::number::{interval_95, significant, value_and_std};
+pub use self::json::{json, live_json};
+pub use self::table::{csv, is_csv};
+pub use self::words::{clock, line, total_words, truck_line};
+use crate::number::significant;
 use crate::{excavator, loader};
 
 /// The loads of one recording, or of a run so far.
@@ -163,23 +167,21 @@ impl Account {
 
     /// Number of intervals of the trusted loads that hold the truth, in words; `None` if no truth is known.
     pub fn covered_words(&self) -> Option<String> {
-        let (held, known) = self.covered();
+        let all = self.loads.iter().chain(&self.carried);
+        let (held, known) = covered(all.map(|l| (l, self.truths.get(&l.number).copied())));
         let words =
             || format!("The truth lies inside {held} of {known} intervals of the trusted loads.");
         (known > 0).then(words)
     }
+}
 
-    fn covered(&self) -> (usize, usize) {
-        let trusted = self.loads.iter().chain(&self.carried).filter(|l| l.trusted);
-        let known = trusted.filter_map(|l| Some((l, self.truths.get(&l.number)?)));
-        let held = known.map(|(load, truth)| {
-            let [low, high] = load.weight.interval();
-            (low..=high).contains(truth)
-        });
-        held.fold((0, 0), |(held, all), holds| {
-            (held + usize::from(holds), all + 1)
-        })
-    }
+/// Number of intervals of trusted loads that hold the truth, and of those whose truth is known.
+pub fn covered<'a>(loads: impl Iterator<Item = (&'a Load, Option<f64>)>) -> (usize, usize) {
+    let trusted = loads.filter(|(load, _)| load.trusted);
+    let known = trusted.filter_map(|(load, truth)| Some((load.weight.interval(), truth?)));
+    known.fold((0, 0), |(held, all), ([low, high], truth)| {
+        (held + usize::from((low..=high).contains(&truth)), all + 1)
+    })
 }
 
 /// The times of a run without a weighed load up to now, and the remedies.
@@ -234,235 +236,10 @@ fn what_to_do(machine: Machine, load: &Load) -> &'static str {
     }
 }
 
-/// First columns of a table of loads.
-pub const FIRST: &str = "recording,load,truck,day,";
-
-/// Header of the table.
-pub const HEADER: &str = "recording,load,truck,day,filled,dumped,kg,kg_std,kg_low,kg_high,carry_back,carry_back_std,\
-    carry_back_weighed,delivered,delivered_std,common_std,witness,trusted,reason,stage";
-
-/// A line of the table.
-pub fn csv_line(name: &str, machine: Machine, load: &Load) -> String {
-    let [low, high] = load.weight.interval();
-    let delivered = load.delivered();
-    let dumped = load.dumped.map_or(String::new(), |t| format!("{t:.2}"));
-    format!(
-        "{},{},{},{},{:.2},{dumped},{:.1},{:.1},{low:.1},{high:.1},{:.1},{:.1},{},{:.1},{:.1},{:.1},{},{},{},{}",
-        recording::csv::quoted(name),
-        load.number,
-        load.truck,
-        load.day,
-        load.filled,
-        load.weight.kg,
-        load.weight.std,
-        load.carry_back.kg,
-        load.carry_back.std,
-        u8::from(load.carry_back_weighed),
-        delivered.kg,
-        delivered.std,
-        load.weight.common_std,
-        load.witness.name(),
-        u8::from(load.trusted),
-        recording::csv::quoted(why_words(machine, load)),
-        load.stage.name(),
-    )
-}
-
-/// The table of all accounts.
-pub fn csv(accounts: &[Account]) -> String {
-    let mut out = format!("{HEADER}\n");
-    for account in accounts {
-        let all = account.loads.iter().chain(&account.carried);
-        for load in all {
-            out += &csv_line(&account.name, account.machine, load);
-            out.push('\n');
-        }
-    }
-    out
-}
-
-/// Whether a file with this beginning is such a table.
-pub fn is_csv(head: &[u8]) -> bool {
-    head.starts_with(FIRST.as_bytes())
-}
-
-fn weight_json(weight: &Weight) -> Value {
-    let [low, high] = weight.interval();
-    json!({"kg": weight.kg, "std": weight.std, "common_std": weight.common_std, "low": low, "high": high})
-}
-
-/// A load as JSON.
-pub fn load_json(machine: Machine, load: &Load) -> Value {
-    json!({
-        "load": load.number, "truck": load.truck, "day": load.day, "stage": load.stage.name(),
-        "filled": load.filled, "dumped": load.dumped,
-        "in_bucket": weight_json(&load.weight),
-        "carry_back": weight_json(&load.carry_back), "carry_back_weighed": load.carry_back_weighed,
-        "delivered": weight_json(&load.delivered()),
-        "witness": load.witness.name(), "trusted": load.trusted, "reason": why_words(machine, load),
-        "what_to_do": what_to_do(machine, load),
-    })
-}
-
-/// A sum as JSON.
-pub fn total_json(total: &Total) -> Value {
-    let half = HALF_WIDTH_95 * total.std();
-    json!({
-        "loads": total.loads, "untrusted": total.untrusted, "unweighed": total.unweighed, "kg": total.kg, "std": total.std(),
-        "own_std": total.own_variance.sqrt(), "common_std": total.common_std,
-        "low": total.kg - half, "high": total.kg + half,
-    })
-}
-
-/// A truck as JSON.
-pub fn truck_json(truck: &Truck) -> Value {
-    json!({
-        "truck": truck.number, "signal": truck.signal, "day": truck.day, "from": truck.from, "to": truck.to,
-        "total": total_json(&truck.total), "target": truck.target, "remaining": truck.remaining(),
-    })
-}
-
-/// Content of the bucket now, as JSON.
-pub fn now_json(now: &Now) -> Value {
-    let half = HALF_WIDTH_95 * now.std;
-    json!({"kg": now.kg, "std": now.std, "low": now.kg - half, "high": now.kg + half, "age": now.age})
-}
-
-fn outage_json(account: &Account, outage: &Outage) -> Value {
-    let [from, to] = outage.longest;
-    json!({
-        "reason": outage_words(account.machine, outage), "what_to_do": outage_advice(account.machine, outage),
-        "seconds": outage.seconds, "share": outage.seconds / account.seconds.max(outage.seconds),
-        "stretches": outage.stretches, "from": from, "to": to, "to_the_end": outage.lasts,
-    })
-}
-
-/// An account as JSON.
-pub fn json(account: &Account) -> Value {
-    let load = |load: &Load| load_json(account.machine, load);
-    json!({
-        "recording": account.name, "machine": account.machine.name(),
-        "loads": account.loads.iter().map(load).collect::<Vec<_>>(),
-        "in_the_bucket_at_the_end": account.carried.as_ref().map(load),
-        "trucks": account.trucks.iter().map(truck_json).collect::<Vec<_>>(),
-        "total": total_json(&account.all), "guessed": account.guessed,
-        "outages": account.outages.iter().map(|o| outage_json(account, o)).collect::<Vec<_>>(),
-    })
-}
-
-/// A run so far, for the live page.
-pub fn live_json(counter: &LoadCounter) -> Value {
-    let machine = counter.machine();
-    let load = |load: &Load| load_json(machine, load);
-    let ledger = counter.ledger();
-    json!({
-        "machine": machine.name(),
-        "now": now_json(&ledger.now()),
-        "carried": ledger.carried().as_ref().map(load),
-        "truck": truck_json(&ledger.truck()),
-        "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
-        "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
-        "guessed": counter.guessed(),
-        "outages": outages(counter),
-    })
-}
-
-/// Number of loads on the live page.
-const LATEST: usize = 12;
-
-/// "1 121 kg, 95 %: 872 to 1 370".
-pub fn weight_words(weight: &Weight) -> String {
-    let (kg, _) = value_and_std(weight.kg, weight.std);
-    format!("{kg} kg, 95 %: {}", interval_95(weight.kg, weight.std))
-}
-
-/// A load in a line.
-pub fn line(machine: Machine, load: &Load) -> String {
-    let why = why_words(machine, load);
-    let doubt = if load.trusted {
-        ", trusted".to_owned()
-    } else {
-        format!(", not trusted: {why}")
-    };
-    let rest = if load.carry_back_weighed {
-        let (kg, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
-        format!(", {kg} kg left in the bucket")
-    } else {
-        String::new()
-    };
-    // The next weighing is the last that changes it.
-    let stage = match load.stage {
-        Stage::Settled => "final",
-        stage => stage.name(),
-    };
-    format!(
-        "load {} {stage}: {} (by {}){rest}{doubt}",
-        load.number,
-        weight_words(&load.weight),
-        load.witness.name(),
-    )
-}
-
-/// A truck in a line.
-pub fn truck_line(truck: &Truck) -> String {
-    let total = &truck.total;
-    let mut text = format!("truck {}: {}", truck.number, total_words(total));
-    if let Some(missing) = truck.remaining() {
-        let (amount, _) = value_and_std(missing.abs(), total.std().max(1.0));
-        let what = if missing >= 0.0 {
-            "missing"
-        } else {
-            "too much"
-        };
-        let _ = write!(text, "; {amount} kg {what}");
-    }
-    text
-}
-
-/// A sum in words.
-pub fn total_words(total: &Total) -> String {
-    let (kg, _) = value_and_std(total.kg, total.std().max(1.0));
-    let plural = if total.loads == 1 { "" } else { "s" };
-    let of_them = |n: u32, what: &str| match n {
-        0 => String::new(),
-        n => format!(", {n} of them not {what}"),
-    };
-    let doubt = of_them(total.unweighed, "weighed") + &of_them(total.untrusted, "trusted");
-    format!(
-        "{kg} kg, 95 %: {}, in {} load{plural}{doubt}",
-        interval_95(total.kg, total.std().max(1.0)),
-        total.loads
-    )
-}
-
-/// Seconds of a recording for people: "1:02:03", or the time of day in UTC if they count from 1970.
-pub fn clock(time: f64) -> String {
-    const DAY: f64 = 86_400.0;
-    const SINCE_1970: f64 = 1e9;
-    if time < 0.0 {
-        return format!("-{}", clock(-time));
-    }
-    // Rounded first, because 24:00:00 does not exist.
-    let rounded = (time * 10.0).round();
-    let tenths = if time >= SINCE_1970 {
-        rounded.rem_euclid(10.0 * DAY)
-    } else {
-        rounded
-    } as i64;
-    let (seconds, tenths) = (tenths.div_euclid(10), tenths.rem_euclid(10));
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if time >= SINCE_1970 {
-        format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
-    } else if hours > 0 {
-        format!("{hours}:{minutes:02}:{seconds:02}")
-    } else {
-        format!("{minutes}:{seconds:02}.{tenths}")
-    }
-}
-
 /// An account with one load that is not trusted.
 #[cfg(test)]
 pub(crate) fn account() -> Account {
+    use estimation::loads::{Stage, Weight};
     let weight = |kg, std| Weight {
         kg,
         std,
@@ -508,6 +285,7 @@ pub(crate) fn account() -> Account {
 
 #[cfg(test)]
 mod tests {
+    use super::json::total_json;
     use super::*;
 
     #[test]

@@ -13,8 +13,6 @@ mod verdicts;
 
 use std::fmt::Write;
 
-use messages::Health;
-
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
 use crate::plot::Plot;
@@ -150,13 +148,4 @@ impl Page {
             self.plots.push(panel.plot);
         }
     }
-}
-
-/// The last health message of each process, in the order of the table of processes.
-fn last_health(run: &Run) -> Vec<&Health> {
-    let mut last: std::collections::BTreeMap<u32, &Health> = std::collections::BTreeMap::new();
-    for health in &run.health {
-        last.insert(health.process, health);
-    }
-    last.into_values().collect()
 }

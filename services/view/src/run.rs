@@ -72,7 +72,7 @@ pub struct Run {
     pub inputs: Vec<Input>,
     /// The excavator's filter stage.
     pub motion: Vec<SwingMotion>,
-    /// The health reports of the processes.
+    /// The last health report of each process, in the order of the table of processes.
     pub health: Vec<Health>,
     /// Names of the processes, by [`Health::process`].
     pub processes: Vec<String>,

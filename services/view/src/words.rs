@@ -14,10 +14,6 @@ pub fn verdict<E: Estimate>(estimate: &E) -> String {
     sentences.join(" ")
 }
 
-/// Remedy while no sample was accepted.
-pub(crate) const NO_SAMPLE: &str =
-    "check that the sensors send, and that the map names the right columns";
-
 /// Remedy for the reason `code`, by the names of all reasons.
 pub(crate) fn remedy(
     code: u32,

@@ -84,7 +84,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// Summary for display.
-    /// Value and standard deviation of a parameter.
     #[must_use]
     pub fn summary(&self) -> Summary<'_> {
         let series = &self.swings.series;

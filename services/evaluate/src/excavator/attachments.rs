@@ -27,14 +27,7 @@ pub fn evaluate(_: &Options) -> Result<Report, Error> {
             .total(mass)
     };
     let reference = inertia(tools[0].1, POSTURES[0], 0.0);
-    let mut table = Table::new(&[
-        "posture",
-        "attachment",
-        "payload kg",
-        "inertia kg m2",
-        "ratio",
-        "target",
-    ]);
+    let mut table = Table::headed("posture; attachment; payload kg; inertia kg m2; ratio; target");
     let (mut rows, mut met) = (Vec::new(), true);
     for (number, posture) in POSTURES.into_iter().enumerate() {
         let loads = tools.iter().flat_map(|tool| [(tool, 0.0), (tool, 423.0)]);

@@ -8,7 +8,7 @@
 use super::case::Case;
 use super::estimators::Setup;
 use super::score::{Score, Summary, Window};
-use super::target::{Target, judgement};
+use super::target::{Target, all_met, judgement, recorded};
 use crate::text::{Table, plain, signed};
 use crate::{Error, Options, Report, seeds};
 use estimation::excavator::Settings;
@@ -52,9 +52,8 @@ struct Trouble {
 
 /// Evaluates the table.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
-    let mut table = Table::new(&[
-        "input", "mode", "kg", "mean", "std", "max p95", "coverage", "trusted", "wrong", "target",
-    ]);
+    let mut table =
+        Table::headed("input; mode; kg; mean; std; max p95; coverage; trusted; wrong; target");
     let (mut list, mut met) = (Vec::new(), true);
     let cases = PAYLOADS.map(|payload| (payload, Case::new(Scenario::Base, Some(payload))));
     for trouble in troubles() {
@@ -62,21 +61,13 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
             for (payload, case) in &cases {
                 let summary = trouble.summary(options, setup, case, window)?;
                 let targets = targets(&summary, most);
-                met &= targets.iter().all(Target::met);
-                table.row(cells(
-                    trouble.name,
-                    setup.name,
-                    *payload,
-                    &summary,
-                    &targets,
-                ));
-                list.push(entry(
-                    trouble.name,
-                    setup.name,
-                    *payload,
-                    &summary,
-                    &targets,
-                ));
+                met &= all_met(&targets);
+                let (input, mode) = (trouble.name, setup.name);
+                table.row(cells(input, mode, *payload, &summary, &targets));
+                let record = json!({
+                    "input": input, "mode": mode, "payload": payload, "summary": summary.json(),
+                });
+                list.push(recorded(record, &targets));
             }
         }
     }
@@ -157,14 +148,6 @@ fn cells(input: &str, mode: &str, payload: f64, s: &Summary, targets: &[Target])
         plain(s.trusted_wrong, 2),
         judgement(targets),
     ]
-}
-
-fn entry(input: &str, mode: &str, payload: f64, summary: &Summary, targets: &[Target]) -> Value {
-    json!({
-        "input": input, "mode": mode, "payload": payload, "summary": summary.json(),
-        "targets": targets.iter().map(Target::json).collect::<Vec<_>>(),
-        "met": targets.iter().all(Target::met),
-    })
 }
 
 /// The accuracy without a fault: a quarter above the figures of the undisturbed runs.

@@ -9,12 +9,11 @@
 use super::case::{Case, PAYLOADS};
 use super::estimators::{Point, Setup, series};
 use super::score::{Score, Summary, Window};
-use super::target::{Target, judgement};
+use super::target::{Target, all_met, judgement, recorded};
 use crate::text::{Table, plain};
 use crate::{Error, Options, Report, seeds};
 use serde_json::{Value, json};
 use sim::excavator::Scenario::{self, *};
-use sim::excavator::Sensors;
 use statistics::{largest, mean, mean_error, median, p95, percentage};
 
 /// Targets of an event; there is none for a part that the swing does not reach.
@@ -94,31 +93,19 @@ struct Outcome {
 
 /// Evaluates the table.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
-    let mut table = Table::new(&[
-        "event",
-        "during: max median",
-        "p95",
-        "coverage",
-        "after: p95",
-        "coverage",
-        "later: p95",
-        "flag s",
-        "missed %",
-        "valid wrong s",
-        "p95",
-        "max",
-        "target",
-    ]);
+    let mut table = Table::headed(
+        "event; during: max median; p95; coverage; after: p95; coverage; later: p95; flag s; missed %; valid wrong s; p95; max; target",
+    );
     let (mut list, mut met) = (Vec::new(), true);
     for (scenario, asked) in EVENTS {
         let outcomes = outcomes(options, scenario)?;
         let event = Event::of(scenario, asked, &outcomes);
-        met &= event.targets.iter().all(Target::met);
+        met &= all_met(&event.targets);
         table.row(event.cells());
         list.push(event.json());
     }
     let (alarms, alarm_targets) = false_alarms(options)?;
-    met &= alarm_targets.iter().all(Target::met);
+    met &= all_met(&alarm_targets);
     let (sweep_table, sweep) = sweep(options)?;
     let text = format!(
         "Payload that changes in the swing (D_auto): largest errors in percent, {} seeds\n\n{table}  \
@@ -138,18 +125,15 @@ fn outcomes(options: &Options, scenario: Scenario) -> Result<Vec<Outcome>, Error
     let (first, last) = scenario.change().unwrap_or((f64::INFINITY, f64::INFINITY));
     let setup = Setup::auto();
     seeds(options, scenario.name(), |seed| {
-        let points = setup.run(&case.rows(seed, Sensors::default(), &[])?)?;
+        let points = series(&case, &setup, seed)?;
         let score = |from, to| Score::of(&points, swinging(from, to));
+        let is_wrong = |p: &&Point| p.time >= first && valid_and_wrong(p);
         Ok(Outcome {
             during: score(first, last),
             after: score(last + 0.3, last + 0.5),
             later: score(last + 0.5, 9.3),
             flag: flag(&points, first),
-            valid_wrong: PERIOD
-                * points
-                    .iter()
-                    .filter(|p| p.time >= first && valid_and_wrong(p))
-                    .count() as f64,
+            valid_wrong: PERIOD * points.iter().filter(is_wrong).count() as f64,
         })
     })
 }
@@ -259,15 +243,14 @@ impl Event {
     }
 
     fn json(&self) -> Value {
-        json!({
+        let record = json!({
             "event": self.scenario.name(), "during": self.during.json(), "after": self.after.json(),
             "later": self.later.json(), "flag": { "median": self.flag, "missed": self.missed },
             "valid_wrong": {
                 "median": self.valid_wrong.0, "p95": self.valid_wrong.1, "max": self.valid_wrong.2,
             },
-            "targets": self.targets.iter().map(Target::json).collect::<Vec<_>>(),
-            "met": self.targets.iter().all(Target::met),
-        })
+        });
+        recorded(record, &self.targets)
     }
 }
 
@@ -277,8 +260,7 @@ fn false_alarms(options: &Options) -> Result<(f64, Vec<Target>), Error> {
     for payload in PAYLOADS {
         let case = Case::new(Base, Some(payload));
         alarms.extend(seeds(options, "false alarms", |seed| {
-            let points = Setup::auto().run(&case.rows(seed, Sensors::default(), &[])?)?;
-            Ok(points
+            Ok(series(&case, &Setup::auto(), seed)?
                 .iter()
                 .any(|p| p.time < 9.3 && p.estimate.flags.changing))
         })?);
@@ -297,15 +279,10 @@ const OPENINGS: (f64, f64, usize) = (6.25, 0.15, 14);
 
 /// Errors by the time at which the material begins to fall.
 fn sweep(options: &Options) -> Result<(Table, Vec<Value>), Error> {
-    let header = [
-        "first material s",
-        "during: max median",
-        "p95",
-        "coverage",
-        "after: p95",
-        "coverage",
-    ];
-    let (mut table, mut list) = (Table::new(&header), Vec::new());
+    let (mut table, mut list) = (
+        Table::headed("first material s; during: max median; p95; coverage; after: p95; coverage"),
+        Vec::new(),
+    );
     for opens in (0..OPENINGS.2).map(|i| OPENINGS.0 + OPENINGS.1 * i as f64) {
         let first = opens + 0.15;
         let last = first + 0.65;

@@ -5,14 +5,14 @@
 //! the inertia in percent (null: not determined); `reached` is the root mean square error over the seeds.
 
 use super::case::Case;
-use super::estimators::Setup;
+use super::estimators::{Setup, series};
 use super::information::{Bound, Knowledge};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
 use calibrate::algebra::directions;
 use faer::Mat;
 use serde_json::{Value, json};
-use sim::excavator::{Exact, Scenario, Sensors};
+use sim::excavator::{Exact, Scenario};
 
 /// The load [kg].
 const PAYLOAD: f64 = 288.0;
@@ -67,15 +67,9 @@ fn modes() -> [(Setup, Knowledge); 5] {
 /// Evaluates the table.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let case = Case::new(Scenario::Base, Some(PAYLOAD));
-    let mut table = Table::new(&[
-        "mode",
-        "until s",
-        "singular values of the information",
-        "bound %",
-        "data alone %",
-        "reached %",
-        "reached/bound",
-    ]);
+    let mut table = Table::headed(
+        "mode; until s; singular values of the information; bound %; data alone %; reached %; reached/bound",
+    );
     let mut list = Vec::new();
     for (setup, knowledge) in modes() {
         let reached = reached(options, &case, &setup)?;
@@ -130,7 +124,7 @@ fn reached(options: &Options, case: &Case, setup: &Setup) -> Result<Vec<f64>, Er
         options,
         &format!("identifiability, {}", setup.name),
         |seed| {
-            let points = setup.run(&case.rows(seed, Sensors::default(), &[])?)?;
+            let points = series(case, setup, seed)?;
             Ok(TIMES.map(|time| {
                 points
                     .iter()
@@ -144,15 +138,11 @@ fn reached(options: &Options, case: &Case, setup: &Setup) -> Result<Vec<f64>, Er
 }
 
 fn cells(mode: &str, time: f64, bound: &Bound, reached: f64) -> Vec<String> {
-    let values: Vec<String> = bound
-        .singular_values
-        .iter()
-        .map(|s| format!("{s:.2}"))
-        .collect();
+    let values = bound.singular_values.iter().map(|s| plain(*s, 2));
     vec![
         mode.into(),
         plain(time, 2),
-        values.join(" "),
+        values.collect::<Vec<_>>().join(" "),
         plain(bound.with_prior, 2),
         bound.data_alone.map_or("-".into(), |b| plain(b, 2)),
         plain(reached, 2),
@@ -212,7 +202,7 @@ impl Regression {
         let list = |values: &[f64]| {
             values
                 .iter()
-                .map(|v| format!("{v:.4}"))
+                .map(|v| plain(*v, 4))
                 .collect::<Vec<_>>()
                 .join(", ")
         };

@@ -4,13 +4,13 @@
 //! with [`Summary::json`] and [`Target::json`]; errors in percent, times in seconds.
 
 use super::case::{Case, PAYLOADS};
-use super::estimators::Setup;
+use super::estimators::{Setup, series};
 use super::score::{Score, Summary, Window};
-use super::target::{Target, judgement};
+use super::target::{Target, all_met, judgement, recorded};
 use crate::text::{Table, plain, signed};
 use crate::{Error, Options, Report, seeds};
 use serde_json::{Value, json};
-use sim::excavator::{Scenario, Sensors};
+use sim::excavator::Scenario;
 
 /// One line of the table: an estimator on a case.
 struct Line {
@@ -25,43 +25,25 @@ struct Line {
 
 /// Evaluates the table.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
-    let mut table = Table::new(&[
-        "mode",
-        "case",
-        "kg",
-        "mean",
-        "|mean| p95",
-        "std",
-        "p95",
-        "max",
-        "p95",
-        "coverage",
-        "to 5 % s",
-        "p95",
-        "trusted",
-        "wrong",
-        "target",
-    ]);
+    let mut table = Table::headed(
+        "mode; case; kg; mean; |mean| p95; std; p95; max; p95; coverage; to 5 % s; p95; trusted; wrong; target",
+    );
     let (mut list, mut met) = (Vec::new(), true);
     for line in lines() {
         let summary = line.summary(options)?;
         let targets = (line.targets)(&summary);
-        met &= targets.iter().all(Target::met);
+        met &= all_met(&targets);
         table.row(line.cells(&summary, &targets));
-        list.push(line.json(&summary, &targets));
+        list.push(recorded(line.json(&summary), &targets));
     }
     Ok(Report {
-        text: format!("{}\n{table}{NOTE}", heading(options)),
+        text: format!(
+            "All modes, errors of the swing inertia in percent, {} seeds\n\n{table}{NOTE}",
+            options.seeds
+        ),
         json: Value::Array(list),
         met,
     })
-}
-
-fn heading(options: &Options) -> String {
-    format!(
-        "All modes, errors of the swing inertia in percent, {} seeds\n",
-        options.seeds
-    )
 }
 
 const NOTE: &str = "\
@@ -75,8 +57,10 @@ impl Line {
     fn summary(&self, options: &Options) -> Result<Summary, Error> {
         let label = format!("{} {} {} kg", self.setup.name, self.name, self.payload);
         let scores = seeds(options, &label, |seed| {
-            let rows = self.case.rows(seed, Sensors::default(), &[])?;
-            Ok(Score::of(&self.setup.run(&rows)?, self.window))
+            Ok(Score::of(
+                &series(&self.case, &self.setup, seed)?,
+                self.window,
+            ))
         })?;
         Ok(Summary::of(&scores))
     }
@@ -108,12 +92,10 @@ impl Line {
         ]
     }
 
-    fn json(&self, summary: &Summary, targets: &[Target]) -> Value {
+    fn json(&self, summary: &Summary) -> Value {
         json!({
             "mode": self.setup.name, "scenario": self.name, "payload": self.payload,
             "window": [self.window.from, self.window.to], "summary": summary.json(),
-            "targets": targets.iter().map(Target::json).collect::<Vec<_>>(),
-            "met": targets.iter().all(Target::met),
         })
     }
 }

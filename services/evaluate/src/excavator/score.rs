@@ -194,13 +194,12 @@ impl Summary {
 
     /// All numbers by name; a time that is never reached is null.
     pub fn json(&self) -> Value {
-        let time = |t: f64| if t.is_finite() { json!(t) } else { Value::Null };
         json!({
             "mean": self.mean, "mean_p95": self.mean_p95, "std": self.std, "std_p95": self.std_p95,
             "max": self.max, "max_median": self.max_median, "max_p95": self.max_p95,
             "coverage": self.coverage, "trusted": self.trusted, "trusted_wrong": self.trusted_wrong,
             "identifiable": self.identifiable, "wide": self.wide,
-            "convergence": time(self.convergence), "convergence_p95": time(self.convergence_p95),
+            "convergence": self.convergence, "convergence_p95": self.convergence_p95,
             "seeds": self.seeds,
         })
     }

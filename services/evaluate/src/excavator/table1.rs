@@ -10,7 +10,7 @@ use super::score::{Score, Summary, Window};
 use crate::text::{Table, plain, signed, verdict};
 use crate::{Error, Options, Report, seeds};
 use serde_json::json;
-use sim::excavator::{Scenario, Sensors};
+use sim::excavator::Scenario;
 use statistics::{deviation, largest, mean};
 
 /// Mean and standard deviation printed in the paper [%].
@@ -62,8 +62,7 @@ fn row(options: &Options, number: usize, case: &Case) -> Result<Row, Error> {
         let setup = Setup::paper(share * start);
         let label = format!("table 1, case {}, start at {share} J", number + 1);
         let scores = seeds(options, &label, |seed| {
-            let rows = case.rows(seed, Sensors::default(), &[])?;
-            Ok(Score::of(&setup.run(&rows)?, WINDOW))
+            Ok(Score::of(&estimators::series(case, &setup, seed)?, WINDOW))
         })?;
         Ok(Summary::of(&scores))
     };
@@ -92,30 +91,11 @@ fn held(case: &Case, start: f64) -> (f64, f64, f64) {
 }
 
 fn text(rows: &[Row]) -> String {
-    let mut table = Table::new(&[
-        "case",
-        "paper mean",
-        "std",
-        "ours mean",
-        "std",
-        "max",
-        "no estimator mean",
-        "std",
-        "max",
-        "ours, start -20 %: mean",
-        "std",
-        "target",
-    ]);
-    for (
-        i,
-        Row {
-            ours,
-            wrong,
-            held,
-            met,
-        },
-    ) in rows.iter().enumerate()
-    {
+    let mut table = Table::headed(
+        "case; paper mean; std; ours mean; std; max; no estimator mean; std; max; ours, start -20 %: mean; std; target",
+    );
+    for (i, row) in rows.iter().enumerate() {
+        let (ours, wrong, held) = (&row.ours, &row.wrong, row.held);
         table.row([
             (i + 1).to_string(),
             signed(PAPER[i].0, 2),
@@ -128,7 +108,7 @@ fn text(rows: &[Row]) -> String {
             plain(held.2, 1),
             signed(wrong.mean, 2),
             plain(wrong.std, 2),
-            verdict(*met),
+            verdict(row.met),
         ]);
     }
     let seeds = rows.first().map_or(0, |row| row.ours.seeds);

@@ -63,12 +63,23 @@ impl Target {
     /// `{"what":..,"value":..,"least":..,"most":..,"error":..,"met":..}`; null for a limit that does not exist, and for a value
     /// that was never reached.
     pub fn json(&self) -> Value {
-        let finite = |v: f64| if v.is_finite() { json!(v) } else { Value::Null };
         json!({
-            "what": self.what, "value": finite(self.value), "least": finite(self.least),
-            "most": finite(self.most), "error": self.error, "met": self.met(),
+            "what": self.what, "value": self.value, "least": self.least, "most": self.most,
+            "error": self.error, "met": self.met(),
         })
     }
+}
+
+/// Whether all targets of a line are met.
+pub fn all_met(targets: &[Target]) -> bool {
+    targets.iter().all(Target::met)
+}
+
+/// The record of a line with its `targets`, and with `met` if all of them are.
+pub fn recorded(mut record: Value, targets: &[Target]) -> Value {
+    record["targets"] = targets.iter().map(Target::json).collect();
+    record["met"] = json!(all_met(targets));
+    record
 }
 
 /// "pass", or the missed targets and their values; "-" without targets.
@@ -78,8 +89,7 @@ pub fn judgement(targets: &[Target]) -> String {
         .filter(|t| !t.within(0.0))
         .map(describe)
         .collect();
-    let all_met = targets.iter().all(Target::met);
-    match (targets.is_empty(), missed.is_empty(), all_met) {
+    match (targets.is_empty(), missed.is_empty(), all_met(targets)) {
         (true, _, _) => "-".into(),
         (false, true, _) => "pass".into(),
         (false, false, true) => format!("close: {}", missed.join(", ")),

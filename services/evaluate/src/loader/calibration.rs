@@ -28,10 +28,11 @@ use sim::noise::Noise;
 use machine::{Truth, input, way, weighed};
 
 use super::candidate::{described, sample};
+use super::honesty::{MOVING, judge};
 use super::score::{Score, Summary};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
-use statistics::judge::{JudgedRow, Tally};
+use statistics::judge::Tally;
 use statistics::{median, p95, percentage};
 
 /// Length of a recording, and of the work afterwards [s].
@@ -230,30 +231,13 @@ impl MachineResult {
                     continue;
                 }
                 scores[k].take(row, &estimate);
-                if k != 1 || scenario != Scenario::WorkCycle || row.truth.speed.abs() < 0.1 {
-                    continue;
-                }
-                let judged = [
-                    (
-                        estimate.trusted_ratio,
-                        estimate.cg_ratio,
-                        row.truth.cg_ratio,
-                    ),
-                    (
-                        estimate.trusted_height,
-                        estimate.cg_height,
-                        row.truth.cg_height,
-                    ),
-                ];
-                for (tally, (trusted, q, truth)) in self.work.iter_mut().zip(judged) {
-                    tally.push(&JudgedRow {
-                        truth,
-                        estimate: q.value,
-                        std: q.std,
-                        trusted,
-                        moving: true,
-                        reason: "",
-                    });
+                let works = scenario == Scenario::WorkCycle && row.truth.speed.abs() >= MOVING;
+                if k == 1 && works {
+                    let judged = judge(row, &estimate);
+                    self.work
+                        .iter_mut()
+                        .zip(&judged)
+                        .for_each(|(tally, row)| tally.push(row));
                 }
             }
         }
@@ -334,18 +318,8 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
 
 /// The lines of the estimator, their records, and whether all targets are met.
 fn lines(found: &[&MachineResult]) -> (Table, Vec<Value>, bool) {
-    let mut table = Table::new(&[
-        "line",
-        "",
-        "ratio",
-        "rms",
-        "covered %",
-        "height",
-        "rms",
-        "covered %",
-        "target",
-        "",
-    ]);
+    let mut table =
+        Table::headed("line; ; ratio; rms; covered %; height; rms; covered %; target; ");
     let (mut records, mut met) = (Vec::new(), true);
     for (l, (line, _, ratio, height)) in LINES.into_iter().enumerate() {
         for (k, name) in DESCRIPTIONS.into_iter().enumerate() {
@@ -356,30 +330,23 @@ fn lines(found: &[&MachineResult]) -> (Table, Vec<Value>, bool) {
             };
             let good = below(&summary.ratio, ratio) && below(&summary.height, height);
             met &= good || k != 1;
-            let limit = |limits: [f64; 2]| {
-                limits
-                    .map(|x| {
-                        if x.is_finite() {
-                            plain(x, 1)
-                        } else {
-                            "-".into()
-                        }
-                    })
-                    .join(" / ")
+            let cell = |x: f64| {
+                if x.is_finite() {
+                    plain(x, 1)
+                } else {
+                    "-".into()
+                }
             };
+            let limit = |limits: [f64; 2]| limits.map(cell).join(" / ");
             let target = format!("{}; {}", limit(ratio), limit(height));
-            table.row([
-                line.to_owned(),
-                name.to_owned(),
-                summary.ratio.largest(),
-                plain(summary.ratio.rms, 2),
-                plain(100.0 * summary.ratio.coverage, 1),
-                summary.height.largest(),
-                plain(summary.height.rms, 2),
-                plain(100.0 * summary.height.coverage, 1),
-                if k == 0 { String::new() } else { target },
-                if k == 0 { String::new() } else { verdict(good) },
-            ]);
+            let judged = match k {
+                0 => [String::new(), String::new()],
+                _ => [target, verdict(good)],
+            };
+            let mut cells = vec![line.to_owned(), name.to_owned()];
+            cells.extend(summary.quantities());
+            cells.extend(judged);
+            table.row(cells);
             let mut record = summary.json();
             record["line"] = json!(line);
             record["description"] = json!(name);

@@ -89,6 +89,11 @@ impl Candidate {
         ..Self::new("full, weighed", Method::Full, WEIGHED)
     };
 
+    /// The same by another method.
+    pub const fn by(self, method: Method) -> Self {
+        Self { method, ..self }
+    }
+
     /// The filter that demonstrates the sign of the load transfer: height fixed, everything else known.
     pub const fn sign(load_transfer: LoadTransfer) -> Self {
         let settings = Settings {
@@ -163,22 +168,12 @@ impl Candidate {
         if self.warm {
             let scale = |value: &mut Option<f64>, by: f64| *value = value.map(|v| v * by);
             // The same rim speed and the same tyre force on a wheel of nominal radius.
-            scale(
-                &mut sample.front_wheel_speed,
-                1.0 + nominal.front_radius_error,
-            );
-            scale(
-                &mut sample.rear_wheel_speed,
-                1.0 + nominal.rear_radius_error,
-            );
-            scale(
-                &mut sample.front_torque,
-                1.0 / (1.0 + nominal.front_radius_error),
-            );
-            scale(
-                &mut sample.rear_torque,
-                1.0 / (1.0 + nominal.rear_radius_error),
-            );
+            let front = 1.0 + nominal.front_radius_error;
+            let rear = 1.0 + nominal.rear_radius_error;
+            scale(&mut sample.front_wheel_speed, front);
+            scale(&mut sample.rear_wheel_speed, rear);
+            scale(&mut sample.front_torque, 1.0 / front);
+            scale(&mut sample.rear_torque, 1.0 / rear);
         }
         sample.boom_moving &= !self.weighed;
         sample

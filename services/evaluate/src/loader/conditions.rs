@@ -54,20 +54,11 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     );
     let (mut json, mut met) = (Vec::new(), true);
     for grade in GRADES {
-        let mut ratio = Table::new(&[
-            "ratio",
-            "published",
-            FILTERS[0].name,
-            FILTERS[1].name,
-            FILTERS[2].name,
-        ]);
-        let mut height = Table::new(&[
-            "height",
-            "published",
-            FILTERS[0].name,
-            FILTERS[1].name,
-            FILTERS[2].name,
-        ]);
+        let [mut ratio, mut height] = ["ratio", "height"].map(|what| {
+            let names = FILTERS.iter().map(|filter| filter.name);
+            let header = [what, "published"].into_iter().chain(names);
+            Table::new(&header.collect::<Vec<_>>())
+        });
         for scenario in SCENARIOS {
             let summaries = run(options, grade, scenario)?;
             let figure =

@@ -5,17 +5,19 @@
 //! and floors scaled with the size, and the default of everything else. The loaders reverse as in real work. One that never
 //! reverses does not show how its tyres deflect under a load, so its ratio is not trusted.
 
-use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
-use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Simulation, Size, Tier};
+use estimation::Quantity;
+use estimation::loader::{Estimate, Method, Settings};
+use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Size, Tier};
 
 use super::candidate::Candidate;
+use super::trial;
 use crate::honesty::{JudgedRow, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 
 /// Length of a record [s].
 const DURATION: f64 = 120.0;
 /// True speed above which the machine moves [m/s].
-const MOVING: f64 = 0.1;
+pub(super) const MOVING: f64 = 0.1;
 /// Payload of a load cycle, as a share of the machine's mass.
 const PAYLOAD: f64 = 0.25;
 
@@ -39,8 +41,8 @@ const ONE_WAY: &str = "one way only";
 /// Name of the line of a slope sensor with stated delay and acceleration sensitivity.
 const CALIBRATED: &str = "slope sensor, calibrated";
 
-/// The statements of a competent user for a machine of that size: the default, scaled.
-pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
+/// Scales the default to the statements of a competent user for a machine of that size.
+pub(super) fn scale(settings: &mut Settings, size: Size) {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
     let heavy = machine.mass / reference.mass;
     let tall = machine.cg_height / reference.cg_height;
@@ -56,7 +58,6 @@ pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
     keys.q_cg_height *= tall;
     keys.dig_force *= heavy;
     keys.cg_height_max *= tall;
-    settings
 }
 
 /// A machine of one of the three sizes with these effects, reversing or not.
@@ -83,29 +84,14 @@ const METHODS: [Method; 2] = [Method::Full, Method::FullEkf];
 fn drive(
     run: &Run,
     adjust: impl Fn(&mut Settings),
-    mut look: impl FnMut(usize, &Row, &Estimate),
+    look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
-    let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let (nominal, candidate) = (*simulation.nominal(), Candidate::DATA_SHEET);
-    let Some(first) = simulation.next() else {
-        return Ok(());
+    let candidates = METHODS.map(|method| Candidate::DATA_SHEET.by(method));
+    let adjust = |settings: &mut Settings| {
+        scale(settings, run.size);
+        adjust(settings);
     };
-    let mut settings = scaled(candidate.settings(&nominal, &first), run.size);
-    adjust(&mut settings);
-    let columns = Columns { acceleration: true };
-    let estimators = METHODS.map(|method| CgEstimator::new(&settings, method, columns));
-    let [full, full_ekf] = estimators;
-    let mut estimators = [
-        full.map_err(Error::refused)?,
-        full_ekf.map_err(Error::refused)?,
-    ];
-    for row in std::iter::once(first).chain(simulation) {
-        let sample = candidate.sample(&nominal, &row);
-        for (k, estimator) in estimators.iter_mut().enumerate() {
-            look(k, &row, &estimator.step(&sample));
-        }
-    }
-    Ok(())
+    trial::each_row_adjusted(run, &candidates, adjust, look)
 }
 
 /// Counts of ratio and height for each method.
@@ -126,9 +112,9 @@ fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
 }
 
 /// Rows of ratio and height.
-fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
+pub(super) fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
     let moving = row.truth.speed.abs() > MOVING;
-    let judged = |truth: f64, quantity: estimation::Quantity, trusted: bool| JudgedRow {
+    let judged = |truth: f64, quantity: Quantity, trusted: bool| JudgedRow {
         truth,
         estimate: quantity.value,
         std: quantity.std,
@@ -136,17 +122,10 @@ fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
         moving,
         reason: estimate.reason.name(),
     };
+    let (truth, e) = (&row.truth, estimate);
     [
-        judged(
-            row.truth.cg_ratio,
-            estimate.cg_ratio,
-            estimate.trusted_ratio,
-        ),
-        judged(
-            row.truth.cg_height,
-            estimate.cg_height,
-            estimate.trusted_height,
-        ),
+        judged(truth.cg_ratio, e.cg_ratio, e.trusted_ratio),
+        judged(truth.cg_height, e.cg_height, e.trusted_height),
     ]
 }
 

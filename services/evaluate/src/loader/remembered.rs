@@ -36,11 +36,8 @@ const LINES: [(&str, bool, bool); 4] = [
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let runs = seeds(options, "remembered", one)?;
-    let header = [
-        "tyres", "begins", "runs", "ratio", "rms", "covered", "height", "rms", "covered",
-        "diverged", "",
-    ];
-    let mut table = Table::new(&header);
+    let mut table =
+        Table::headed("tyres; begins; runs; ratio; rms; covered; height; rms; covered; diverged; ");
     let (mut json, mut met) = (Vec::new(), true);
     for (k, (tyres, is_restored, has_target)) in LINES.into_iter().enumerate() {
         let summary = Summary::of(&runs, k);

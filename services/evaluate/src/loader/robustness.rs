@@ -69,14 +69,7 @@ struct End {
 }
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
-    let mut table = Table::new(&[
-        "fault",
-        "ratio rms [%]",
-        "height rms [%]",
-        "resets",
-        "finite",
-        "",
-    ]);
+    let mut table = Table::headed("fault; ratio rms [%]; height rms [%]; resets; finite; ");
     let (mut json, mut met) = (Vec::new(), true);
     for (name, faults, limits) in CASES {
         let ends = run(options, name, faults)?;

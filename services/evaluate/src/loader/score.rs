@@ -138,12 +138,16 @@ impl Summary {
 
     /// Cells of a table: runs; largest error, rms error and coverage [%] of ratio and height; diverged runs.
     pub fn cells(&self) -> Vec<String> {
-        let errors = |e: &Errors| [e.largest(), plain(e.rms, 2), plain(100.0 * e.coverage, 1)];
-        let quantities = [&self.ratio, &self.height].into_iter().flat_map(errors);
         let runs = std::iter::once(self.runs.to_string());
-        runs.chain(quantities)
+        runs.chain(self.quantities())
             .chain([self.diverged.to_string()])
             .collect()
+    }
+
+    /// The cells of ratio and height alone.
+    pub fn quantities(&self) -> impl Iterator<Item = String> {
+        let errors = |e: &Errors| [e.largest(), plain(e.rms, 2), plain(100.0 * e.coverage, 1)];
+        [&self.ratio, &self.height].into_iter().flat_map(errors)
     }
 
     pub fn json(&self) -> serde_json::Value {

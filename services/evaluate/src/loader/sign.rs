@@ -108,16 +108,8 @@ fn mean((sum, count): (f64, f64)) -> Option<f64> {
 }
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
-    let header = [
-        "manoeuvre",
-        "sign",
-        "accelerating",
-        "braking",
-        "truth",
-        "per m/s^2",
-        "expected",
-    ];
-    let mut table = Table::new(&header);
+    let mut table =
+        Table::headed("manoeuvre; sign; accelerating; braking; truth; per m/s^2; expected");
     let (mut json, mut met) = (serde_json::Value::Null, true);
     for (scenario, from, expected) in CASES {
         let sums = run(options, scenario, from)?;

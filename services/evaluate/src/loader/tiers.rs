@@ -158,21 +158,9 @@ static CASES: [Case; 29] = {
 const FEWER_WORK_CYCLES: usize = 2;
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
-    let header = [
-        "tier, scenario",
-        "filter",
-        "runs",
-        "ratio",
-        "rms",
-        "covered",
-        "height",
-        "rms",
-        "covered",
-        "diverged",
-        "target",
-        "",
-    ];
-    let mut table = Table::new(&header);
+    let mut table = Table::headed(
+        "tier, scenario; filter; runs; ratio; rms; covered; height; rms; covered; diverged; target; ",
+    );
     let (mut json, mut met) = (Vec::new(), true);
     for group in CASES.chunk_by(|a, b| (a.tier, a.scenario) == (b.tier, b.scenario)) {
         for (case, summary) in group.iter().zip(run(options, group)?) {

@@ -17,7 +17,7 @@ pub(super) fn each_row(
 }
 
 /// As [`each_row`]; `adjust` changes the candidates' settings.
-fn each_row_adjusted(
+pub(super) fn each_row_adjusted(
     run: &Run,
     candidates: &[Candidate],
     adjust: impl Fn(&mut Settings),

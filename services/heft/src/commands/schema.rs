@@ -4,8 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use messages::channels::{self, Visitor};
-use messages::{Field, Machine, Message, NumberType, Words};
+use messages::{Field, Machine, NumberType, Shape, channels};
 use recording::can::Outgoing;
 
 use crate::args::machine;
@@ -111,29 +110,14 @@ const MARKDOWN_HEAD: &str = "# Messages: fields, bits and codes\n\nWritten by `h
 const FRAMES_HEAD: &str = "## Frames on a CAN bus\n\n`heft run --output can:IF` sends each of these ten times a second; `--output-map` chooses others ([on the machine](run.md)). The identifier has 29 bits,\nas J1939 has them: priority 6, the group, the source address (0x80 unless another node has it). `heft schema --lang dbc` writes them as a DBC file.\nThe least significant byte is first. All ones are *not available*: the value is not trusted, or nobody knows it. A flag has two bits, 0 for no and 1 for\nyes. `reason` has the codes above.\n";
 const PYTHON_HEAD: &str = "\"\"\"The messages of heft's channels, written by `heft schema --lang python`. SI units.\"\"\"\nimport ctypes\nimport enum\n\nu32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double\n";
 
-/// A message as other languages see it.
-struct Table {
-    name: &'static str,
-    size: usize,
-    fields: &'static [Field],
-    words: &'static [(&'static str, Words)],
-}
-
-impl Table {
-    /// The names of its bits and codes.
-    fn enumerations(&self) -> impl Iterator<Item = Enumeration> {
-        Enumeration::all(self.name, self.words)
-    }
-
-    /// Fields with their offsets: no message has padding.
-    fn placed(&self) -> impl Iterator<Item = (usize, &'static Field)> {
-        let mut at = 0;
-        self.fields.iter().map(move |field| {
-            let offset = at;
-            at += size(field.kind);
-            (offset, field)
-        })
-    }
+/// Fields with their offsets: no message has padding.
+fn placed(table: &Shape) -> impl Iterator<Item = (usize, &'static Field)> + use<> {
+    let mut at = 0;
+    table.fields.iter().map(move |field| {
+        let offset = at;
+        at += size(field.kind);
+        (offset, field)
+    })
 }
 
 fn size(kind: NumberType) -> usize {
@@ -143,22 +127,9 @@ fn size(kind: NumberType) -> usize {
     }
 }
 
-fn tables() -> Vec<Table> {
-    struct Describe;
-    impl Visitor for Describe {
-        type Output = Table;
-        fn visit<M: Message>(self) -> Table {
-            Table {
-                name: M::NAME,
-                size: size_of::<M>(),
-                fields: M::FIELDS,
-                words: M::WORDS,
-            }
-        }
-    }
-    let mut tables: Vec<Table> = Vec::new();
-    for channel in channels::all() {
-        let table = channel.payload.visit(Describe);
+fn tables() -> Vec<Shape> {
+    let mut tables: Vec<Shape> = Vec::new();
+    for table in channels::all().map(|channel| channel.payload.shape()) {
         if tables.iter().all(|t| t.name != table.name) {
             tables.push(table);
         }
@@ -167,16 +138,9 @@ fn tables() -> Vec<Table> {
 }
 
 fn channels(head: &str, line: &str, tail: &str) -> String {
-    struct Name;
-    impl Visitor for Name {
-        type Output = &'static str;
-        fn visit<M: Message>(self) -> &'static str {
-            M::NAME
-        }
-    }
     let mut out = format!("\n{head}\n");
     for channel in channels::all() {
-        let message = channel.payload.visit(Name);
+        let message = channel.payload.shape().name;
         let line = line.replace("{c}", channel.name).replace("{m}", message);
         let _ = writeln!(out, "{line}");
     }
@@ -192,9 +156,9 @@ fn meaning(field: &Field) -> String {
     }
 }
 
-fn c(table: &Table) -> String {
+fn c(table: &Shape) -> String {
     let name = table.name;
-    let mut out: String = table.enumerations().map(|e| e.c()).collect();
+    let mut out: String = Enumeration::all(table).map(|e| e.c()).collect();
     let _ = writeln!(out, "\ntypedef struct heft_{name} {{");
     for field in table.fields {
         let kind = match field.kind {
@@ -210,7 +174,7 @@ fn c(table: &Table) -> String {
         "HEFT_ASSERT(sizeof(heft_{name}) == {}, \"size of {name}\");",
         table.size
     );
-    for (offset, field) in table.placed() {
+    for (offset, field) in placed(table) {
         let _ = writeln!(
             out,
             "HEFT_ASSERT(offsetof(heft_{name}, {0}) == {offset}, \"{name}.{0}\");",
@@ -220,9 +184,9 @@ fn c(table: &Table) -> String {
     out
 }
 
-fn python(table: &Table) -> String {
+fn python(table: &Shape) -> String {
     let name = table.name;
-    let mut out: String = table.enumerations().map(|e| e.python()).collect();
+    let mut out: String = Enumeration::all(table).map(|e| e.python()).collect();
     let _ = writeln!(out, "\n\nclass {name}(ctypes.Structure):\n    _fields_ = [");
     for field in table.fields {
         let kind = match field.kind {
@@ -245,11 +209,11 @@ fn python(table: &Table) -> String {
     out
 }
 
-fn proto(table: &Table) -> String {
-    let mut out: String = table.enumerations().map(|e| e.proto()).collect();
+fn proto(table: &Shape) -> String {
+    let mut out: String = Enumeration::all(table).map(|e| e.proto()).collect();
     let _ = writeln!(out, "\nmessage {} {{", table.name);
     for (n, field) in table.fields.iter().enumerate() {
-        let codes = table.enumerations().filter(|e| !e.is_bits);
+        let codes = Enumeration::all(table).filter(|e| !e.is_bits);
         let named = codes.filter(|e| e.field == field.name).map(|e| e.name());
         let kind = named.last().unwrap_or_else(|| match field.kind {
             NumberType::U32 => "uint32".into(),
@@ -267,8 +231,8 @@ fn proto(table: &Table) -> String {
     out + "}\n"
 }
 
-fn json(table: &Table) -> String {
-    let fields = table.placed().map(|(offset, field)| {
+fn json(table: &Shape) -> String {
+    let fields = placed(table).map(|(offset, field)| {
         let mut row = serde_json::json!({
             "name": field.name,
             "type": format!("{:?}", field.kind).to_lowercase(),
@@ -276,7 +240,7 @@ fn json(table: &Table) -> String {
             "unit": field.unit,
             "meaning": field.doc.trim(),
         });
-        for e in table.enumerations().filter(|e| e.field == field.name) {
+        for e in Enumeration::all(table).filter(|e| e.field == field.name) {
             row[if e.is_bits { "bits" } else { "codes" }] = e.json();
         }
         row
@@ -285,7 +249,7 @@ fn json(table: &Table) -> String {
     format!("\"{}\": {value}", table.name)
 }
 
-fn markdown(table: &Table) -> String {
+fn markdown(table: &Shape) -> String {
     let mut out = format!(
         "\n## {}\n\n| field | type | unit | meaning |\n|---|---|---|---|\n",
         table.name
@@ -302,7 +266,7 @@ fn markdown(table: &Table) -> String {
             field.doc.trim()
         );
     }
-    let all = table.enumerations().filter(|e| e.field != "columns");
+    let all = Enumeration::all(table).filter(|e| e.field != "columns");
     out + &all.map(|e| e.markdown()).collect::<String>()
 }
 

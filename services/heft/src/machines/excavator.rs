@@ -19,6 +19,7 @@ use sensor::excavator::Simulator;
 use sim::cylinder::Gauges;
 use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
 use sim::named;
+use steps::described;
 
 use super::{Figure, Later, MachineKind, all_scenarios, bad_run, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
@@ -35,15 +36,15 @@ impl MachineKind for Excavator {
     const SHOWN: &'static str = "cycle";
     const SHOWN_SETTINGS: &'static [&'static str] = &[];
     const SIMULATED_MASS: (&'static str, f64) = ("machine.operating_mass", 5500.0);
+    const SIMULATED_CYLINDERS: fn() -> Vec<String> = sensor::excavator::drawing;
+    const EVALUATE: fn(&evaluate::Options) -> Result<evaluate::Report, evaluate::Error> =
+        evaluate::excavator::evaluate;
+    const FIGURES: fn() -> Result<Vec<Figure>, Failure> = figures::all;
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();
         let work = "dig, lift, swing, dump, return";
         all_scenarios(work, Scenario::ALL, cases.iter().map(|c| (c.0, c.1)))
-    }
-
-    fn simulated_cylinders() -> Vec<String> {
-        sensor::excavator::drawing()
     }
 
     fn simulator(
@@ -95,14 +96,6 @@ impl MachineKind for Excavator {
     fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
         calibrate::calibrate(args, described(description)?)
     }
-
-    fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
-        evaluate::excavator::evaluate(options)
-    }
-
-    fn figures() -> Result<Vec<Figure>, Failure> {
-        figures::all()
-    }
 }
 
 /// Sampling rate of the machines at work \[Hz\], and default duration of their runs \[s\].
@@ -142,12 +135,5 @@ impl Source for Simulated {
     fn next(&mut self) -> Option<(ExcavatorSensors, ExcavatorTruth)> {
         let next = self.rows.next()?;
         (next.0.stamp.time <= self.duration).then_some(next)
-    }
-}
-
-fn described(description: &Description) -> Result<&config::Excavator, Failure> {
-    match description {
-        Description::Excavator(d) => Ok(d),
-        other => Err(steps::Error::OtherMachine(other.machine()).into()),
     }
 }

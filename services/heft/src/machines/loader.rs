@@ -16,6 +16,7 @@ use runtime::Source;
 use sim::cylinder::Gauges;
 use sim::loader::{CASES, Run, Scenario, Tier};
 use sim::named;
+use steps::described;
 
 use super::{Figure, MachineKind, all_scenarios, bad_run, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
@@ -40,14 +41,14 @@ impl MachineKind for Loader {
 
     const SIMULATED_MASS: (&'static str, f64) =
         ("machine.mass", sim::loader::Machine::NOMINAL.mass);
+    const SIMULATED_CYLINDERS: fn() -> Vec<String> = sensor::loader::drawing;
+    const EVALUATE: fn(&evaluate::Options) -> Result<evaluate::Report, evaluate::Error> =
+        evaluate::loader::evaluate;
+    const FIGURES: fn() -> Result<Vec<Figure>, Failure> = figures::all;
 
     fn scenarios() -> Vec<(String, String)> {
         let work = "drive, load, reverse, dump, return";
         all_scenarios(work, Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
-    }
-
-    fn simulated_cylinders() -> Vec<String> {
-        sensor::loader::drawing()
     }
 
     fn simulator(
@@ -69,18 +70,7 @@ impl MachineKind for Loader {
     }
 
     fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
-        match description {
-            Description::Loader(d) => calibrate::calibrate(args, d),
-            other => Err(steps::Error::OtherMachine(other.machine()).into()),
-        }
-    }
-
-    fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
-        evaluate::loader::evaluate(options)
-    }
-
-    fn figures() -> Result<Vec<Figure>, Failure> {
-        figures::all()
+        calibrate::calibrate(args, described(description)?)
     }
 }
 

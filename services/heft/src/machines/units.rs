@@ -4,6 +4,8 @@ use core::f64::consts::{PI, TAU};
 
 use recording::LARGEST_PRESSURES as LARGEST;
 
+use crate::advice::write_unit;
+
 /// Units of an angular velocity, and their number per rad/s.
 pub(super) const TURNING: [(&str, f64); 4] = [
     ("rpm", 60.0 / TAU),
@@ -57,7 +59,8 @@ impl<const N: usize> Angles<N> {
         (!names.is_empty()).then(|| {
             format!(
                 "{names} {seem} to be in degrees: no joint turns further than once\n  \
-                 what to do: write `unit = \"deg\"` for {names} in a signal map"
+                 what to do: {}",
+                write_unit("deg", &names)
             )
         })
     }
@@ -141,7 +144,8 @@ impl Cylinder {
             };
             return Some(format!(
                 "{both} seem to be in {unit}: no pump works at so few Pa\n  \
-                 what to do: write `unit = \"{unit}\"` for both in a signal map{other}"
+                 what to do: {}{other}",
+                write_unit(unit, "both")
             ));
         }
         let too_large = |place: Option<usize>| place == Some(LARGEST.len());

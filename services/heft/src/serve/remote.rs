@@ -52,6 +52,19 @@ struct Output {
     failure: Option<String>,
 }
 
+/// Totals over all shards.
+#[derive(Default)]
+pub struct Served {
+    /// Number of samples that they answered.
+    pub answered: u64,
+    /// Of these, those that were refused.
+    pub refused: u64,
+    /// Number of processes that died and were replaced.
+    pub replaced: u32,
+    /// Their processor time; zero if the system does not report it.
+    pub processor: Duration,
+}
+
 /// A shard.
 pub struct RemoteShard<'a> {
     arguments: &'a [OsString],
@@ -147,24 +160,13 @@ impl<'a> RemoteShard<'a> {
         input.pump(0);
     }
 
-    /// Number of times the process was replaced.
-    pub fn restarts(&self) -> u32 {
-        lock(&self.output).restarts
-    }
-
-    /// Number of samples that it has answered.
-    pub fn answered(&self) -> u64 {
-        lock(&self.output).written
-    }
-
-    /// Number of the answered samples that were refused.
-    pub fn refused(&self) -> u64 {
-        lock(&self.output).refused
-    }
-
-    /// Processor time of its processes that have ended.
-    pub fn processor_time(&self) -> Duration {
-        lock(&self.output).processor
+    /// Adds its counts to the totals.
+    pub fn add_to(&self, totals: &mut Served) {
+        let output = lock(&self.output);
+        totals.answered += output.written;
+        totals.refused += output.refused;
+        totals.replaced += output.restarts;
+        totals.processor += output.processor;
     }
 
     /// The failure that ended the shard.

@@ -16,8 +16,8 @@ mod table;
 
 use std::path::Path;
 
-use messages::channels::{Channel, Visitor};
-use messages::{Envelope, Machine, Message, fnv32};
+use messages::channels::Channel;
+use messages::{Envelope, Machine, fnv32};
 
 use self::map::Parser;
 pub(crate) use self::table::{FrameTable, flags, quantities};
@@ -82,18 +82,9 @@ enum Content {
 }
 
 /// Position of a field in the messages of a channel.
-struct Position(&'static str);
-
-impl Visitor for Position {
-    type Output = Option<usize>;
-    fn visit<M: Message>(self) -> Option<usize> {
-        M::index(self.0)
-    }
-}
-
-fn position(channel: &Channel, field: &'static str) -> usize {
+fn position(channel: &Channel, field: &str) -> usize {
     // A missing field reads as "not available".
-    channel.payload.visit(Position(field)).unwrap_or(usize::MAX)
+    channel.payload.shape().index(field).unwrap_or(usize::MAX)
 }
 
 impl Outgoing {
@@ -227,7 +218,7 @@ mod tests {
     use super::table::{LOADS, LOADS_NUMBERS};
     use super::*;
     use messages::{
-        ExcavatorEstimate, ExcavatorLoads, LoaderEstimate, SIMULATED, excavator_bits as e,
+        ExcavatorEstimate, ExcavatorLoads, LoaderEstimate, Message, SIMULATED, excavator_bits as e,
         loader_bits as l, loads_bits as b,
     };
 

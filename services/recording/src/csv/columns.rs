@@ -4,17 +4,18 @@ use std::collections::VecDeque;
 
 use messages::fnv32;
 
+use super::absent::absent;
 use super::cells::Record;
 use super::dialect::{self, BLANK, Dialect};
 use super::front::{comment, is_rule};
 use super::marks::{self, Marks};
+use super::no_number::{NoNumber, ZEROS};
 use crate::Error;
 use crate::counter::Counter;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
 use crate::time::{self, Dates};
-use crate::unit;
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -108,123 +109,6 @@ enum Part {
 
 /// The character at the end of a text of DOS, Ctrl-Z.
 const END_OF_DOS: &[u8] = b"\x1a";
-
-/// Remedy for a file with zeros: a loss of power leaves blocks of them.
-pub(crate) const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
-
-/// A cell that contains text instead of a number.
-#[derive(Debug)]
-pub(crate) struct NoNumber {
-    pub text: String,
-    pub column: String,
-    /// Whether it is in the column of the time.
-    pub is_time: bool,
-    /// Whether the text is the name of a column: the header is repeated here.
-    pub is_header: bool,
-    /// Whether its line consists of words, other than those of the header.
-    pub is_of_words: bool,
-    /// Whether it is the last one of its line.
-    pub is_last: bool,
-}
-
-impl NoNumber {
-    /// The text in a cell of this column.
-    pub(super) fn of(cell: &[u8], column: &str, header: &[String], is_time: bool) -> Self {
-        let mut text: Vec<char> = dialect::text(cell).chars().collect();
-        // A block of zeros is shown as one.
-        text.dedup_by(|b, a| (*b, *a) == ('\0', '\0'));
-        let text: String = text.into_iter().collect();
-        let name = text.trim_start_matches('\u{feff}');
-        Self {
-            is_header: header.iter().any(|column| column == name),
-            is_of_words: false,
-            is_last: false,
-            text: text.chars().take(SHOWN).collect(),
-            column: column.to_owned(),
-            is_time,
-        }
-    }
-
-    /// The same at this place of a line: its other cells show whether another table begins there.
-    fn within(mut self, record: &Record, at: usize, header: &[String], dialect: Dialect) -> Self {
-        self.is_last = at + 1 == record.len();
-        let written = || record.iter().filter(|cell| !cell.is_empty());
-        let are_words = written().all(|cell| dialect.number(cell).is_none());
-        let are_same = record.iter().map(dialect::name).eq(header.iter().cloned());
-        self.is_of_words = are_words && !are_same && written().count() > 1;
-        self
-    }
-
-    /// As an error.
-    pub(crate) fn at(self, line: usize, file: &str) -> Error {
-        let is_ambiguous = self.is_time && time::is_ambiguous(&self.text);
-        let remedy = match () {
-            () if is_ambiguous => "write the year first, as in 2026-11-21 16:00:00.25",
-            () if self.is_header && self.is_of_words => {
-                "the header stands here once more, of other columns or in another order: make a file of each recording"
-            }
-            () if self.is_of_words => {
-                "its line has words alone: where another table begins there, make a file of each; else delete the line"
-            }
-            () if self.is_header => {
-                "the header stands here once more: make a file of each recording, or delete the line"
-            }
-            () if self.text.contains('\0') => ZEROS,
-            () if self.is_time && self.text.chars().all(char::is_alphabetic) => {
-                "delete the line if it is none of the recording (a sum, a second row of names); else write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
-            }
-            () if self.is_time && has_zone_name(&self.text) => {
-                "write the zone as a number, +01:00, or leave it out"
-            }
-            () if self.is_time && (!self.text.contains(',') || self.text.contains(':')) => {
-                "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
-            }
-            () if has_unit(&self.text) => {
-                "write the number alone; its unit stands once, in a row below the names, or in a signal map (unit = ...)"
-            }
-            () if self.text.contains(',') || is_in_groups(&self.text) => {
-                "write it with a decimal point and without marks between thousands"
-            }
-            () => {
-                "write a number, or leave the cell empty where the sample is missing; delete the line if it is no sample"
-            }
-        };
-        let what = match () {
-            () if is_ambiguous => "may begin with its day or with its month",
-            () if self.is_time && self.text.contains(':') => "is no time",
-            () => "is no number",
-        };
-        Error::new(
-            format!("\"{}\" {what}", self.text),
-            format!("{file}:{line}, column {}", self.column),
-            remedy,
-        )
-    }
-}
-
-/// Whether a unit follows the number, as in `12.5 kN`.
-fn has_unit(text: &str) -> bool {
-    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    number.replace(',', ".").parse::<f64>().is_ok() && unit::guess(&text[number.len()..]).is_some()
-}
-
-/// Whether blanks part the digits, as in `12 500.0`.
-fn is_in_groups(text: &str) -> bool {
-    let mut groups = text.trim_start_matches(['-', '+']).split(' ');
-    let is_number = |group: &str| {
-        group.starts_with(|c: char| c.is_ascii_digit()) && group.parse::<f64>().is_ok()
-    };
-    text.contains(' ') && groups.all(is_number)
-}
-
-/// Whether a time ends with the name of its zone, such as CET.
-fn has_zone_name(text: &str) -> bool {
-    let Some((time, zone)) = text.trim_end().rsplit_once(' ') else {
-        return false;
-    };
-    let is_name = zone.len() > 2 && zone.chars().all(|c| c.is_ascii_uppercase());
-    is_name && time.starts_with(|c: char| c.is_ascii_digit()) && time.contains(':')
-}
 
 impl<S: Sensors> Columns<S> {
     /// Finds the origin of each signal of the table or the map.
@@ -695,84 +579,4 @@ fn require<S: Sensors>(
         }
     }
     Ok(())
-}
-
-/// The kind of a table that cannot be read with this header, if recognized.
-pub(crate) fn misread(header: &[String], file: &str) -> Option<Error> {
-    let lower: Vec<String> = header.iter().map(|name| name.to_lowercase()).collect();
-    let is_in = |name: &String, names: &str| names.split(", ").any(|known| known == name);
-    let is_one_of = |names| lower.iter().any(|name| is_in(name, names));
-    let (what, remedy) = if is_one_of(FRAMES[0]) && is_one_of(FRAMES[1]) {
-        (
-            "this is a table of CAN frames",
-            "save it as a log of candump (SavvyCAN and python-can's can_logconvert do), and give that with its DBC file in a signal map",
-        )
-    } else if is_one_of(LONG[0]) && is_one_of(LONG[1]) {
-        (
-            "this table has a row for each value, and heft reads one with a column for each signal",
-            "turn it: in pandas table.pivot(index=TIME, columns=NAME, values=VALUE).to_csv(\"wide.csv\")",
-        )
-    } else if header.iter().any(|name| dialect::is_garbled(name)) {
-        (
-            "the names of the columns are in another encoding than UTF-8",
-            "convert it: iconv -f GB18030 -t UTF-8 FILE > NEW (Chinese), or -f CP932 (Japanese), -f CP949 (Korean), -f CP1251 (Russian)",
-        )
-    } else {
-        return None;
-    };
-    Some(Error::new(what, format!("{file}:1"), remedy))
-}
-
-/// Foreign names of the columns of a frame's identifier and its data.
-const FRAMES: [&str; 2] = [
-    "id, can id, canid, can_id, id (hex), identifier, arbitration_id, arb id",
-    "data, data (hex), dlc, len, length, d0, d1, db0, data0, b1, byte0",
-];
-
-/// Foreign names of the columns of a signal's name and its value, in tables with a signal per row.
-const LONG: [&str; 2] = [
-    "signal, signalname, signal_name, signal name, name, variable, varname, channel, sensor, parameter, tag, \
-     tagname, metric, _field, kanal, topic, series",
-    "value, _value, varvalue, val, wert, valeur, valor, reading",
-];
-
-/// Number of characters of a cell, and of names of a header, that are shown.
-const SHOWN: usize = 40;
-
-/// The names of a header.
-pub(crate) fn listed(header: &[String]) -> String {
-    let first = &header[..header.len().min(SHOWN)];
-    let names = first.iter().map(|name| name.chars().take(SHOWN).collect());
-    let more = match header.len() - first.len() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    names.collect::<Vec<String>>().join(", ") + &more
-}
-
-/// The error that none of these columns exists.
-pub(crate) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
-    if let Some(error) = misread(header, file) {
-        return error;
-    }
-    let named = header.iter().filter(|name| !name.is_empty());
-    let similar = config::nearest(names[0], named.map(String::as_str));
-    let remedy = match similar {
-        _ if header.len() < 2 => format!(
-            "separate the columns by , ; | or tabs (by blanks only where names and cells have none), and delete what stands above their names, or mark it by #; the first line is {}",
-            header.concat().chars().take(2 * SHOWN).collect::<String>()
-        ),
-        Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
-        None => format!(
-            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one{}); the file has {}",
-            match names {
-                ["t"] => ", and t = { column = \"row\", scale = 0.01 } there counts the rows of a table of 100 Hz".to_owned(),
-                [one] => format!(", and {one} = \"none\" there says that the machine has no such sensor"),
-                _ => String::new(),
-            },
-            listed(header)
-        ),
-    };
-    let what = format!("there is no column {} ({of})", names.join(" or "));
-    Error::new(what, format!("{file}:1"), remedy)
 }

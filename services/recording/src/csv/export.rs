@@ -2,8 +2,8 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use messages::channels::{self, Visitor};
-use messages::{Message, Value, Words};
+use messages::channels;
+use messages::{Value, Words, words};
 
 use super::estimate::put_number;
 use crate::output::{Output, first_line};
@@ -83,30 +83,19 @@ struct Meaning {
 
 impl Meaning {
     fn of(channel: &str, fields: &[RecordedField]) -> Self {
-        let known = channels::find(channel).map(|c| c.payload.visit(Known));
-        let (words, flags) = known.unwrap_or_default();
+        let known = channels::find(channel).map(|c| c.payload.shape());
         let codes = |f: &RecordedField| {
-            Words::of_field(words, &f.name).filter(|w| matches!(w, Words::Codes(_)))
+            let words = known.and_then(|shape| shape.words_of(&f.name));
+            words.filter(|w| matches!(w, Words::Codes(_)))
         };
         let at = fields.iter().position(|f| f.name == "flags");
+        let flags = known.filter(|_| at.is_some()).into_iter();
+        let flags = flags.flat_map(words::flags);
         Self {
             codes: fields.iter().map(codes).collect(),
             at,
-            flags: if at.is_some() { flags } else { Vec::new() },
+            flags: flags.map(|(name, entry)| (name, entry.number)).collect(),
         }
-    }
-}
-
-struct Known;
-
-impl Visitor for Known {
-    type Output = (
-        &'static [(&'static str, Words)],
-        Vec<(Cow<'static, str>, u32)>,
-    );
-    fn visit<M: Message>(self) -> Self::Output {
-        let flags = messages::words::flags::<M>().map(|(name, entry)| (name, entry.number));
-        (M::WORDS, flags.collect())
     }
 }
 

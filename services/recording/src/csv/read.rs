@@ -2,11 +2,13 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use super::absent::{absent, listed};
 use super::cells::{Records, TooLong};
-use super::columns::{CLOSE, Columns, NoNumber, ZEROS, absent, hidden_rows, listed};
+use super::columns::{CLOSE, Columns, hidden_rows};
 use super::dialect::Dialect;
 use super::front::Front;
 use super::header::{check_units, header};
+use super::no_number::{NoNumber, ZEROS};
 use crate::Error;
 use crate::kind;
 use crate::map::Map;

@@ -1,7 +1,6 @@
 //! Columns of a recording.
 
-use messages::channels::{self, Visitor};
-use messages::{Message, Value, Words};
+use messages::{Value, Words, channels, words};
 
 use super::Values;
 use crate::presence::Recorded;
@@ -37,9 +36,11 @@ pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Er
             });
         }
     })?;
+    let known = channels::find(channel).map(|c| c.payload.shape());
     let meaning = |name: &str| {
-        let known = channels::all().find(|c| c.name == channel);
-        known.map_or("", |c| c.payload.visit(Meaning(name)))
+        let fields = known.into_iter().flat_map(|shape| shape.fields);
+        let field = fields.into_iter().find(|f| f.name == name);
+        field.map_or("", |f| f.doc.trim())
     };
     let columns = fields.iter().cloned().zip(columns);
     Ok(columns
@@ -64,52 +65,35 @@ pub struct NamedWords {
 
 /// The codes of a recorded channel by their names, and its flags.
 pub fn verdict(channel: &str, columns: &[RecordedColumn]) -> Vec<NamedWords> {
-    let known = channels::all().find(|c| c.name == channel);
-    known.map_or_else(Vec::new, |c| c.payload.visit(Verdict(columns)))
-}
-
-struct Verdict<'a>(&'a [RecordedColumn]);
-
-impl Visitor for Verdict<'_> {
-    type Output = Vec<NamedWords>;
-    fn visit<M: Message>(self) -> Vec<NamedWords> {
-        let column = |name: &str| self.0.iter().find(|c| c.field.name == name);
-        let number = |value: &Value| value.as_f64() as u32;
-        let codes = M::WORDS.iter().filter_map(|(field, words)| {
-            let (column, Words::Codes(entries)) = (column(field)?, words) else {
-                return None;
-            };
-            // Codes are indices into the list; an unknown code is the index after the last.
-            let mut names: Vec<&'static str> = entries.iter().map(|e| e.name).collect();
-            names.push(messages::words::UNKNOWN);
-            let last = u32::try_from(entries.len()).unwrap_or_default();
-            let place = |v: &Value| u8::try_from(number(v).min(last)).unwrap_or(u8::MAX);
-            Some(NamedWords {
-                name: (*field).into(),
-                meaning: column.meaning,
-                values: Values::Words(column.values.iter().map(place).collect(), names),
-            })
-        });
-        let flags = column("flags").into_iter().flat_map(|column| {
-            messages::words::flags::<M>().map(|(name, entry)| {
-                let set = |v: &Value| number(v) & entry.number != 0;
-                NamedWords {
-                    name: name.into_owned(),
-                    meaning: entry.doc,
-                    values: Values::Flags(column.values.iter().map(set).collect()),
-                }
-            })
-        });
-        codes.chain(flags).collect()
-    }
-}
-
-/// The meaning of a field by its name.
-struct Meaning<'a>(&'a str);
-
-impl Visitor for Meaning<'_> {
-    type Output = &'static str;
-    fn visit<M: Message>(self) -> &'static str {
-        M::index(self.0).map_or("", |i| M::FIELDS[i].doc.trim())
-    }
+    let Some(known) = channels::find(channel).map(|c| c.payload.shape()) else {
+        return Vec::new();
+    };
+    let column = |name: &str| columns.iter().find(|c| c.field.name == name);
+    let number = |value: &Value| value.as_f64() as u32;
+    let codes = known.words.iter().filter_map(|(field, words)| {
+        let (column, Words::Codes(entries)) = (column(field)?, words) else {
+            return None;
+        };
+        // Codes are indices into the list; an unknown code is the index after the last.
+        let mut names: Vec<&'static str> = entries.iter().map(|e| e.name).collect();
+        names.push(words::UNKNOWN);
+        let last = u32::try_from(entries.len()).unwrap_or_default();
+        let place = |v: &Value| u8::try_from(number(v).min(last)).unwrap_or(u8::MAX);
+        Some(NamedWords {
+            name: (*field).into(),
+            meaning: column.meaning,
+            values: Values::Words(column.values.iter().map(place).collect(), names),
+        })
+    });
+    let flags = column("flags").into_iter().flat_map(|column| {
+        words::flags(known).map(|(name, entry)| {
+            let set = |v: &Value| number(v) & entry.number != 0;
+            NamedWords {
+                name: name.into_owned(),
+                meaning: entry.doc,
+                values: Values::Flags(column.values.iter().map(set).collect()),
+            }
+        })
+    });
+    codes.chain(flags).collect()
 }

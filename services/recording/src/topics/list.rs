@@ -1,12 +1,13 @@
 //! The topics and numbers of a foreign MCAP file, as the first lines of a map.
 
 use std::collections::{BTreeMap, HashSet};
+use std::convert::Infallible;
 use std::fmt::Write;
 use std::path::Path;
 
 use super::codec::Codec;
-use super::for_each_message;
 use super::node::{Node, TURNS};
+use crate::copy::for_each_message;
 use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::steers;
@@ -242,10 +243,10 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
             });
             codecs.insert(channel.id, codec.ok());
         }
-        for_each_message(reader, i, &mut |head, data| {
+        let Ok(()) = for_each_message(reader, i, |head, data| {
             let channel = part.scan.channels.get(&head.channel);
             let Some(topic) = channel.and_then(|c| topics.get_mut(&c.topic)) else {
-                return true;
+                return Ok(None);
             };
             topic.messages += 1;
             if let (Ok(numbers), Some(Some(codec))) =
@@ -254,7 +255,7 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
             {
                 let Some(node) = codec.decode(data) else {
                     topic.broken += 1;
-                    return true;
+                    return Ok(None);
                 };
                 node.numbers("", &mut |path, value| {
                     if topic.seen.insert(path.to_owned()) {
@@ -265,7 +266,7 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
                     topic.names = names(&node);
                 }
             }
-            true
+            Ok::<_, Infallible>(None)
         });
     }
     topics

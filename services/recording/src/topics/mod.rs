@@ -9,17 +9,14 @@ mod ros;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use mcap::records::op;
-
 use self::codec::Codec;
 use self::node::{Step, path};
 use crate::Error;
+use crate::copy::{UNREADABLE, for_each_message};
 use crate::map::{Entry, Map, Origin, TopicName, TopicTime, Topics, hint};
 use crate::mapped::{MappedRows, Source};
 use crate::reader::{Lacks, Part, Reader};
-use crate::record;
 use crate::sampling::Series;
-use crate::scan::{Damage, Unpacked};
 use crate::signal::{self, Row, Sensors};
 
 /// The rows of a foreign file.
@@ -154,20 +151,22 @@ fn values(
     let mut values = Vec::new();
     for (i, part) in reader.parts.iter().enumerate() {
         let codecs = codecs(part, map, wanted)?;
-        for_each_message(&reader, i, &mut |head, data| {
+        for_each_message(&reader, i, |head, data| {
             let Some(codec) = codecs.get(&head.channel) else {
-                return true;
+                return Ok(None);
             };
             let topic = &part.scan.channels[&head.channel].topic;
             let Some(node) = codec.decode(data) else {
-                return false;
+                return Ok(Some(UNREADABLE));
             };
             let time = match topics.time {
                 TopicTime::Log => Some(head.log_time as i64),
                 TopicTime::Publish => Some(head.publish_time as i64),
                 TopicTime::Header => node.stamp(),
             };
-            let Some(time) = time else { return true };
+            let Some(time) = time else {
+                return Ok(None);
+            };
             for (i, w) in wanted.iter_mut().enumerate() {
                 if w.name.topic == *topic
                     && let Some(value) = node.number(&w.path, w.name.name.as_deref())
@@ -176,8 +175,8 @@ fn values(
                     values.push((time, i, value));
                 }
             }
-            true
-        });
+            Ok::<_, Error>(None)
+        })?;
     }
     check_found(&reader, map, topics, wanted)?;
     Ok((values, reader.lacks()))
@@ -297,47 +296,4 @@ fn codecs(part: &Part, map: &Map, wanted: &[Wanted<'_>]) -> Result<BTreeMap<u16,
         }
     }
     Ok(codecs)
-}
-
-/// Calls `found` with each complete message of a part, in the order of the file; it returns whether it could read the
-/// message. Damaged and unreadable messages are noted by the reader.
-pub(crate) fn for_each_message(
-    reader: &Reader,
-    part: usize,
-    found: &mut dyn FnMut(&record::Message, &[u8]) -> bool,
-) {
-    let mut unpacked = Unpacked::default();
-    let Part { bytes, scan, .. } = &reader.parts[part];
-    for chunk in &scan.chunks {
-        let note = |what| {
-            let damage = chunk.damage();
-            reader.note(part, Damage { what, ..damage });
-        };
-        if unpacked.load(chunk, bytes).is_none() {
-            reader.note(part, chunk.damage());
-            continue;
-        }
-        while let Some((opcode, body)) = unpacked.next() {
-            if opcode != op::MESSAGE {
-                continue;
-            }
-            match record::message(body) {
-                Some((head, data)) if found(&head, data) => {}
-                Some(_) => note("a message that cannot be read in the block"),
-                None => note("a damaged message in the block"),
-            }
-        }
-        if !unpacked.is_at_end() {
-            note("a damaged message in the block");
-        }
-    }
-    for &(at, end) in &scan.loose {
-        let body = bytes.range(at, end);
-        let message = body.as_deref().and_then(record::message);
-        if !message.is_some_and(|(head, data)| found(&head, data)) {
-            let what = "a message that cannot be read";
-            let bytes = end - at;
-            reader.note(part, Damage { at, bytes, what });
-        }
-    }
 }

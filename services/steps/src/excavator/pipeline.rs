@@ -1,6 +1,5 @@
 //! The excavator's processes.
 
-use config::{Description, Excavator};
 use messages::channels::{
     EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_MOTION, EXCAVATOR_SENSORS,
     EXCAVATOR_TRUTH,
@@ -8,7 +7,7 @@ use messages::channels::{
 use messages::{Hop, Machine};
 
 use super::{EstimatorStep, FilterStep, RegressionStep};
-use crate::Error;
+use crate::described;
 use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 
 /// The excavator's processes, upstream first.
@@ -35,7 +34,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 output: &EXCAVATOR_MOTION,
                 hop: Hop::Filter,
                 methods: &[],
-                new: |d, _| FilterStep::new(excavator(d)?),
+                new: |d, _| FilterStep::new(described(d)?),
             }),
         },
         Stage {
@@ -47,7 +46,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 output: &EXCAVATOR_INERTIA_RLS,
                 hop: Hop::Estimate,
                 methods: &["svf-rls", "multi-forgetting-rls"],
-                new: |d, method| RegressionStep::new(excavator(d)?, method),
+                new: |d, method| RegressionStep::new(described(d)?, method),
             }),
         },
         Stage {
@@ -59,7 +58,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 output: &EXCAVATOR_INERTIA_UKF,
                 hop: Hop::Estimate,
                 methods: &["auto", "posture-torque", "torque", "posture", "velocity"],
-                new: |d, method| EstimatorStep::new(excavator(d)?, method),
+                new: |d, method| EstimatorStep::new(described(d)?, method),
             }),
         },
         LOGGER,
@@ -72,10 +71,3 @@ pub static PIPELINE: Pipeline = Pipeline {
         SENDER,
     ],
 };
-
-fn excavator(description: &Description) -> Result<&Excavator, Error> {
-    match description {
-        Description::Excavator(d) => Ok(d),
-        other => Err(Error::OtherMachine(other.machine())),
-    }
-}

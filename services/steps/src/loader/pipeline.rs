@@ -1,11 +1,10 @@
 //! The loader's processes.
 
-use config::{Description, Loader};
 use messages::channels::{LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS, LOADER_TRUTH};
 use messages::{Hop, Machine};
 
 use super::EstimatorStep;
-use crate::Error;
+use crate::described;
 use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 
 /// The loader's processes, upstream first.
@@ -32,7 +31,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 output: &LOADER_CG_EKF,
                 hop: Hop::Estimate,
                 methods: &["full-ekf", "ekf"],
-                new: |d, method| EstimatorStep::new(loader(d)?, method),
+                new: |d, method| EstimatorStep::new(described(d)?, method),
             }),
         },
         Stage {
@@ -44,7 +43,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 output: &LOADER_CG_UKF,
                 hop: Hop::Estimate,
                 methods: &["full", "isr-ukf", "isr-ukf-printed"],
-                new: |d, method| EstimatorStep::new(loader(d)?, method),
+                new: |d, method| EstimatorStep::new(described(d)?, method),
             }),
         },
         LOGGER,
@@ -57,10 +56,3 @@ pub static PIPELINE: Pipeline = Pipeline {
         SENDER,
     ],
 };
-
-fn loader(description: &Description) -> Result<&Loader, Error> {
-    match description {
-        Description::Loader(d) => Ok(d),
-        other => Err(Error::OtherMachine(other.machine())),
-    }
-}

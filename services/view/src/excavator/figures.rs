@@ -1,11 +1,11 @@
 //! Figures of the excavator paper.
 
 use crate::figures::{Curve, figure, panel, points};
+use crate::panels::error::histogram;
+use crate::plot::{Plot, Style};
 
 /// The paper.
 const PAPER: &str = "after Oh, Yi, Seo, Kim, Lee 2017";
-use crate::panels::error::histogram;
-use crate::plot::{Plot, Style};
 
 /// Fig. 3: inertia by attachment and material in two working postures, normalised by the largest. Each condition is its name and
 /// the inertia in posture 1 and 2 (any unit).
@@ -52,40 +52,16 @@ pub fn working_angles(
     let degrees = |values: &[f64]| values.iter().map(|v| v.to_degrees()).collect::<Vec<_>>();
     let joints = joints.map(degrees);
     let [boom, arm, bucket] = &joints;
-    let joints = [
-        Curve {
-            label: "boom",
-            values: boom,
-        },
-        Curve {
-            label: "arm",
-            values: arm,
-        },
-        Curve {
-            label: "bucket",
-            values: bucket,
-        },
-    ];
+    let joints: [Curve<'_>; 3] = [("boom", boom), ("arm", arm), ("bucket", bucket)];
     let swing = degrees(swing_angle);
     let panels = [
         panel("Working angles [°]", t, None, &joints),
-        panel(
-            "Swing angle [°]",
-            t,
-            None,
-            &[Curve {
-                label: "swing angle",
-                values: &swing,
-            }],
-        ),
+        panel("Swing angle [°]", t, None, &[("swing angle", &swing)]),
         panel(
             "Swing velocity [rad/s]",
             t,
             None,
-            &[Curve {
-                label: "swing velocity",
-                values: swing_velocity,
-            }],
+            &[("swing velocity", swing_velocity)],
         ),
     ];
     figure("8", PAPER, "working scenario", &panels)
@@ -117,31 +93,12 @@ pub struct Results<'a> {
 
 /// Figs. 11, 14, 17: estimation results; `number` is the figure's, `case` its material.
 pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
-    let estimate = |values| {
-        [Curve {
-            label: "estimate",
-            values,
-        }]
-    };
+    let against =
+        |title, truth, estimate| panel(title, r.t, Some(truth), &[("estimate", estimate)]);
     let panels = [
-        panel(
-            "Swing inertia [kg m²]",
-            r.t,
-            Some(r.true_inertia),
-            &estimate(r.inertia),
-        ),
-        panel(
-            "Damping [N m s/rad]",
-            r.t,
-            Some(r.true_damping),
-            &estimate(r.damping),
-        ),
-        panel(
-            "Torque [N m]",
-            r.t,
-            Some(r.true_torque),
-            &estimate(r.torque),
-        ),
+        against("Swing inertia [kg m²]", r.true_inertia, r.inertia),
+        against("Damping [N m s/rad]", r.true_damping, r.damping),
+        against("Torque [N m]", r.true_torque, r.torque),
     ];
     figure(
         number,

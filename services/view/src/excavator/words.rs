@@ -5,17 +5,12 @@ use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
 use crate::judgement::Judgement;
 use crate::number::{self, significant};
-use crate::words::{NO_SAMPLE, remedy};
+use crate::words::remedy;
 
 /// Verdict on the swing inertia.
 pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
     if e.estimated & bits::INERTIA == 0 {
-        return Judgement {
-            value: "There is no swing inertia yet".into(),
-            trusted: false,
-            reasons: vec!["no sample has been accepted so far".into()],
-            advice: NO_SAMPLE,
-        };
+        return Judgement::without_estimate("There is no swing inertia yet");
     }
     let trusted = e.flags & bits::TRUSTED != 0;
     Judgement {

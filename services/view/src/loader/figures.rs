@@ -1,10 +1,10 @@
 //! Figures of the wheel loader paper.
 
 use crate::figures::{Curve, figure, panel};
+use crate::plot::Plot;
 
 /// The paper.
 const PAPER: &str = "after Yang, Wang, Han 2021";
-use crate::plot::Plot;
 
 /// Data of the figures over time, SI units.
 #[derive(Debug, Clone, Copy)]
@@ -38,10 +38,7 @@ impl Series<'_> {
             "Speed [m/s]",
             self.t,
             self.reference_speed,
-            &[Curve {
-                label,
-                values: self.speed,
-            }],
+            &[(label, self.speed)],
         )
     }
 
@@ -77,10 +74,7 @@ pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
 
 /// Figs. 7 and 8: torque, speed, position and height in the two experiments, here simulated.
 pub fn experiment(number: &str, condition: &str, series: &Series<'_>) -> String {
-    let torque = [Curve {
-        label: "front axle torque",
-        values: series.front_torque,
-    }];
+    let torque = [("front axle torque", series.front_torque)];
     let torque = panel("Front axle torque [N m]", series.t, None, &torque);
     let [distance, height] = series.centre_of_gravity();
     figure(

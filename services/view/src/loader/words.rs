@@ -6,12 +6,12 @@ use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
 use crate::judgement::Judgement;
 use crate::number::{self, significant};
-use crate::words::{NO_SAMPLE, remedy};
+use crate::words::remedy;
 
 /// Verdict on the position of the centre of gravity along the machine.
 pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     if e.estimated & bits::STATE == 0 {
-        return none("There is no position of the centre of gravity yet");
+        return Judgement::without_estimate("There is no position of the centre of gravity yet");
     }
     let share = number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%");
     // d = (1 - ratio) l: its standard deviation is that of the ratio times the wheelbase.
@@ -60,7 +60,7 @@ fn payload(e: &LoaderEstimate) -> String {
 /// Verdict on the height of the centre of gravity.
 pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
     if e.estimated & bits::STATE == 0 {
-        return none("There is no height of the centre of gravity yet");
+        return Judgement::without_estimate("There is no height of the centre of gravity yet");
     }
     let value = format!(
         "The centre of gravity lies {} above the ground (95\u{a0}%: {}{}m)",
@@ -73,15 +73,6 @@ pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
         significant(HALF_WIDTH_95 * e.cg_height_std, 2)
     );
     judgement(e, value, &Part::HEIGHT, &width)
-}
-
-fn none(value: &str) -> Judgement {
-    Judgement {
-        value: value.into(),
-        trusted: false,
-        reasons: vec!["no sample has been accepted so far".into()],
-        advice: NO_SAMPLE,
-    }
 }
 
 /// Bits and words of one of the two quantities.

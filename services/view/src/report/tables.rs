@@ -6,7 +6,6 @@ use messages::{Health, Machine, State, fault};
 use steps::stages::Pipeline;
 
 use super::html::{row, table, text};
-use super::last_health;
 use crate::estimate::{Estimate, Parameter};
 use crate::number::{grouped, nanoseconds};
 use crate::panels::latency::Hop;
@@ -90,10 +89,9 @@ fn is_timed(run: &Run) -> bool {
 fn step_time(run: &Run, machine: Machine, channel: &str) -> String {
     let channel = messages::channels::find(channel);
     let writer = channel.and_then(|channel| Pipeline::of(machine).writer(channel));
-    let health = last_health(run);
     let of_writer =
-        |h: &&&Health| writer.is_some_and(|writer| run.process_name(h.process) == writer.name);
-    health.iter().find(of_writer).map_or("–".into(), |h| {
+        |h: &&Health| writer.is_some_and(|writer| run.process_name(h.process) == writer.name);
+    run.health.iter().find(of_writer).map_or("–".into(), |h| {
         format!(
             "{} / {}",
             nanoseconds(h.step_p50_ns as f64),
@@ -160,13 +158,10 @@ pub(super) fn latency<E: Estimate>(
 
 /// The last health reports of the processes.
 pub(super) fn processes(body: &mut String, run: &Run) {
-    let mut rows = String::new();
-    for health in last_health(run) {
-        rows.push_str(&process_row(run, health));
-    }
-    if rows.is_empty() {
+    if run.health.is_empty() {
         return;
     }
+    let rows: String = run.health.iter().map(|h| process_row(run, h)).collect();
     let head = [
         "process",
         "state",

@@ -9,7 +9,7 @@ use sim::loader::{Effects, Row, Run, Scenario, Simulation, Size, Tier};
 
 use crate::Error;
 use crate::loader::candidate::Candidate;
-use crate::loader::honesty::scaled;
+use crate::loader::honesty::scale;
 
 /// Duration of five loading cycles [s].
 pub(super) const DURATION: f64 = 130.0;
@@ -93,7 +93,8 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
 /// The settings of a machine's estimator.
 fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
     let candidate = Candidate::DATA_SHEET;
-    let mut settings = scaled(candidate.settings(simulation.nominal(), first), run.size);
+    let mut settings = candidate.settings(simulation.nominal(), first);
+    scale(&mut settings, run.size);
     if knowledge == Knowledge::Nothing {
         return settings;
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use messages::words::SIMULATED_ENTRY;
-use messages::{Entry, Words};
+use messages::{Entry, Shape, Words};
 
 /// The bits or codes of one field of a message.
 pub(super) struct Enumeration {
@@ -16,11 +16,9 @@ pub(super) struct Enumeration {
 
 impl Enumeration {
     /// Those of a message.
-    pub(super) fn all(
-        message: &'static str,
-        words: &'static [(&'static str, Words)],
-    ) -> impl Iterator<Item = Self> {
-        words.iter().map(move |(field, words)| {
+    pub(super) fn all(table: &Shape) -> impl Iterator<Item = Self> + use<> {
+        let message = table.name;
+        table.words.iter().map(move |(field, words)| {
             let (is_bits, entries) = match words {
                 Words::Bits(entries) => (true, entries),
                 Words::Codes(entries) => (false, entries),

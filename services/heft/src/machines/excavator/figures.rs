@@ -94,22 +94,12 @@ fn working_angles() -> String {
 
 fn analytic_inertia() -> String {
     let t = cycle_times();
-    let series: Vec<(&str, Vec<f64>)> = CASES
-        .iter()
-        .map(|&(payload, name)| {
-            let plant = Scenario::Base.plant(Some(payload));
-            (
-                name,
-                t.iter()
-                    .map(|&t| plant.inertia(t).total(plant.payload(t)))
-                    .collect(),
-            )
-        })
-        .collect();
-    let curves: Vec<Curve> = series
-        .iter()
-        .map(|(label, values)| Curve { label, values })
-        .collect();
+    let series = CASES.map(|(payload, name)| {
+        let plant = Scenario::Base.plant(Some(payload));
+        let inertia = |&t: &f64| plant.inertia(t).total(plant.payload(t));
+        (name, t.iter().map(inertia).collect::<Vec<f64>>())
+    });
+    let curves: [Curve<'_>; 3] = series.each_ref().map(|(name, of)| (*name, of.as_slice()));
     excavator::analytic_inertia(&t, &curves)
 }
 

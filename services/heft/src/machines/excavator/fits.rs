@@ -11,6 +11,7 @@ use super::signless::Signless;
 use super::speed::Speed;
 use super::turned::Turned;
 use super::unmoved::Unmoved;
+use crate::advice::{write_sign, write_unit};
 use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder};
@@ -111,21 +112,20 @@ impl Look for Fits {
 
 /// What the user can do about a mismatch.
 fn remedy(mismatch: Mismatch, mass: f64) -> String {
-    let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {
-        Mismatch::Degrees => map("swing_velocity", "`unit = \"deg/s\"`"),
-        Mismatch::Revolutions => map("swing_velocity", "`unit = \"rpm\"`"),
-        Mismatch::SlopeDegrees => map("pitch and roll", "`unit = \"deg\"`"),
-        Mismatch::AngleDegrees => map("boom_angle, arm_angle and bucket_angle", "`unit = \"deg\"`"),
+        Mismatch::Degrees => write_unit("deg/s", "swing_velocity"),
+        Mismatch::Revolutions => write_unit("rpm", "swing_velocity"),
+        Mismatch::SlopeDegrees => write_unit("deg", "pitch and roll"),
+        Mismatch::AngleDegrees => write_unit("deg", "boom_angle, arm_angle and bucket_angle"),
         Mismatch::Kilonewtons(ratio) => {
-            let unit = map("swing_torque", "`unit = \"kNm\"`");
+            let unit = write_unit("kNm", "swing_torque");
             match tonnes(mass, ratio) {
                 Some(tonnes) => format!("{unit}; or the machine is wrong: one of about {tonnes:.0} t would fit as well (--class {tonnes:.0}t)"),
                 None => unit,
             }
         }
-        Mismatch::Meganewtons => map("swing_torque", "`unit = \"MNm\"`"),
-        Mismatch::Sign => map("swing_torque", "`sign = -1`"),
+        Mismatch::Meganewtons => write_unit("MNm", "swing_torque"),
+        Mismatch::Sign => write_sign("swing_torque"),
         Mismatch::Beyond { .. } => "in the signal map: `sign = -1`, or `offset`; the angles are drawn in docs/signs-excavator.svg".into(),
         Mismatch::Exchanged => "exchange the two in the signal map".into(),
         Mismatch::Absolute { arm, .. } => {

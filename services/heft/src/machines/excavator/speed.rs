@@ -2,6 +2,7 @@
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
+use crate::advice::write_unit;
 use crate::machines::units::TURNING;
 
 /// Candidate units of a swing velocity, and their number per rad/s.
@@ -120,8 +121,9 @@ impl Speed {
         let (unit, factor) = UNITS[unit];
         Some(format!(
             "swing_velocity seems to be in {unit}: no excavator swings at {mean:.0} rad/s, and {:.2} would be usual\n  \
-             what to do: write `unit = \"{unit}\"` for swing_velocity in a signal map{}",
+             what to do: {}{}",
             mean / factor,
+            write_unit(unit, "swing_velocity"),
             others.concat()
         ))
     }

@@ -22,6 +22,7 @@ use super::grade::Grade;
 use super::pair::{Pair, about};
 use super::regression::Regression;
 use super::speed::Speed;
+use crate::advice::{write_sign, write_unit};
 use crate::machines::units::TURNING;
 
 /// Duration of a block, and longest time between two of its rows \[s\].
@@ -234,7 +235,8 @@ impl Axles {
         let (axle, unit) = TURNING.iter().find_map(of)?;
         Some(format!(
             "{axle}_wheel_speed seems to be in {unit}: front over rear wheel speed is {ratio:.3}\n  \
-             what to do: write `unit = \"{unit}\"` for {axle}_wheel_speed in a signal map"
+             what to do: {}",
+            write_unit(unit, &format!("{axle}_wheel_speed"))
         ))
     }
 
@@ -249,7 +251,8 @@ impl Axles {
         if let Some((names, have)) = sign {
             return Some(format!(
                 "{names} {have} the other sign: a torque that drives the machine forwards is positive\n  \
-                 what to do: write `sign = -1` for {names} in a signal map"
+                 what to do: {}",
+                write_sign(names)
             ));
         }
         let ratio = self.torques.ratio();
@@ -264,7 +267,8 @@ impl Axles {
         };
         Some(format!(
             "{names} {seem} to be in kN m: N m that small would not move the machine\n  \
-             what to do: write `unit = \"kNm\"` for {names} in a signal map"
+             what to do: {}",
+            write_unit("kNm", names)
         ))
     }
 
@@ -276,7 +280,8 @@ impl Axles {
         is_so.then(|| {
             format!(
                 "front_torque and rear_torque seem to be in lbf ft: they accelerate {ratio:.2} times the described mass, less than the empty machine\n  \
-                 what to do: write `unit = \"lbf ft\"` for both in a signal map; or state machine.mass and machine.wheel_radius, whose product is too large"
+                 what to do: {}; or state machine.mass and machine.wheel_radius, whose product is too large",
+                write_unit("lbf ft", "both")
             )
         })
     }
@@ -291,26 +296,25 @@ impl Axles {
 
     fn accelerometer(&self) -> Option<String> {
         let (together, size) = (self.acceleration.correlation(), self.acceleration.ratio());
-        let line = match () {
-            () if together < -TOGETHER => {
+        if together < -TOGETHER {
+            return Some(format!(
                 "acceleration has the other sign: it is positive while the machine becomes faster forwards\n  \
-                 what to do: write `sign = -1` for acceleration in a signal map"
-            }
-            () if together > TOGETHER && about(size * GRAVITY, ABOUT) => {
-                "acceleration seems to be in g: the speed changes ten times as fast\n  \
-                 what to do: write `unit = \"g\"` for acceleration in a signal map"
-            }
-            () if together > TOGETHER && about(size * GRAVITY / 1e3, ABOUT) => {
-                "acceleration seems to be in mg: the speed changes a hundredth as fast\n  \
-                 what to do: write `unit = \"mg\"` for acceleration in a signal map"
-            }
-            () if together > TOGETHER && about(size / FEET, ABOUT) => {
-                "acceleration seems to be in ft/s^2: the speed changes a third as fast\n  \
-                 what to do: write `unit = \"ft/s^2\"` for acceleration in a signal map"
-            }
-            () => return None,
-        };
-        Some(line.into())
+                 what to do: {}",
+                write_sign("acceleration")
+            ));
+        }
+        let units = [
+            ("g", size * GRAVITY, "ten times"),
+            ("mg", size * GRAVITY / 1e3, "a hundredth"),
+            ("ft/s^2", size / FEET, "a third"),
+        ];
+        let (unit, _, changes) = units
+            .into_iter()
+            .find(|(_, ratio, _)| together > TOGETHER && about(*ratio, ABOUT))?;
+        Some(format!(
+            "acceleration seems to be in {unit}: the speed changes {changes} as fast\n  what to do: {}",
+            write_unit(unit, "acceleration")
+        ))
     }
 }
 

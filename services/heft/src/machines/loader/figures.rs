@@ -68,14 +68,10 @@ fn figure(
     let estimates = [("ISR-UKF", &ukf), ("EKF", &ekf)];
     let distances = estimates.map(|(label, of)| (label, column(|e| e.cg_distance, of)));
     let heights = estimates.map(|(label, of)| (label, column(|e| e.cg_height, of)));
-    let distance: Vec<Curve> = distances
-        .iter()
-        .map(|(label, values)| Curve { label, values })
-        .collect();
-    let height: Vec<Curve> = heights
-        .iter()
-        .map(|(label, values)| Curve { label, values })
-        .collect();
+    let distance: [Curve<'_>; 2] = distances
+        .each_ref()
+        .map(|(name, of)| (*name, of.as_slice()));
+    let height: [Curve<'_>; 2] = heights.each_ref().map(|(name, of)| (*name, of.as_slice()));
     let series = loader::Series {
         t: &t,
         front_torque: &torque,

@@ -6,6 +6,7 @@ use recording::STEEPEST;
 
 use super::axles::Axles;
 use super::turning::Turning;
+use crate::advice::{write_sign, write_unit};
 use crate::commands::estimate::look::Look;
 use crate::machines::still::Still;
 use crate::machines::units::{Angles, Cylinder, TURNING};
@@ -76,10 +77,8 @@ impl Fits {
     fn too_massive(&self) -> String {
         let mean = self.mass_sum / f64::from(self.massive);
         let [shown, described] = [mean, self.mass].map(|kg| kg / 1000.0);
-        let (size, unit) = (
-            format!("say how large yours is (--class {shown:.1}t, or machine.mass)"),
-            "write `unit = \"lb\"` for mass in a signal map",
-        );
+        let size = format!("say how large yours is (--class {shown:.1}t, or machine.mass)");
+        let unit = write_unit("lb", "mass");
         // The size of the reference machine is not stated by the user.
         if self.mass == config::Loader::REFERENCE_MASS {
             return format!(
@@ -93,7 +92,12 @@ impl Fits {
         )
     }
 
-    /// The fault of the slope's unit and its remedy.
+    /// The fault of the slope's unit and its remedy, in the words of accelerometer and torques if they show it.
+    fn slope_fault(&self) -> Option<String> {
+        let unit = self.slope_unit()?;
+        Some(self.axles.slope().unwrap_or_else(|| unit.into()))
+    }
+
     fn slope_unit(&self) -> Option<&'static str> {
         let is_too_steep = self
             .steep
@@ -108,6 +112,46 @@ impl Fits {
                  what to do: in a signal map write `unit = \"deg\"` for slope, or `unit = \"%\", scale = 1.0` for a grade",
             ),
             [false, false] => None,
+        }
+    }
+
+    /// A mass in another unit, or of another machine.
+    fn mass_fault(&self) -> Option<String> {
+        if 2 * self.tonnes > self.massive {
+            return Some(format!(
+                "mass seems to be in t: the machine has about a thousand times as many kg\n  what to do: {}",
+                write_unit("t", "mass")
+            ));
+        }
+        (2 * self.pounds > self.massive).then(|| self.too_massive())
+    }
+
+    /// Lift and tilt angle that are exchanged, or of which one has another sign or zero.
+    fn angle_fault(&self) -> Option<&'static str> {
+        if self.is_exchanged() {
+            return Some(
+                "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
+                 what to do: exchange the two in the signal map",
+            );
+        }
+        self.carriage.is_odd().then_some(
+            "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
+             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg",
+        )
+    }
+
+    /// Wheels, torques and mass that cannot be of the described machine.
+    fn machine_fault(&self) -> Option<String> {
+        // One axle that contradicts the other makes the sum of both that of another machine.
+        let axles = self.axles.fault(self.moment);
+        // A bucket that pushes into a pile hides from the speed what the accelerometer shows.
+        let at_motor = || self.axles.at_motor(self.moment).map(Mismatch::Mass);
+        match self.plausible.mismatch().or_else(at_motor) {
+            Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
+                let remedy = remedy(mismatch, self.mass);
+                Some(format!("{mismatch}\n  what to do: {remedy}"))
+            }
+            _ => axles,
         }
     }
 }
@@ -195,44 +239,13 @@ impl Look for Fits {
         let columns = self.angles.fault().or_else(|| self.cylinder.fault());
         let columns = columns.or_else(|| self.torques.fault());
         let columns = columns.or_else(|| self.speed.fault().or_else(|| self.wheels.fault()));
-        if columns.is_some() {
-            return columns;
-        }
-        let unit = self.slope_unit();
-        if let (Some(_), Some(said)) = (unit, self.axles.slope()) {
-            return Some(said);
-        }
-        let said = if let Some(said) = unit {
-            said
-        } else if 2 * self.tonnes > self.massive {
-            "mass seems to be in t: the machine has about a thousand times as many kg\n  \
-             what to do: write `unit = \"t\"` for mass in a signal map"
-        } else if 2 * self.pounds > self.massive {
-            return Some(self.too_massive());
-        } else if let Some(said) = self.turning.fault() {
-            said
-        } else if let Some(said) = self.axles.speed() {
-            said
-        } else if self.is_exchanged() {
-            "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
-             what to do: exchange the two in the signal map"
-        } else if self.carriage.is_odd() {
-            "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
-             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg"
-        } else {
-            // One axle that contradicts the other makes the sum of both that of another machine.
-            let axles = self.axles.fault(self.moment);
-            // A bucket that pushes into a pile hides from the speed what the accelerometer shows.
-            let at_motor = || self.axles.at_motor(self.moment).map(Mismatch::Mass);
-            return match self.plausible.mismatch().or_else(at_motor) {
-                Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
-                    let remedy = remedy(mismatch, self.mass);
-                    Some(format!("{mismatch}\n  what to do: {remedy}"))
-                }
-                _ => axles,
-            };
-        };
-        Some(said.into())
+        let columns = columns.or_else(|| self.slope_fault());
+        let columns = columns.or_else(|| self.mass_fault());
+        let pairs = || self.turning.fault().or_else(|| self.axles.speed());
+        let pairs = || pairs().or_else(|| self.angle_fault());
+        columns
+            .or_else(|| pairs().map(str::to_owned))
+            .or_else(|| self.machine_fault())
     }
 }
 
@@ -245,43 +258,37 @@ fn is_of_wheels(mismatch: Mismatch) -> bool {
 }
 
 /// Unit of the wheel speeds by the ratio of machine speed to wheel speed; none for other ratios.
-fn unit_of(ratio: f64) -> Option<(&'static str, &'static str)> {
-    const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
+fn unit_of(ratio: f64) -> Option<&'static str> {
     let [_, degrees, turns, thousandths] = TURNING;
-    [
-        (WHEELS, (turns.0, 1.0 / turns.1)),
-        (WHEELS, (degrees.0, 1.0 / degrees.1)),
-        (WHEELS, (thousandths.0, 1.0 / thousandths.1)),
-    ]
-    .into_iter()
-    .find(|(_, (_, unit))| (0.8..1.25).contains(&(ratio / unit)))
-    .map(|(column, (unit, _))| (column, unit))
+    let is_about = |unit: f64| (0.8..1.25).contains(&(ratio / (1.0 / unit)));
+    let mut units = [turns, degrees, thousandths].into_iter();
+    units
+        .find(|(_, unit)| is_about(*unit))
+        .map(|(name, _)| name)
 }
+
+const WHEELS: &str = "front_wheel_speed and rear_wheel_speed";
 
 /// What the user can do about a mismatch.
 fn remedy(mismatch: Mismatch, mass: f64) -> String {
-    let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {
-        Mismatch::SpeedSign => map("speed", "`sign = -1`"),
-        Mismatch::WheelSign(axle) => map(&format!("{axle}_wheel_speed"), "`sign = -1`"),
+        Mismatch::SpeedSign => write_sign("speed"),
+        Mismatch::WheelSign(axle) => write_sign(&format!("{axle}_wheel_speed")),
         Mismatch::Speed("ft/s") => format!(
             "{}, or \"km/h\" if the wheels are a tenth smaller than machine.wheel_radius",
-            map("speed", "`unit = \"ft/s\"`")
+            write_unit("ft/s", "speed")
         ),
-        Mismatch::Speed(unit) => map("speed", &format!("`unit = \"{unit}\"`")),
-        Mismatch::Revolutions => map("front_wheel_speed and rear_wheel_speed", "`unit = \"rpm\"`"),
+        Mismatch::Speed(name) => write_unit(name, "speed"),
+        Mismatch::Revolutions => write_unit("rpm", WHEELS),
         Mismatch::Tread => {
             "divide them by the wheel radius: in the signal map `scale`, which is 1 / radius; or state machine.wheel_radius, if it is 1 m".into()
         }
-        Mismatch::Radius(ratio) => {
-            if let Some((column, unit)) = unit_of(ratio) {
-                return map(column, &format!("`unit = \"{unit}\"`"));
-            }
-            "check the units of speed and wheel speeds, gear ratios, and machine.wheel_radius"
-                .into()
-        }
-        Mismatch::Kilonewtons => map("front_torque and rear_torque", "`unit = \"kNm\"`"),
-        Mismatch::TorqueSign => map("front_torque and rear_torque", "`sign = -1`"),
+        Mismatch::Radius(ratio) => match unit_of(ratio) {
+            Some(name) => write_unit(name, WHEELS),
+            None => "check the units of speed and wheel speeds, gear ratios, and machine.wheel_radius".into(),
+        },
+        Mismatch::Kilonewtons => write_unit("kNm", "front_torque and rear_torque"),
+        Mismatch::TorqueSign => write_sign("front_torque and rear_torque"),
         Mismatch::Mass(ratio) => {
             let tonnes = mass * ratio.abs() / 1000.0;
             let motor = match ratio.abs() < AT_MOTOR {

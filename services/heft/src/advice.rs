@@ -1,10 +1,24 @@
-//! Advice on a signal map that already contains the advised line.
+//! Advice to write a line into a signal map, and what it becomes where the map already contains the line.
 
 use recording::Map;
 
+/// The advice to state the unit of these signals, "a, b and c" or one of them.
+pub fn write_unit(unit: &str, signals: &str) -> String {
+    write(&format!("unit = \"{unit}\""), signals)
+}
+
+/// The advice to change the sign of these signals.
+pub fn write_sign(signals: &str) -> String {
+    write("sign = -1", signals)
+}
+
+fn write(line: &str, signals: &str) -> String {
+    format!("write `{line}` for {signals} in a signal map")
+}
+
 /// The remedy of a fault, where the map already contains the advised line.
 pub fn advised(fault: String, map: Option<&Map>) -> String {
-    let Some((map, (said, names))) = map.zip(advice(&fault)) else {
+    let Some((map, (said, names))) = map.zip(advised_line(&fault)) else {
         return fault;
     };
     let has = |name: &str| map.said(name).iter().any(|line| line == said);
@@ -24,8 +38,8 @@ pub fn advised(fault: String, map: Option<&Map>) -> String {
     fault
 }
 
-/// The line that a fault advises, and the signals for which.
-fn advice(fault: &str) -> Option<(&str, Vec<&str>)> {
+/// The line that a fault advises to [`write`], and the signals for which.
+fn advised_line(fault: &str) -> Option<(&str, Vec<&str>)> {
     let (_, advice) = fault.split_once("write `")?;
     let (said, after) = advice.split_once("` for ")?;
     let (names, _) = after.split_once(" in a signal map")?;
@@ -42,17 +56,20 @@ mod tests {
         advised(fault.into(), Some(&map))
     }
 
-    const SIGN: &str = "x\n  what to do: write `sign = -1` for swing_torque in a signal map";
+    fn fault(advice: &str) -> String {
+        format!("x\n  what to do: {advice}")
+    }
 
     #[test]
     fn a_sign_that_the_map_has_is_removed_and_not_written_again() {
-        assert_eq!(said("swing_torque = \"m\"", SIGN), SIGN);
-        let there = said("swing_torque = { column = \"m\", sign = -1 }", SIGN);
+        let sign = &fault(&write_sign("swing_torque"));
+        assert_eq!(&said("swing_torque = \"m\"", sign), sign);
+        let there = said("swing_torque = { column = \"m\", sign = -1 }", sign);
         assert!(
             there.contains("remove `sign = -1` for swing_torque"),
             "{there}"
         );
-        let other = said("swing_velocity = { column = \"v\", sign = -1 }", SIGN);
+        let other = said("swing_velocity = { column = \"v\", sign = -1 }", sign);
         assert!(
             other.ends_with("; or remove it for swing_velocity"),
             "{other}"
@@ -61,9 +78,9 @@ mod tests {
 
     #[test]
     fn a_unit_that_the_map_has_is_another_one() {
-        let fault = "x\n  what to do: write `unit = \"rpm\"` for front_wheel_speed and rear_wheel_speed in a signal map";
+        let fault = &fault(&write_unit("rpm", "front_wheel_speed and rear_wheel_speed"));
         let one = "front_wheel_speed = { column = \"f\", unit = \"rpm\" }";
-        assert_eq!(said(one, fault), fault);
+        assert_eq!(&said(one, fault), fault);
         let both = format!("{one}\nrear_wheel_speed = {{ column = \"r\", unit = \"rpm\" }}");
         let there = said(&both, fault);
         assert!(there.contains("which is not `unit = \"rpm\"`"), "{there}");
