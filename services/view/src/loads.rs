@@ -583,7 +583,7 @@ mod tests {
         assert_eq!(
             said,
             "From 1:30.2 to the end (150 s, 63 % of the recording) no load was weighed, because a joint angle has jumped further than \
-             a joint moves: loads may be missing in the sum. What to do: check the angle sensor; restart heft after a repair."
+             a joint moves: loads may be missing in the sum. What to do: check the angle sensor; after its repair begin another run or recording."
         );
         assert_eq!(account.in_doubt(), Some(&outage));
         let value = json(&account);
