@@ -361,7 +361,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
         "carried": ledger.carried().as_ref().map(load),
         "truck": truck_json(&ledger.truck()),
         "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
-        "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
+        "loads": counter.newest().take(LATEST).map(|it| load(&it)).collect::<Vec<_>>(),
         "guessed": counter.guessed(),
         "outages": outages(counter),
     })
@@ -605,6 +605,45 @@ mod tests {
             assert!(said.contains(words), "{said}");
         }
         assert_eq!(account.in_doubt(), None);
+    }
+
+    #[test]
+    fn the_loads_of_the_live_page_are_those_that_its_truck_adds_up() {
+        use messages::{ExcavatorEstimate, Message, Stamp, excavator_bits as bits};
+        let machine = "[machine]\nkind = \"excavator\"\noperating_mass = 21500\n";
+        let counter = LoadCounter::of_text(machine, steps::loads::Options::default());
+        let mut counter = counter.expect("a description");
+        let mut weighed = Vec::new();
+        for i in 0..1500u32 {
+            // The emptied bucket shows less and less, and more and more precisely.
+            let after = f64::from(i.saturating_sub(600)) / 900.0;
+            let estimate = ExcavatorEstimate {
+                stamp: Stamp {
+                    time: f64::from(i) * 0.01,
+                    ..Stamp::default()
+                },
+                payload: match i {
+                    200..600 => 900.0,
+                    _ => 80.0 - 60.0 * after,
+                },
+                payload_std: 20.0 - 10.0 * after,
+                estimated: bits::PAYLOAD,
+                flags: bits::TRUSTED,
+                ..ExcavatorEstimate::default()
+            };
+            counter.see(&estimate.envelope());
+            let json = live_json(&counter);
+            let loads = json["loads"].as_array().expect("a list");
+            let dumped = loads.iter().filter(|load| load["stage"] != "carried");
+            let sum: f64 = dumped
+                .filter_map(|load| load["delivered"]["kg"].as_f64())
+                .sum();
+            let truck = json["truck"]["total"]["kg"].as_f64();
+            assert!((truck.expect("a sum") - sum).abs() < 1e-6, "{json}");
+            weighed.push(sum);
+        }
+        weighed.dedup();
+        assert!(weighed.len() > 2, "the carry-back became better known");
     }
 
     #[test]
