@@ -5,6 +5,7 @@ mod columns;
 mod dialect;
 mod estimate;
 mod export;
+mod exported;
 mod front;
 mod header;
 mod marks;

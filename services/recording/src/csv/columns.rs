@@ -109,6 +109,9 @@ enum Part {
 /// The character at the end of a text of DOS, Ctrl-Z.
 const END_OF_DOS: &[u8] = b"\x1a";
 
+/// The last line of an export of TwinCAT Scope.
+const END_OF_EXPORT: &[u8] = b"EOF";
+
 /// Remedy for a file with zeros: a loss of power leaves blocks of them.
 pub(crate) const ZEROS: &str = "it holds bytes of zero, as after a loss of power: write it without them (tr -d '\\000' < FILE > NEW), and delete torn rows";
 
@@ -368,9 +371,9 @@ impl<S: Sensors> Columns<S> {
         let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
         is_first_empty && record.iter().all(<[u8]>::is_empty)
             || record.len() == 1
-                && record
-                    .get(0)
-                    .is_some_and(|cell| is_rule(cell) || cell == END_OF_DOS)
+                && record.get(0).is_some_and(|cell| {
+                    is_rule(cell) || [END_OF_DOS, END_OF_EXPORT].contains(&cell)
+                })
             || self.is_comment(record)
     }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::cells::{Records, TooLong};
 use super::columns::{CLOSE, Columns, NoNumber, ZEROS, absent, hidden_rows, listed};
 use super::dialect::Dialect;
+use super::exported;
 use super::front::Front;
 use super::header::{check_units, header};
 use crate::Error;
@@ -80,6 +81,8 @@ struct Table {
     above: Vec<String>,
     /// Whether each row has a name without a column in the header.
     has_row_names: bool,
+    /// Names of the columns, where the header is none that a table has.
+    names: Option<Vec<String>>,
 }
 
 /// The lines below the header.
@@ -111,7 +114,9 @@ impl Table {
         if let Some((_, remedy)) = kind::of_tar(&head) {
             return Err(Error::new("this is a packed tar archive", file, remedy));
         }
-        let Some(front) = Front::of(&head) else {
+        let exported = exported::front(&head).transpose();
+        let exported = exported.map_err(|(what, remedy)| Error::new(what, &file, remedy))?;
+        let Some(front) = exported.or_else(|| Front::of(&head)) else {
             let what = if head.trim_ascii().is_empty() {
                 "the file is empty"
             } else {
@@ -129,6 +134,7 @@ impl Table {
             below: front.below,
             above: front.above,
             has_row_names: front.has_row_names,
+            names: front.names,
             is_packed: content.is_packed,
             is_plain: content.is_plain,
         })
@@ -170,7 +176,10 @@ impl Table {
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
-        let mut header = header(records.record(), &self.above, self.dialect, place)?;
+        let mut header = match &self.names {
+            Some(names) => names.clone(),
+            None => header(records.record(), &self.above, self.dialect, place)?,
+        };
         if self.has_row_names {
             header.insert(0, String::new());
         }
