@@ -6,6 +6,7 @@ mod languages;
 mod log;
 pub(crate) mod names;
 pub(crate) mod ports;
+mod sides;
 mod sizes;
 pub(crate) mod suggestion;
 pub(crate) mod table;

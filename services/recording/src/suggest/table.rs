@@ -5,8 +5,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::absolute::is_absolute;
-use super::names::{fitting, is_pressure, may_be, quoted, wanted};
+use super::names::{fitting, heads_of_rods, is_pressure, may_be, quoted, wanted};
 use super::ports::ports;
+use super::sides::sides;
 use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{lacking, opening, shown, sizes, unit_of};
 use crate::Error;
@@ -48,6 +49,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     text.push_str("\n[columns]\n");
     text += &draft.out;
     text += &draft.ports::<S>();
+    text += &draft.sides::<S>();
     let mut offered = draft.taken.clone();
     text += &lacking::<S>(&draft.found, &missing, |signal| {
         draft.by_unit::<S>(signal, &mut offered)
@@ -106,7 +108,7 @@ struct Draft<'a> {
 impl<'a> Draft<'a> {
     fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
         // Sheets and web pages contain no-break spaces.
-        let plain = |label: String| label.replace(char::is_whitespace, " ");
+        let plain = |label: String| in_words(&label).replace(char::is_whitespace, " ");
         let labels: Vec<String> = labels.into_iter().map(plain).collect();
         let named = labels
             .iter()
@@ -186,7 +188,7 @@ impl<'a> Draft<'a> {
             return;
         }
         let large = self.largest_pressure;
-        let (guess, other) = unit(&signal, si, &named, &self.look.columns[at], large);
+        let (mut guess, other) = unit(&signal, si, &named, &self.look.columns[at], large);
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
         let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
@@ -202,6 +204,10 @@ impl<'a> Draft<'a> {
             self.taken.push(below);
             self.found.push(signal);
             return;
+        }
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        if heads_of_rods(&names)[at] {
+            guess.reason += "; its head is that of the rod, as the other side is the bottom";
         }
         let column = Column {
             at,
@@ -229,7 +235,9 @@ impl<'a> Draft<'a> {
             .collect();
         let found = free.into_iter().find_map(|at| {
             let name = &self.names[at];
-            let unit = unit::of_name(name, si).filter(|_| may_be(signal, name))?;
+            // Degrees alone are no rate here: no name says that it is one.
+            let is_candidate = may_be(signal, name) && unit::is_of(name, si);
+            let unit = unit::of_name(name, si).filter(|_| is_candidate)?;
             offered.push(at);
             let column = quoted(&self.look.header[at]);
             Some(format!("{{ column = {column}, unit = \"{}\" }}", unit.name))
@@ -240,13 +248,29 @@ impl<'a> Draft<'a> {
     /// Two pressures of the swing motor, if no column is its torque.
     fn ports<S: Sensors>(&self) -> String {
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-        ports::<S>((&names, &self.taken, &self.found), |at, sign| {
-            let told = unit::of_name(names[at], "Pa");
-            let unit = told.or(sizes::pressure(self.largest_pressure).0);
-            let unit = unit.map_or("Pa", |unit| unit.name);
-            let column = quoted(&self.look.header[at]);
-            format!("{{ column = {column}, unit = \"{unit}\"{sign} }}")
-        })
+        let term = |at: usize, sign: &str| self.pressure(at, sign);
+        ports::<S>((&names, &self.taken, &self.found), term)
+    }
+
+    /// Pressures of cylinders whose side or link is to be decided.
+    fn sides<S: Sensors>(&self) -> String {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let mean = |at: usize| {
+            let known = self.look.columns[at].iter().filter(|x| x.is_finite());
+            let (sum, count) = known.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+            sum / f64::max(count, 1.0)
+        };
+        let column = |at: usize| self.pressure(at, "");
+        sides::<S>((&names, &self.taken, &self.found), mean, column)
+    }
+
+    /// The column of a pressure with its unit, and more in its braces.
+    fn pressure(&self, at: usize, more: &str) -> String {
+        let told = unit::of_name(&self.names[at], "Pa");
+        let unit = told.or(sizes::pressure(self.largest_pressure).0);
+        let unit = unit.map_or("Pa", |unit| unit.name);
+        let column = quoted(&self.look.header[at]);
+        format!("{{ column = {column}, unit = \"{unit}\"{more} }}")
     }
 
     /// The line of a link whose angle is from the horizontal: minus that of the link before.
@@ -265,6 +289,22 @@ impl<'a> Draft<'a> {
             before.term(", sign = -1")
         ))
     }
+}
+
+/// A name that pandas wrote as a tuple of words, `('swing', 'velocity')`, as these words.
+fn in_words(label: &str) -> String {
+    let tuple = label.strip_prefix('(').and_then(|l| l.strip_suffix(')'));
+    let words = tuple.and_then(|tuple| {
+        let words = tuple.trim_end_matches(',').split(", ").map(|word| {
+            let word = word.strip_prefix(['\'', '"'])?;
+            word.strip_suffix(['\'', '"'])
+        });
+        words.collect::<Option<Vec<&str>>>()
+    });
+    words.map_or_else(
+        || label.to_owned(),
+        |words| words.join(" ").trim().to_owned(),
+    )
 }
 
 /// The name of a column with the unit from a row below the names.
