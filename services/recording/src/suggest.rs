@@ -340,6 +340,32 @@ mod tests {
     }
 
     #[test]
+    fn small_angles_without_a_unit_have_that_of_the_large_ones() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let map = |boom: f64, head: &str| {
+            let row = |t: i32| format!("{t},0.1,{boom},0.5,0.01\n");
+            let rows: String = (0..200).map(row).collect();
+            std::fs::write(&file, format!("t,swing rate,boom,pitch,{head}\n{rows}"))
+                .expect("writable");
+            suggest(&file, &[], Some(Machine::Excavator))
+                .expect("a table")
+                .text
+        };
+        let text = map(35.0, "roll");
+        for line in [
+            "pitch = { column = \"pitch\", unit = \"deg\" }",
+            "roll = { column = \"roll\", unit = \"deg\" }",
+        ] {
+            assert!(text.contains(line), "{line}: {text}");
+        }
+        let text = map(0.6, "roll");
+        assert!(text.contains("\npitch = \"pitch\""), "{text}");
+        let text = map(35.0, "roll [rad]");
+        assert!(text.contains("\nroll = \"roll [rad]\""), "{text}");
+    }
+
+    #[test]
     fn a_link_that_is_missing_and_a_column_of_another_unit_are_reported() {
         let dir = tempfile::tempdir().expect("a folder");
         let of = |header: &str| {

@@ -33,7 +33,7 @@ const WORDS: &str = "
 t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum, =cas
 t: =ticks, =x_value, =ms, =msec, =millis, =sec, =seconds, =s
 swing_velocity: swing + vel, swing + rate, swing + speed, swing + omega, gyro + z
-swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + [rad/s
+swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + |qd, swing + |dq, swing + |dot, swing + [rad/s
 swing_angle: swing + angle, swing + pos, swing + deg
 swing_torque: swing + torque, swing + effort, swing + ^tau, =torque, swing + [N m
 boom_angle: boom + angle, boom + deg, boom + pos, boom
@@ -175,24 +175,37 @@ fn with_pressure(name: &str) -> String {
 /// Words for the cap side of a cylinder that call the other side its head, as in Japan and Korea.
 const BOTTOMS: [&str; 4] = ["bottom", "btm", "ボトム", "보텀"];
 
-/// For each name, whether it is a pressure at the head of a cylinder and means the side of the rod: other names call the other side
-/// the bottom, and none has a rod.
+/// Words of the links whose cylinders have sides.
+const LINKS: [&str; 8] = [
+    "boom", "arm", "stick", "dipper", "lift", "hoist", "tilt", "bucket",
+];
+
+/// For each name, whether it is a pressure at the head of a cylinder and means the side of the rod: of the same link, another name
+/// calls the other side the bottom, and none has a rod.
 pub(super) fn heads_of_rods(names: &[&str]) -> Vec<bool> {
-    let words = |name: &&str| {
+    let side = |name: &&str| {
         let translated = with_pressure(name);
-        let words = unit::words(&translated).into_iter().map(str::to_owned);
-        let words: Vec<String> = words.collect();
-        words
+        let words = unit::words(&translated);
+        let is_bottom = BOTTOMS
+            .iter()
+            .any(|word| name.to_lowercase().contains(word));
+        let side = match () {
+            () if !translated.contains(PRESSURE) => None,
+            () if is_bottom => Some("bottom"),
+            () => SIDES.into_iter().find(|side| words.contains(side)),
+        };
+        let link = LINKS.into_iter().find(|link| words.contains(link));
+        side.map(|side| (link, side))
     };
-    let is_bottom = |name: &&str| {
-        let name = name.to_lowercase();
-        BOTTOMS.iter().any(|word| name.contains(word)) && is_pressure(&name)
+    let sides: Vec<_> = names.iter().map(side).collect();
+    let is_of_rod = |(link, side): (Option<&str>, &str)| {
+        let has = |other: &str| sides.contains(&Some((link, other)));
+        side == "head" && has("bottom") && !has("rod")
     };
-    let has =
-        |name: &&str, side: &str| is_pressure(name) && words(name).iter().any(|word| word == side);
-    let is_used = names.iter().any(is_bottom) && !names.iter().any(|name| has(name, "rod"));
-    let is_head = |name: &&str| is_used && has(name, "head") && !is_bottom(name);
-    names.iter().map(is_head).collect()
+    sides
+        .iter()
+        .map(|side| side.is_some_and(is_of_rod))
+        .collect()
 }
 
 /// Whether the name of a column means a pressure.
@@ -257,6 +270,7 @@ mod tests {
             ("swing_velocity", "swing_rpm"),
             ("swing_velocity", "Slew [°/s]"),
             ("swing_velocity", "swing_deg_s"),
+            ("swing_velocity", "qd_swing"),
             ("swing_angle", "swing_deg"),
             ("swing_torque", "swing_kNm"),
             ("swing_torque", "Torque:kNm"),
@@ -355,6 +369,9 @@ mod tests {
                 assert_eq!(at("boom_rod_pressure"), Some(of_rod), "{names:?}");
             }
         }
+        let names = ["boom_head", "boom_bottom", "stick_rod"];
+        assert_eq!(fitting("boom_rod_pressure", &names, &[]), Some(0));
+        assert_eq!(fitting("arm_rod_pressure", &names, &[]), Some(2));
         let names = ["Boom bottom [bar]", "Boom rod [bar]", "Arm head [bar]"];
         assert_eq!(fitting("arm_head_pressure", &names, &[]), Some(2));
         assert_eq!(fitting("boom_head_pressure", &[head], &[]), Some(0));

@@ -96,6 +96,8 @@ struct Draft<'a> {
     names: Vec<String>,
     /// The largest pressure of the columns without a unit: a logger writes all in the same unit.
     largest_pressure: f64,
+    /// Whether an angle without a unit is beyond a turn in rad: a logger writes all in the same unit.
+    in_degrees: bool,
     out: String,
     found: Vec<String>,
     taken: Vec<usize>,
@@ -118,6 +120,7 @@ impl<'a> Draft<'a> {
         let mut draft = Self {
             look,
             largest_pressure: largest_pressure(look, &names),
+            in_degrees: are_in_degrees::<S>(look, &names),
             labels,
             names,
             out: String::new(),
@@ -189,6 +192,12 @@ impl<'a> Draft<'a> {
         }
         let large = self.largest_pressure;
         let (mut guess, other) = unit(&signal, si, &named, &self.look.columns[at], large);
+        if guess.unit.is_none() && other.is_none() && self.in_degrees && !unit::is_of(&named, si) {
+            let angle = unit::find("deg").filter(|_| si == "rad");
+            if angle.is_some() {
+                guess = (angle, "deg, as another angle without a unit?".to_owned()).into();
+            }
+        }
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
         let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
@@ -322,6 +331,21 @@ fn largest_pressure(look: &Look, names: &[String]) -> f64 {
     let columns = columns.filter(|(name, _)| of_none(name));
     let sizes = columns.map(|(_, values)| sizes::largest(values.iter()));
     sizes.fold(0.0, f64::max)
+}
+
+/// Whether an angle of a link without a unit is beyond a turn in rad.
+fn are_in_degrees<S: Sensors>(look: &Look, names: &[String]) -> bool {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let links = wanted::<S>().into_iter().filter(|signal| {
+        let is_link = LINKS.contains(&signal.as_str());
+        is_link || ["lift_angle", "tilt_angle", "pitch", "slope", "roll"].contains(&signal.as_str())
+    });
+    let mut columns = links.filter_map(|signal| fitting(&signal, &names, &[]));
+    columns.any(|at| {
+        let values = &look.columns[at];
+        let has_none = !unit::is_of(names[at], "rad") && unit::foreign(names[at], "rad").is_none();
+        has_none && beyond(values, core::f64::consts::TAU) * 50 > values.len()
+    })
 }
 
 /// The columns of seconds and of their nanoseconds, as in the headers of ROS, if they are the time.
