@@ -19,6 +19,10 @@ const ARROWS: &[(&str, &str)] = &[
     ("services/recording", "config messages sheet"),
     ("services/sensor", "messages recording runtime sim"),
     ("services/steps", "config estimation messages runtime sheet"),
+    (
+        "services/checks",
+        "config estimation messages recording steps",
+    ),
     ("services/statistics", "estimation"),
     ("services/logger", "messages recording runtime"),
     (
@@ -47,7 +51,7 @@ const ARROWS: &[(&str, &str)] = &[
     // The root package: the command line, above everything.
     (
         "",
-        "calibrate config diagnostics estimation evaluate limits logger messages recording runtime \
+        "calibrate checks config diagnostics estimation evaluate limits logger messages recording runtime \
          sensor sheet sim statistics steps view",
     ),
 ];

@@ -1,26 +1,64 @@
 //! Warnings beside the estimates: data that seem to be in other units, or of another machine.
 
+use checks::Look;
 use config::Description;
-use estimation::excavator::{self, Geometry};
-use estimation::loader;
-use messages::{Envelope, ExcavatorSensors, LoaderSensors, Message};
+use messages::{Envelope, Message};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Sensors, Together};
+use recording::{Gaps, Map, Sensors, Together};
 
 /// Checks the rows as they pass.
 pub struct Hints {
-    plausible: Plausible,
-    large: Large,
-    is_measured: bool,
+    looks: Box<dyn Looks>,
     times: Vec<f64>,
     gaps: Gaps,
     rate: f64,
 }
 
-/// Compares data and machine.
-enum Plausible {
-    Excavator(Together<ExcavatorSensors>, Box<excavator::Plausible>),
-    Loader(Together<LoaderSensors>, Box<loader::Plausible>),
+/// Checks of the samples of any machine.
+trait Looks {
+    fn add(&mut self, sample: &Envelope);
+    fn words(&self) -> Vec<String>;
+}
+
+/// Checks of the samples of a machine, those of `heft estimate`.
+struct Looked<L: Look> {
+    look: L,
+    together: Together<L::Sensors>,
+    large: Large,
+    is_measured: bool,
+    map: Option<Map>,
+}
+
+impl<L: Look + 'static> Looked<L> {
+    fn boxed(described: &L::Described, map: Option<&Map>) -> Box<dyn Looks> {
+        Box::new(Self {
+            look: L::of(described),
+            together: Together::default(),
+            large: Large::of::<L::Sensors>(|signal| L::largest(described, signal)),
+            is_measured: false,
+            map: map.cloned(),
+        })
+    }
+}
+
+impl<L: Look> Looks for Looked<L> {
+    fn add(&mut self, sample: &Envelope) {
+        if let Some(sample) = L::Sensors::inside(sample) {
+            self.large.add(sample);
+            self.is_measured |= sample.bits_of("valid") != 0;
+            self.look.add(self.together.with(sample));
+        }
+    }
+
+    fn words(&self) -> Vec<String> {
+        let fault = self.look.fault();
+        let fault = fault.map(|fault| checks::advised(fault, self.map.as_ref()));
+        let nothing = (!self.is_measured).then(|| {
+            "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
+        });
+        let hints = fault.into_iter().chain(nothing);
+        hints.chain(self.large.words()).collect()
+    }
 }
 
 /// Numbers that are larger than any measurement: they count as missing.
@@ -57,29 +95,12 @@ impl Large {
 const TIMES: usize = 1000;
 
 impl Hints {
-    pub fn new(description: &Description) -> Self {
-        let plausible = match description {
-            Description::Excavator(d) => {
-                let plausible = excavator::Plausible::new(Geometry::of(d));
-                Plausible::Excavator(Together::default(), Box::new(plausible))
-            }
-            Description::Loader(d) => {
-                let plausible = loader::Plausible::new(d.machine.mass, d.machine.wheel_radius);
-                Plausible::Loader(Together::default(), Box::new(plausible))
-            }
-        };
-        let large = match description {
-            Description::Excavator(d) => {
-                Large::of::<ExcavatorSensors>(|signal| excavator::largest(signal, d))
-            }
-            Description::Loader(d) => {
-                Large::of::<LoaderSensors>(|signal| loader::largest(signal, d))
-            }
-        };
+    pub fn new(description: &Description, map: Option<&Map>) -> Self {
         Self {
-            plausible,
-            large,
-            is_measured: false,
+            looks: match description {
+                Description::Excavator(d) => Looked::<checks::excavator::Fits>::boxed(d, map),
+                Description::Loader(d) => Looked::<checks::loader::Fits>::boxed(d, map),
+            },
             times: Vec::new(),
             gaps: Gaps::default(),
             rate: description.rate(),
@@ -92,30 +113,11 @@ impl Hints {
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
-        match &mut self.plausible {
-            Plausible::Excavator(together, plausible) => {
-                if let Some(sample) = ExcavatorSensors::inside(sample) {
-                    self.large.add(sample);
-                    self.is_measured |= sample.valid != 0;
-                    plausible.push(&steps::excavator::sample(together.with(sample)));
-                }
-            }
-            Plausible::Loader(together, plausible) => {
-                if let Some(sample) = LoaderSensors::inside(sample) {
-                    self.large.add(sample);
-                    self.is_measured |= sample.valid != 0;
-                    plausible.push(&steps::loader::sample(together.with(sample)));
-                }
-            }
-        }
+        self.looks.add(sample);
     }
 
     /// The warnings as text, the same as of `heft estimate`.
     pub fn words(&self) -> Vec<String> {
-        let mismatch = match &self.plausible {
-            Plausible::Excavator(_, plausible) => plausible.mismatch().map(|m| m.to_string()),
-            Plausible::Loader(_, plausible) => plausible.mismatch().map(|m| m.to_string()),
-        };
         let rate = self.rate;
         let unit = recording::time_unit(&self.times, rate).map(|(step, unit)| {
             format!(
@@ -125,15 +127,12 @@ impl Hints {
         let slow = recording::too_slow(&self.times, rate);
         let fast = recording::too_fast(&self.times, rate);
         let gaps = self.gaps.fault().or_else(|| self.gaps.words());
-        let nothing = (!self.is_measured).then(|| {
-            "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
-        });
         let hints = unit
             .into_iter()
             .chain(slow)
             .chain(fast)
             .chain(gaps)
-            .chain(mismatch);
-        hints.chain(nothing).chain(self.large.words()).collect()
+            .chain(self.looks.words());
+        hints.collect()
     }
 }

@@ -92,14 +92,14 @@ fn check<S: Message>(description: &Description, method: &str, first: &S) -> PyRe
 /// Passes the rows through the stages one by one, as `heft estimate` does.
 fn run<S: Message, T, E: Estimate>(
     description: &Description,
-    asked: Option<&str>,
+    (asked, map): (Option<&str>, Option<&Map>),
     rows: impl Iterator<Item = (S, T)>,
     room: usize,
 ) -> PyResult<Estimates> {
     let method = method(description.machine(), asked);
     let mut chain = chain(description, method).map_err(refused)?;
     let mut table = Table::<E>::with_capacity(room);
-    let mut hints = Hints::new(description);
+    let mut hints = Hints::new(description, map);
     let mut count = 0;
     for (sample, _) in rows {
         if count == 0 {
@@ -159,7 +159,10 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         length: usize,
     ) -> PyResult<Estimates> {
         let rows = frame::rows::<S>(columns).map_err(refused)?;
-        let mut found = run::<_, _, E>(description, method, rows, length)?;
+        let mut found = run::<_, _, E>(description, (method, None), rows, length)?;
+        for hint in found.hints.iter_mut().filter(|h| h.contains("signal map")) {
+            hint.push_str("\n  here: a frame has no signal map; convert its column so");
+        }
         found.hints.extend(silent::<S>(columns, length));
         Ok(found)
     }
@@ -172,7 +175,7 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         map: Option<&Map>,
     ) -> PyResult<Estimates> {
         let samples = recording::open::<S>(path, map).map_err(refused)?;
-        let found = run::<_, _, E>(description, method, samples.rows().map_err(refused)?, 0)?;
+        let found = run::<_, _, E>(description, (method, map), samples.rows().map_err(refused)?, 0)?;
         samples.check().map_err(refused)?;
         let lacks = samples.lacks();
         let hints = found.hints.into_iter().chain(lacks.empty.clone());

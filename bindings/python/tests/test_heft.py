@@ -114,7 +114,7 @@ def test_data_in_other_units_are_spoken_of():
     with pytest.warns(heft.HeftWarning, match="is the time in ms"):
         heft.estimate(data.assign(t=1000 * data["t"]), "excavator")
     data = pandas.read_csv(GOLDEN / "excavator_input_constant.csv")
-    with pytest.warns(heft.HeftWarning, match="in degrees per second"):
+    with pytest.warns(heft.HeftWarning, match="swing_velocity seems to be in deg/s"):
         heft.estimate(data.assign(swing_velocity=np.degrees(data["swing_velocity"])), "excavator")
     data = pandas.read_csv(GOLDEN / "loader_input_S4_tierB.csv")
     with warnings.catch_warnings():
@@ -122,6 +122,21 @@ def test_data_in_other_units_are_spoken_of():
         heft.estimate(data, "loader")
     with pytest.warns(heft.HeftWarning, match="in km/h"):
         heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
+
+
+def test_signs_are_checked_as_the_command_checks_them():
+    t = np.arange(12_000) / 100
+    velocity, acceleration = 0.8 * np.sin(t), 0.8 * np.cos(t)
+    data = {"t": t, "swing_velocity": velocity, "swing_torque": 7000 * acceleration + 600 * velocity}
+    data |= {name: np.full(len(t), x) for name, x in [("boom_angle", 0.8), ("arm_angle", -1.4), ("bucket_angle", -0.6)]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.estimate(data, "excavator")
+    turned = {**data, "swing_velocity": np.where(t < 50, velocity, -velocity)}
+    with pytest.warns(heft.HeftWarning, match="changes its sign at about t = 60 s(.|\n)*a frame has no signal map"):
+        heft.estimate(turned, "excavator")
+    with pytest.warns(heft.HeftWarning, match="boom_angle"):
+        heft.estimate({**data, "boom_angle": -data["boom_angle"]}, "excavator")
 
 
 def test_an_inclinometer_of_a_curled_bucket_may_pass_half_a_turn():

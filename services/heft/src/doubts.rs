@@ -4,13 +4,12 @@
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
+use checks::{Look, advised};
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
 use recording::{Gaps, Lacks, Map, Sensors, Together};
 
-use crate::advice::advised;
-use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};
 use crate::parts;

@@ -2,12 +2,11 @@
 
 mod excavator;
 mod loader;
-mod still;
-mod units;
 
 use std::ffi::OsString;
 use std::path::Path;
 
+use checks::Look;
 use config::Description;
 use messages::{Envelope, Machine, Message};
 use recording::Sensors;
@@ -19,7 +18,6 @@ use view::estimate::Estimate;
 use crate::args::EstimationArgs;
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::estimate::args::EstimateArgs;
-use crate::commands::estimate::look::Look;
 use crate::commands::estimate::one;
 use crate::doubts::{AnyDoubts, Doubts, Seen};
 use crate::failure::Failure;

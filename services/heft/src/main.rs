@@ -3,7 +3,6 @@
 #[macro_use]
 mod out;
 
-mod advice;
 mod args;
 mod attached;
 mod bounds;

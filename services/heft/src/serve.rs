@@ -18,6 +18,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::sync::Arc;
 use std::time::Instant;
 
+use checks::Look;
 use config::Description;
 use messages::Message as _;
 use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine};
@@ -29,7 +30,6 @@ pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
 pub use self::suspects::{Findings, Suspects};
 pub use self::until_signal::UntilSignal;
-use crate::commands::estimate::look::Look;
 use crate::doubts::most_rows_were_taken;
 use crate::failure::Failure;
 use crate::fault::counted;

@@ -6,6 +6,7 @@ mod columns;
 mod dialect;
 mod estimate;
 mod export;
+mod exported;
 mod front;
 mod header;
 mod marks;

@@ -7,6 +7,7 @@ mod languages;
 mod log;
 pub(crate) mod names;
 pub(crate) mod ports;
+mod sides;
 mod sizes;
 pub(crate) mod suggestion;
 pub(crate) mod table;
@@ -337,6 +338,32 @@ mod tests {
         let told = map("s,rad/s,Nm,rad,psi,psi,psi\n", 210.0);
         let line = "boom_head_pressure = { column = \"boom head\", unit = \"psi\" }";
         assert!(told.contains(line), "{told}");
+    }
+
+    #[test]
+    fn small_angles_without_a_unit_have_that_of_the_large_ones() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let map = |boom: f64, head: &str| {
+            let row = |t: i32| format!("{t},0.1,{boom},0.5,0.01\n");
+            let rows: String = (0..200).map(row).collect();
+            std::fs::write(&file, format!("t,swing rate,boom,pitch,{head}\n{rows}"))
+                .expect("writable");
+            suggest(&file, &[], Some(Machine::Excavator))
+                .expect("a table")
+                .text
+        };
+        let text = map(35.0, "roll");
+        for line in [
+            "pitch = { column = \"pitch\", unit = \"deg\" }",
+            "roll = { column = \"roll\", unit = \"deg\" }",
+        ] {
+            assert!(text.contains(line), "{line}: {text}");
+        }
+        let text = map(0.6, "roll");
+        assert!(text.contains("\npitch = \"pitch\""), "{text}");
+        let text = map(35.0, "roll [rad]");
+        assert!(text.contains("\nroll = \"roll [rad]\""), "{text}");
     }
 
     #[test]

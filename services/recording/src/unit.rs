@@ -343,7 +343,10 @@ pub(crate) const BRACKETS: [(char, char); 7] = [
 pub(crate) fn bracketed(name: &str) -> Option<&str> {
     BRACKETS.iter().find_map(|(open, close)| {
         let (_, text) = name.rsplit_once(*open)?;
-        text.split(*close).next()
+        let text = text.split(*close).next();
+        // The place in a list, as in Simulink's `q:1(2)`; a quantity without a unit may be in `[1]`.
+        let is_place = |text: &&str| text.parse::<u32>().is_ok() && (*text != "1" || *open == '(');
+        text.filter(|text| !is_place(text))
     })
 }
 

@@ -148,6 +148,14 @@ impl LoadCounter {
         self.loads.iter()
     }
 
+    /// The loads, the newest first, as the sums of truck and day have them: one that is not booked may weigh otherwise than reported.
+    pub fn newest(&self) -> impl Iterator<Item = Load> {
+        let unbooked = self.ledger.unbooked();
+        let is_it = move |load: &Load| unbooked.is_some_and(|it| it.number == load.number);
+        let others = self.loads.iter().rev().filter(move |load| !is_it(load));
+        unbooked.into_iter().chain(others.copied())
+    }
+
     /// Whether pressures weigh: their cylinders are described, and samples have them.
     fn has_pressure(&self) -> bool {
         self.is_described && self.pressure.unwrap_or(true)

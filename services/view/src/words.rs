@@ -217,6 +217,29 @@ mod tests {
     }
 
     #[test]
+    fn where_the_load_is_in_doubt_no_drive_without_digging_is_advised() {
+        let advice = |reason: &str, estimated: u32| {
+            let code = messages::LOADER_REASONS.iter().position(|r| r.0 == reason);
+            let e = LoaderEstimate {
+                reason: code.expect("a reason") as u32,
+                flags: l::FRESH | l::CONSISTENT | l::FROZEN,
+                estimated: l::STATE | estimated,
+                ..Default::default()
+            };
+            e.judgements().swap_remove(0).advice
+        };
+        for (reason, estimated, words) in [
+            ("load", l::PAYLOAD, "lift the bucket off the ground"),
+            ("load", 0, "accelerate and brake with the new load"),
+            ("lift cylinder", l::PAYLOAD, "check its pressures"),
+            ("one way", 0, "without digging"),
+        ] {
+            let advice = advice(reason, estimated);
+            assert!(advice.contains(words), "{reason}: {advice}");
+        }
+    }
+
+    #[test]
     fn standstill_and_a_changing_payload_are_named() {
         let held = verdict(&inertia(ALL & !x::EXCITED | x::HELD));
         assert!(held.contains("stands still"), "{held}");

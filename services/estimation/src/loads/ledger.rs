@@ -186,8 +186,8 @@ impl Ledger {
         self.held.and_then(|held| held.leaving)
     }
 
-    /// A dumped or leaving load that is not in the sums yet.
-    pub(super) fn unbooked(&self) -> Option<Load> {
+    /// A dumped or leaving load that may still change, as the sums of truck and day have it.
+    pub fn unbooked(&self) -> Option<Load> {
         let leaving = self.held.filter(|held| held.leaving.is_some());
         self.accounts
             .pending

@@ -2,7 +2,6 @@
 
 pub mod args;
 mod found;
-pub mod look;
 mod many;
 pub mod one;
 

@@ -1,16 +1,7 @@
 //! The excavator on the command line.
 
-mod boom;
 mod calibrate;
-mod carries;
 mod figures;
-mod fits;
-mod ground;
-mod postures;
-mod signless;
-mod speed;
-mod turned;
-mod unmoved;
 
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};
@@ -31,7 +22,7 @@ pub(super) struct Excavator;
 impl MachineKind for Excavator {
     type Sensors = ExcavatorSensors;
     type Estimate = ExcavatorEstimate;
-    type Look = fits::Fits;
+    type Look = checks::excavator::Fits;
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
     const SHOWN_SETTINGS: &'static [&'static str] = &[];

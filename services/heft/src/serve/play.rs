@@ -8,13 +8,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use checks::Look;
 use config::Description;
 use recording::Sensors;
 
 use super::remote::RemoteShard;
 use super::rows::{Member, Rows};
 use super::{Findings, Served, Suspects, frames, with_shards};
-use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::signals::Signals;

@@ -4,12 +4,12 @@
 use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, Read};
 
+use checks::Look;
 use messages::{Message, Value};
 use recording::payload::{decode, read_delimited};
 
 use super::remote::RemoteShard;
 use super::{LONGEST_NAME, MOST_MACHINES, Rows, Suspects, TOO_MANY, frames, shard_of, unreadable};
-use crate::commands::estimate::look::Look;
 use crate::failure::Failure;
 
 /// Largest sample \[bytes\].

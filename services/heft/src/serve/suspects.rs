@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use checks::Look;
 use config::Description;
 use recording::Map;
 
 use super::rows::Member;
-use crate::commands::estimate::look::Look;
 use crate::doubts::{Doubts, FIRST_JUDGED};
 use crate::failure::Failure;
 

@@ -110,6 +110,8 @@ enum Part {
 /// The character at the end of a text of DOS, Ctrl-Z.
 const END_OF_DOS: &[u8] = b"\x1a";
 
+/// The last line of an export of TwinCAT Scope.
+const END_OF_EXPORT: &[u8] = b"EOF";
 impl<S: Sensors> Columns<S> {
     /// Finds the origin of each signal of the table or the map.
     pub(crate) fn choose(
@@ -252,9 +254,9 @@ impl<S: Sensors> Columns<S> {
         let is_first_empty = record.get(0).is_some_and(<[u8]>::is_empty);
         is_first_empty && record.iter().all(<[u8]>::is_empty)
             || record.len() == 1
-                && record
-                    .get(0)
-                    .is_some_and(|cell| is_rule(cell) || cell == END_OF_DOS)
+                && record.get(0).is_some_and(|cell| {
+                    is_rule(cell) || [END_OF_DOS, END_OF_EXPORT].contains(&cell)
+                })
             || self.is_comment(record)
     }
 

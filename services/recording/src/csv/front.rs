@@ -113,6 +113,8 @@ pub(crate) struct Front {
     pub above: Vec<String>,
     /// Whether each row begins with a name in quotes without a header, as R's `write.table` writes it.
     pub has_row_names: bool,
+    /// Names of the columns, where the header is none that a table has.
+    pub names: Option<Vec<String>>,
 }
 
 impl Front {
@@ -149,6 +151,7 @@ impl Front {
                         below: 0,
                         above: Vec::new(),
                         has_row_names: false,
+                        names: None,
                     });
                 }
                 Line::Nothing | Line::Units(_) | Line::Row => {}
@@ -195,6 +198,7 @@ impl Front {
             below: count,
             above: above(over, &header, dialect),
             has_row_names: below.is_some_and(is_named),
+            names: None,
         }
     }
 }
@@ -309,8 +313,15 @@ fn names_below_as_wide(first: &[u8], all: &[(usize, &[u8])], dialect: Dialect) -
         .filter(|line| are_units(line.1))
         .unwrap_or(last);
     let (of_first, of_names) = (cells(first, dialect), cells(names.1, dialect));
-    // A group is written once, or above each of its columns.
-    let repeats_alone = repeats(&of_first) && !repeats(&of_names);
+    // A group is written once, or above each of its columns. Where the names below repeat too, each is one of its group.
+    let pairs_repeat = || {
+        let pairs = of_first.iter().zip(of_names.iter());
+        let mut pairs: Vec<_> = pairs.filter(|(_, name)| !name.is_empty()).collect();
+        pairs.sort_unstable();
+        pairs.windows(2).any(|two| two[0] == two[1])
+    };
+    let repeats_alone =
+        repeats(&of_first) && (!repeats(&of_names) || !are_units(last.1) && !pairs_repeat());
     let is_name = |cell: &[u8]| cell.first().is_some_and(u8::is_ascii_alphabetic);
     let is_pair = of_names.len() == 2 && !above.is_empty() && of_names.iter().all(is_name);
     (is_padded(&of_first, &of_names) || repeats_alone || is_pair).then_some(names.0)
@@ -349,7 +360,7 @@ fn behind_labview(head: &[u8]) -> usize {
 }
 
 /// The lines of a text that are not blank, each with its offset.
-fn lines(text: &[u8], begin: usize) -> impl Iterator<Item = (usize, &[u8])> {
+pub(super) fn lines(text: &[u8], begin: usize) -> impl Iterator<Item = (usize, &[u8])> {
     let mut at = begin;
     let lines = text
         .get(begin..)
@@ -362,7 +373,7 @@ fn lines(text: &[u8], begin: usize) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-fn cells(line: &[u8], dialect: Dialect) -> Record {
+pub(super) fn cells(line: &[u8], dialect: Dialect) -> Record {
     Cells::new(dialect).split(line).clone()
 }
 

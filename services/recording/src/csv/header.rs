@@ -109,7 +109,9 @@ fn check_names(names: &[String], place: &str) -> Result<(), Error> {
                 Some(_) => {
                     "if each has the times of its own columns, write all signals at one rate; else rename one of them"
                 }
-                None => "rename one of them",
+                None => {
+                    "rename one of them; several rows of names of pandas become one by frame.columns = frame.columns.map(\"_\".join)"
+                }
             };
             return Err(Error::new(
                 format!("two columns are called {name}"),

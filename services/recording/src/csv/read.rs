@@ -6,6 +6,7 @@ use super::absent::{absent, listed};
 use super::cells::{Records, TooLong};
 use super::columns::{CLOSE, Columns, hidden_rows};
 use super::dialect::Dialect;
+use super::exported;
 use super::front::Front;
 use super::header::{check_units, header};
 use super::no_number::{NoNumber, ZEROS};
@@ -82,6 +83,8 @@ struct Table {
     above: Vec<String>,
     /// Whether each row has a name without a column in the header.
     has_row_names: bool,
+    /// Names of the columns, where the header is none that a table has.
+    names: Option<Vec<String>>,
 }
 
 /// The lines below the header.
@@ -113,7 +116,9 @@ impl Table {
         if let Some((_, remedy)) = kind::of_tar(&head) {
             return Err(Error::new("this is a packed tar archive", file, remedy));
         }
-        let Some(front) = Front::of(&head) else {
+        let exported = exported::front(&head).transpose();
+        let exported = exported.map_err(|(what, remedy)| Error::new(what, &file, remedy))?;
+        let Some(front) = exported.or_else(|| Front::of(&head)) else {
             let what = if head.trim_ascii().is_empty() {
                 "the file is empty"
             } else {
@@ -131,6 +136,7 @@ impl Table {
             below: front.below,
             above: front.above,
             has_row_names: front.has_row_names,
+            names: front.names,
             is_packed: content.is_packed,
             is_plain: content.is_plain,
         })
@@ -172,7 +178,10 @@ impl Table {
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let place = || format!("{}:{}", self.file, self.line(0));
-        let mut header = header(records.record(), &self.above, self.dialect, place)?;
+        let mut header = match &self.names {
+            Some(names) => names.clone(),
+            None => header(records.record(), &self.above, self.dialect, place)?,
+        };
         if self.has_row_names {
             header.insert(0, String::new());
         }

@@ -123,7 +123,7 @@ fn by_values(signal: &str, si: &str, values: &[f64], largest_pressure: f64) -> G
 }
 
 /// Number of values beyond a limit. A single number in fewer than half of the rows, of either sign, is a mark of missing samples.
-fn beyond(values: &[f64], limit: f64) -> usize {
+pub(super) fn beyond(values: &[f64], limit: f64) -> usize {
     let mut far = values.iter().map(|x| x.abs()).filter(|x| *x > limit);
     let Some(first) = far.next() else {
         return 0;

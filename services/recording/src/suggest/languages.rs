@@ -1,10 +1,15 @@
 //! Translation of signal names from other languages, word by word.
 
+use std::sync::LazyLock;
+
 /// A word, or the beginning of one, and its translation into the words by which signals are found. `^word` matches only at the beginning
 /// of a word in the name. Longer words come before those that they contain.
 const WORDS: &[(&str, &str)] = &[
     // German.
     ("schwenk", "swing"),
+    ("hubwinkel", "lift angle"),
+    ("löffelstiel", "stick"),
+    ("loeffelstiel", "stick"),
     ("drehrate", "swing rate"),
     ("gierrate", "yaw rate"),
     ("drehwerk", "swing"),
@@ -57,7 +62,11 @@ const WORDS: &[(&str, &str)] = &[
     ("sväng", "swing"),
     ("svingmoment", "swing torque"),
     ("sving", "swing"),
-    ("hastighe", "speed"),
+    ("körhastighet", "vehicle speed"),
+    ("hastighet", "speed"),
+    ("hastighed", "speed"),
+    ("midje", "articul"),
+    ("stångtryck", "rod press"),
     ("varvtal", "speed"),
     ("vinkel", "angle"),
     ("^bomvinkel", "boom angle"),
@@ -107,6 +116,8 @@ const WORDS: &[(&str, &str)] = &[
     ("^aika", "time"),
     // Dutch.
     ("zwenk", "swing"),
+    ("koppel", "torque"),
+    ("lepelsteel", "stick"),
     ("rijsnelheid", "vehicle speed"),
     ("snelheid", "speed"),
     ("giek", "boom"),
@@ -135,8 +146,10 @@ const WORDS: &[(&str, &str)] = &[
     ("рукоят", "arm"),
     ("ковш", "bucket"),
     ("давлени", "press"),
-    ("поршнев", "head"),
+    ("поршн", "head"),
+    ("поршен", "head"),
     ("штоков", "rod"),
+    ("шток", "rod"),
     ("врем", "time"),
     ("уклон", "slope"),
     ("тангаж", "pitch"),
@@ -148,6 +161,9 @@ const WORDS: &[(&str, &str)] = &[
     ("масса", "mass"),
     // Czech.
     ("otáč", "swing"),
+    ("otoč", "swing"),
+    ("^otoc", "swing"),
+    ("^uhel", "angle"),
     ("rychlost", "speed"),
     ("úhel", "angle"),
     ("výložník", "boom"),
@@ -158,6 +174,7 @@ const WORDS: &[(&str, &str)] = &[
     // Turkish; its boom is that of Swedish.
     ("dönüş", "swing"),
     ("hızı", "speed"),
+    ("hizi", "speed"),
     ("tork", "torque"),
     ("açısı", "angle"),
     ("^kol ", "arm"),
@@ -182,6 +199,7 @@ const WORDS: &[(&str, &str)] = &[
     ("grande chambre", "head"),
     ("petite chambre", "rod"),
     ("annulaire", "rod"),
+    ("^fondo", "head"),
     ("^fond", "head"),
     ("^tige", "rod"),
     ("avant", "front"),
@@ -211,6 +229,8 @@ const WORDS: &[(&str, &str)] = &[
     ("inclinação", "slope"),
     // Spanish.
     ("giro", "swing"),
+    ("balancín", "arm"),
+    ("balancin", "arm"),
     ("par_", "torque_"),
     ("par ", "torque "),
     ("velocidad angular", "angular velocity"),
@@ -247,6 +267,7 @@ const WORDS: &[(&str, &str)] = &[
     ("vehiculo", "vehicle"),
     // Italian.
     ("torretta", "swing"),
+    ("rotazione", "swing"),
     ("coppia", "torque"),
     ("velocità angolare", "angular velocity"),
     ("velocità", "speed"),
@@ -274,6 +295,9 @@ const WORDS: &[(&str, &str)] = &[
     ("prędkość", "speed"),
     ("przyspieszenie", "accel"),
     ("kąt", "angle"),
+    ("^kat_", "angle_"),
+    ("^kat ", "angle "),
+    ("lyzk", "bucket"),
     ("ciśnienie", "press"),
     ("podtłok", "head"),
     ("nadtłok", "rod"),
@@ -327,6 +351,8 @@ const WORDS: &[(&str, &str)] = &[
     ("设定", "target"),
     ("无杆腔", "head"),
     ("有杆腔", "rod"),
+    ("大腔", "head"),
+    ("小腔", "rod"),
     ("前轮", "front wheel"),
     ("后轮", "rear wheel"),
     ("前桥", "front axle"),
@@ -376,10 +402,53 @@ const WORDS: &[(&str, &str)] = &[
     ("frnt", "front"),
 ];
 
+/// Letters with an accent, and what names in plain ASCII have instead.
+const ACCENTS: &[(&str, &str)] = &[
+    ("áàâäãåą", "a"),
+    ("éèêëęě", "e"),
+    ("íìîïı", "i"),
+    ("óòôöõø", "o"),
+    ("úùûüů", "u"),
+    ("ýÿ", "y"),
+    ("çćč", "c"),
+    ("śšş", "s"),
+    ("źżž", "z"),
+    ("ńñň", "n"),
+    ("ł", "l"),
+    ("ğ", "g"),
+    ("řŕ", "r"),
+    ("ť", "t"),
+    ("ďđ", "d"),
+];
+
+/// Fewest letters of a word that is also found without its accents: a shorter one may be a part of any other word.
+const LONG: usize = 5;
+
+/// A word without accents, if it has some and is long.
+fn plain(word: &str) -> Option<String> {
+    let letter = |c: char| ACCENTS.iter().find(|(from, _)| from.contains(c));
+    let accented = word.chars().any(|c| letter(c).is_some());
+    let long = word.chars().count() >= LONG;
+    let letters = word.chars().map(|c| match letter(c) {
+        Some((_, to)) => (*to).to_owned(),
+        None => c.to_string(),
+    });
+    (accented && long).then(|| letters.collect())
+}
+
+/// The words, each followed by its form without accents.
+static ALL: LazyLock<Vec<(String, &str)>> = LazyLock::new(|| {
+    let both = |(word, meaning): &(&str, &'static str)| {
+        let words = [Some((*word).to_owned()), plain(word)];
+        words.map(|word| word.map(|word| (word, *meaning)))
+    };
+    WORDS.iter().flat_map(both).flatten().collect()
+});
+
 /// A name in small letters with its words translated to English.
 pub(super) fn english(name: &str) -> String {
     let mut name = name.to_lowercase();
-    for (word, meaning) in WORDS {
+    for (word, meaning) in ALL.iter() {
         // Words of these languages are not separated; their translations must be.
         let meaning = || format!(" {meaning} ").replace("_ ", "_");
         match word.strip_prefix('^') {
@@ -390,7 +459,7 @@ pub(super) fn english(name: &str) -> String {
                     name.replace_range(at..at + word.len(), &meaning());
                 }
             }
-            None if name.contains(word) => name = name.replace(word, &meaning()),
+            None if name.contains(word.as_str()) => name = name.replace(word.as_str(), &meaning()),
             None => {}
         }
     }
@@ -466,6 +535,42 @@ mod tests {
             ("boom_head_pressure", "boom header [bar]"),
         ] {
             assert_eq!(fitting(signal, &["x", name], &[]), None, "{signal} {name}");
+        }
+    }
+
+    #[test]
+    fn names_without_accents_are_found_as_those_with_them() {
+        for (signal, name) in [
+            ("swing_velocity", "predkosc_obrotu [deg/s]"),
+            ("boom_angle", "kat_wysiegnika"),
+            ("bucket_angle", "kat lyzki"),
+            ("swing_velocity", "rychlost otoce"),
+            ("boom_angle", "uhel_vylozniku_deg"),
+            ("boom_angle", "angulo_lanca"),
+            ("arm_angle", "angulo_braco"),
+            ("bucket_angle", "angulo_cacamba"),
+            ("arm_angle", "ang_balancin_deg"),
+            ("swing_velocity", "donus hizi"),
+            ("bucket_angle", "kova acisi"),
+            ("swing_velocity", "svanghastighet"),
+            ("swing_torque", "coppia_rotazione"),
+            ("swing_torque", "zwenkkoppel"),
+            ("arm_angle", "lepelsteelhoek"),
+            ("arm_angle", "Löffelstielwinkel"),
+            ("lift_angle", "Hubwinkel [°]"),
+            ("speed", "hastighet_km_h"),
+            ("articulation", "midjevinkel"),
+            ("boom_head_pressure", "动臂大腔压力"),
+            ("boom_rod_pressure", "动臂小腔压力"),
+            ("boom_head_pressure", "давление стрелы поршень"),
+            ("boom_rod_pressure", "давление стрелы шток"),
+            ("boom_head_pressure", "p_pluma_fondo_bar"),
+        ] {
+            let at = fitting(signal, &["x", name], &[]);
+            assert_eq!(at, Some(1), "{signal} {name}");
+        }
+        for (signal, name) in [("articulation", "katalog"), ("speed", "otocka")] {
+            assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");
         }
     }
 

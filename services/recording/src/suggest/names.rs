@@ -30,10 +30,10 @@ pub(super) fn wanted<S: Sensors>() -> Vec<String> {
 /// word in the name, `|word` only a whole word. `=word` matches only the whole name without its unit, `[unit` a unit of this dimension in
 /// the name. `x_value` is of LabVIEW, `effort` of ROS, `tau` of Modelica.
 const WORDS: &str = "
-t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum
+t: timestamp, time, zeit, =t, =ts, =stamp, =epoch, =utc, =clock, =date, =datum, =fecha, =hora, =heure, =tempo, elapsed, =datenum, =cas
 t: =ticks, =x_value, =ms, =msec, =millis, =sec, =seconds, =s
 swing_velocity: swing + vel, swing + rate, swing + speed, swing + omega, gyro + z
-swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + [rad/s
+swing_velocity: yaw + rate, =gyro, =omega, =angular_velocity, swing + |w, swing + |qd, swing + |dq, swing + |dot, swing + [rad/s
 swing_angle: swing + angle, swing + pos, swing + deg
 swing_torque: swing + torque, swing + effort, swing + ^tau, =torque, swing + [N m
 boom_angle: boom + angle, boom + deg, boom + pos, boom
@@ -57,8 +57,8 @@ boom_head_pressure: boom + |head + press
 boom_rod_pressure: boom + |rod + press
 arm_head_pressure: ^arm + |head + press, stick + |head + press, dipper + |head + press
 arm_rod_pressure: ^arm + |rod + press, stick + |rod + press, dipper + |rod + press
-lift_angle: lift + ang, lift + arm, boom + ang
-tilt_angle: tilt + ang, bucket + ang
+lift_angle: lift + ang, lift + arm, lift + linkage, boom + ang
+tilt_angle: tilt + ang, tilt + linkage, bucket + ang
 lift_head_pressure: lift + |head + press, hoist + |head + press, boom + |head + press
 lift_rod_pressure: lift + |rod + press, hoist + |rod + press, boom + |rod + press
 truck: truck + number, truck + id
@@ -89,8 +89,9 @@ const OF_OTHERS: &[(&str, &str)] = &[
         "slope pitch roll",
         "boom arm stick dipper bucket lift blade",
     ),
+    ("_wheel_speed speed", "engine diesel turbine turbo pump fan"),
     // Speeds of the shaft, before the gear.
-    ("swing_velocity", "motor engine moteur pump shaft"),
+    ("swing_velocity", "motor engine moteur motore pump shaft"),
     ("articulation", "wheel whl"),
     ("mass", "payload load bucket fuel air attachment"),
     (
@@ -171,6 +172,42 @@ fn with_pressure(name: &str) -> String {
     }
 }
 
+/// Words for the cap side of a cylinder that call the other side its head, as in Japan and Korea.
+const BOTTOMS: [&str; 4] = ["bottom", "btm", "ボトム", "보텀"];
+
+/// Words of the links whose cylinders have sides.
+const LINKS: [&str; 8] = [
+    "boom", "arm", "stick", "dipper", "lift", "hoist", "tilt", "bucket",
+];
+
+/// For each name, whether it is a pressure at the head of a cylinder and means the side of the rod: of the same link, another name
+/// calls the other side the bottom, and none has a rod.
+pub(super) fn heads_of_rods(names: &[&str]) -> Vec<bool> {
+    let side = |name: &&str| {
+        let translated = with_pressure(name);
+        let words = unit::words(&translated);
+        let is_bottom = BOTTOMS
+            .iter()
+            .any(|word| name.to_lowercase().contains(word));
+        let side = match () {
+            () if !translated.contains(PRESSURE) => None,
+            () if is_bottom => Some("bottom"),
+            () => SIDES.into_iter().find(|side| words.contains(side)),
+        };
+        let link = LINKS.into_iter().find(|link| words.contains(link));
+        side.map(|side| (link, side))
+    };
+    let sides: Vec<_> = names.iter().map(side).collect();
+    let is_of_rod = |(link, side): (Option<&str>, &str)| {
+        let has = |other: &str| sides.contains(&Some((link, other)));
+        side == "head" && has("bottom") && !has("rod")
+    };
+    sides
+        .iter()
+        .map(|side| side.is_some_and(is_of_rod))
+        .collect()
+}
+
 /// Whether the name of a column means a pressure.
 pub(super) fn is_pressure(name: &str) -> bool {
     with_pressure(name).contains(PRESSURE)
@@ -188,7 +225,15 @@ pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
     if let Some(at) = own.filter(free) {
         return Some(at);
     }
-    let lower: Vec<String> = names.iter().map(|n| with_pressure(n)).collect();
+    let of_rods = heads_of_rods(names);
+    let lower = names.iter().zip(&of_rods).map(|(name, is_of_rod)| {
+        let name = with_pressure(name);
+        match is_of_rod {
+            true => name.replace("head", "rod"),
+            false => name,
+        }
+    });
+    let lower: Vec<String> = lower.collect();
     let rows = WORDS
         .lines()
         .filter_map(|row| row.strip_prefix(signal)?.strip_prefix(": "));
@@ -225,6 +270,7 @@ mod tests {
             ("swing_velocity", "swing_rpm"),
             ("swing_velocity", "Slew [°/s]"),
             ("swing_velocity", "swing_deg_s"),
+            ("swing_velocity", "qd_swing"),
             ("swing_angle", "swing_deg"),
             ("swing_torque", "swing_kNm"),
             ("swing_torque", "Torque:kNm"),
@@ -294,10 +340,41 @@ mod tests {
             ),
             ("swing_torque", "swing.w", "excavator.swing.tau"),
             ("swing_velocity", "swing.tau", "excavator.swingJoint.w"),
+            (
+                "front_wheel_speed",
+                "Front engine speed [rpm]",
+                "Front wheel [rpm]",
+            ),
         ] {
             assert_eq!(fitting(signal, &[other, own], &[]), Some(1), "{other}");
             assert_eq!(fitting(signal, &[other], &[]), None, "{other}");
         }
+    }
+
+    #[test]
+    fn the_head_beside_a_bottom_is_the_side_of_the_rod() {
+        let (bottom, head) = (
+            "Boom cyl. bottom press. (MPa)",
+            "Boom cyl. head press. (MPa)",
+        );
+        for names in [
+            ["x", bottom, head],
+            ["x", "ブームボトム圧", "ブームヘッド圧"],
+            ["x", "BoomBtmPrs", "BoomHeadPrs"],
+        ] {
+            let exchanged = [names[0], names[2], names[1]];
+            for (names, [of_head, of_rod]) in [(names, [1, 2]), (exchanged, [2, 1])] {
+                let at = |signal| fitting(signal, &names, &[]);
+                assert_eq!(at("boom_head_pressure"), Some(of_head), "{names:?}");
+                assert_eq!(at("boom_rod_pressure"), Some(of_rod), "{names:?}");
+            }
+        }
+        let names = ["boom_head", "boom_bottom", "stick_rod"];
+        assert_eq!(fitting("boom_rod_pressure", &names, &[]), Some(0));
+        assert_eq!(fitting("arm_rod_pressure", &names, &[]), Some(2));
+        let names = ["Boom bottom [bar]", "Boom rod [bar]", "Arm head [bar]"];
+        assert_eq!(fitting("arm_head_pressure", &names, &[]), Some(2));
+        assert_eq!(fitting("boom_head_pressure", &[head], &[]), Some(0));
     }
 
     #[test]

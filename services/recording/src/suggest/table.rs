@@ -4,8 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::absolute::is_absolute;
-use super::names::{fitting, is_pressure, may_be, quoted, wanted};
+use super::names::{fitting, heads_of_rods, is_pressure, may_be, quoted, wanted};
 use super::ports::ports;
+use super::sides::sides;
 use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{guessed_unit, lacking, opening, shown, sizes, unit_of};
 use crate::Error;
@@ -40,6 +41,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     text.push_str("\n[columns]\n");
     text += &draft.out;
     text += &draft.ports::<S>();
+    text += &draft.sides::<S>();
     let mut offered = draft.taken.clone();
     text += &lacking::<S>(&draft.found, &missing, |signal| {
         draft.by_unit::<S>(signal, &mut offered)
@@ -86,6 +88,8 @@ struct Draft<'a> {
     names: Vec<String>,
     /// The largest pressure of the columns without a unit: a logger writes all in the same unit.
     largest_pressure: f64,
+    /// Whether an angle without a unit is beyond a turn in rad: a logger writes all in the same unit.
+    in_degrees: bool,
     out: String,
     found: Vec<String>,
     taken: Vec<usize>,
@@ -98,7 +102,7 @@ struct Draft<'a> {
 impl<'a> Draft<'a> {
     fn of<S: Sensors>(look: &'a Look, labels: Vec<String>) -> Self {
         // Sheets and web pages contain no-break spaces.
-        let plain = |label: String| label.replace(char::is_whitespace, " ");
+        let plain = |label: String| in_words(&label).replace(char::is_whitespace, " ");
         let labels: Vec<String> = labels.into_iter().map(plain).collect();
         let named = labels
             .iter()
@@ -108,6 +112,7 @@ impl<'a> Draft<'a> {
         let mut draft = Self {
             look,
             largest_pressure: largest_pressure(look, &names),
+            in_degrees: are_in_degrees::<S>(look, &names),
             labels,
             names,
             out: String::new(),
@@ -178,7 +183,14 @@ impl<'a> Draft<'a> {
             return;
         }
         let large = self.largest_pressure;
-        let (guess, other) = guessed_unit::of(&signal, si, &named, &self.look.columns[at], large);
+        let (mut guess, other) =
+            guessed_unit::of(&signal, si, &named, &self.look.columns[at], large);
+        if guess.unit.is_none() && other.is_none() && self.in_degrees && !unit::is_of(&named, si) {
+            let angle = unit::find("deg").filter(|_| si == "rad");
+            if angle.is_some() {
+                guess = (angle, "deg, as another angle without a unit?".to_owned()).into();
+            }
+        }
         let unknown = other.map(|text| format!("{text} (column {name})"));
         self.unknown.extend(unknown);
         let ambiguous = unit::of_name(&named, si).and_then(|unit| unit::ambiguous(&named, unit));
@@ -194,6 +206,10 @@ impl<'a> Draft<'a> {
             self.taken.push(below);
             self.found.push(signal);
             return;
+        }
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        if heads_of_rods(&names)[at] {
+            guess.reason += "; its head is that of the rod, as the other side is the bottom";
         }
         let column = Column {
             at,
@@ -221,7 +237,9 @@ impl<'a> Draft<'a> {
             .collect();
         let found = free.into_iter().find_map(|at| {
             let name = &self.names[at];
-            let unit = unit::of_name(name, si).filter(|_| may_be(signal, name))?;
+            // Degrees alone are no rate here: no name says that it is one.
+            let is_candidate = may_be(signal, name) && unit::is_of(name, si);
+            let unit = unit::of_name(name, si).filter(|_| is_candidate)?;
             offered.push(at);
             let column = quoted(&self.look.header[at]);
             Some(format!("{{ column = {column}, unit = \"{}\" }}", unit.name))
@@ -232,13 +250,29 @@ impl<'a> Draft<'a> {
     /// Two pressures of the swing motor, if no column is its torque.
     fn ports<S: Sensors>(&self) -> String {
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-        ports::<S>((&names, &self.taken, &self.found), |at, sign| {
-            let told = unit::of_name(names[at], "Pa");
-            let unit = told.or(sizes::pressure(self.largest_pressure).0);
-            let unit = unit.map_or("Pa", |unit| unit.name);
-            let column = quoted(&self.look.header[at]);
-            format!("{{ column = {column}, unit = \"{unit}\"{sign} }}")
-        })
+        let term = |at: usize, sign: &str| self.pressure(at, sign);
+        ports::<S>((&names, &self.taken, &self.found), term)
+    }
+
+    /// Pressures of cylinders whose side or link is to be decided.
+    fn sides<S: Sensors>(&self) -> String {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let mean = |at: usize| {
+            let known = self.look.columns[at].iter().filter(|x| x.is_finite());
+            let (sum, count) = known.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+            sum / f64::max(count, 1.0)
+        };
+        let column = |at: usize| self.pressure(at, "");
+        sides::<S>((&names, &self.taken, &self.found), mean, column)
+    }
+
+    /// The column of a pressure with its unit, and more in its braces.
+    fn pressure(&self, at: usize, more: &str) -> String {
+        let told = unit::of_name(&self.names[at], "Pa");
+        let unit = told.or(sizes::pressure(self.largest_pressure).0);
+        let unit = unit.map_or("Pa", |unit| unit.name);
+        let column = quoted(&self.look.header[at]);
+        format!("{{ column = {column}, unit = \"{unit}\"{more} }}")
     }
 
     /// The line of a link whose angle is from the horizontal: minus that of the link before.
@@ -259,6 +293,22 @@ impl<'a> Draft<'a> {
     }
 }
 
+/// A name that pandas wrote as a tuple of words, `('swing', 'velocity')`, as these words.
+fn in_words(label: &str) -> String {
+    let tuple = label.strip_prefix('(').and_then(|l| l.strip_suffix(')'));
+    let words = tuple.and_then(|tuple| {
+        let words = tuple.trim_end_matches(',').split(", ").map(|word| {
+            let word = word.strip_prefix(['\'', '"'])?;
+            word.strip_suffix(['\'', '"'])
+        });
+        words.collect::<Option<Vec<&str>>>()
+    });
+    words.map_or_else(
+        || label.to_owned(),
+        |words| words.join(" ").trim().to_owned(),
+    )
+}
+
 /// The name of a column with the unit from a row below the names.
 fn named(label: &str, unit: &str) -> String {
     match unit {
@@ -274,6 +324,21 @@ fn largest_pressure(look: &Look, names: &[String]) -> f64 {
     let columns = columns.filter(|(name, _)| of_none(name));
     let sizes = columns.map(|(_, values)| sizes::largest(values.iter()));
     sizes.fold(0.0, f64::max)
+}
+
+/// Whether an angle of a link without a unit is beyond a turn in rad.
+fn are_in_degrees<S: Sensors>(look: &Look, names: &[String]) -> bool {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let links = wanted::<S>().into_iter().filter(|signal| {
+        let is_link = LINKS.contains(&signal.as_str());
+        is_link || ["lift_angle", "tilt_angle", "pitch", "slope", "roll"].contains(&signal.as_str())
+    });
+    let mut columns = links.filter_map(|signal| fitting(&signal, &names, &[]));
+    columns.any(|at| {
+        let values = &look.columns[at];
+        let has_none = !unit::is_of(names[at], "rad") && unit::foreign(names[at], "rad").is_none();
+        has_none && guessed_unit::beyond(values, core::f64::consts::TAU) * 50 > values.len()
+    })
 }
 
 /// The columns of seconds and of their nanoseconds, as in the headers of ROS, if they are the time.

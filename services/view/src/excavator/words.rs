@@ -158,7 +158,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("restarted", "wait for half a second of motion"),
     (
         "jump",
-        "check the angle sensor; restart heft after a repair",
+        "check the angle sensor; after its repair begin another run or recording",
     ),
     (
         "contradiction",
@@ -179,6 +179,9 @@ pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     remedy(reason, EXCAVATOR_REASONS, REMEDIES).unwrap_or_else(|| advice(reason, flags))
 }
 
+/// Reasons that are of an input, or because of which none counts as recent.
+const OF_INPUT: [&str; 5] = ["frozen", "sign", "jump", "contradiction", "restarted"];
+
 /// Remedy: that of the reason, else of the first missing condition.
 fn advice(reason: u32, flags: u32) -> &'static str {
     let has = |bit| flags & bit != 0;
@@ -188,7 +191,12 @@ fn advice(reason: u32, flags: u32) -> &'static str {
         .get(reason as usize)
         .is_some_and(|(name, _)| *name == "method");
     if !has(bits::FRESH) {
+        // No swing helps where nothing arrives.
+        let name = EXCAVATOR_REASONS
+            .get(reason as usize)
+            .map(|(name, _)| *name);
         of_reason
+            .filter(|_| name.is_some_and(|name| OF_INPUT.contains(&name)))
             .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
     } else if !has(bits::EXCITED) && !needs_another_method {
         "swing faster than 6 degrees a second (0.1 rad/s)"
@@ -215,5 +223,8 @@ mod tests {
         let advised = |name| advice(code(name).expect("a reason") as u32, bits::FRESH);
         assert!(advised("method").contains("heft calibrate"));
         assert!(advised("slope").contains("swing faster"));
+        let silent = |name| advice(code(name).expect("a reason") as u32, bits::EXCITED);
+        assert!(silent("disagreement").contains("an input is missing"));
+        assert!(silent("jump").contains("angle sensor"));
     }
 }

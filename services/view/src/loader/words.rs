@@ -272,16 +272,19 @@ pub(crate) fn load_advice(reason: u32, flags: u32) -> &'static str {
     remedy(reason, LOADER_REASONS, REMEDIES).unwrap_or(missing)
 }
 
+/// Reasons that are of the load: they arise while the machine digs or stands, and no drive alone ends them.
+const OF_LOAD: [u32; 2] = [Reason::Load as u32, Reason::LiftCylinder as u32];
+
 /// Remedy: that of the reason, else of the first missing condition.
 fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
     let has = |bit| e.flags & bit != 0;
     let of_reason = remedy(e.reason, LOADER_REASONS, REMEDIES);
     if !has(bits::FRESH) {
         of_reason.unwrap_or(MISSING)
-    } else if has(bits::FROZEN) {
-        "drive, faster than 0.5 m/s and without digging"
     } else if e.reason == Reason::Load as u32 && has_weight(e) {
         CARRY
+    } else if has(bits::FROZEN) && !OF_LOAD.contains(&e.reason) {
+        "drive, faster than 0.5 m/s and without digging"
     } else if let Some(of_reason) = of_reason {
         of_reason
     } else if !has(part.excited) {

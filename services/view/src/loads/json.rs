@@ -83,7 +83,7 @@ pub fn live_json(counter: &LoadCounter) -> Value {
         "carried": ledger.carried().as_ref().map(load),
         "truck": truck_json(&ledger.truck()),
         "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
-        "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
+        "loads": counter.newest().take(LATEST).map(|it| load(&it)).collect::<Vec<_>>(),
         "guessed": counter.guessed(),
         "outages": outages(counter),
     })

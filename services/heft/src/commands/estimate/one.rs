@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use checks::Look;
 use config::Description;
 use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
@@ -14,7 +15,6 @@ use view::estimate::{Estimate, Parameter};
 
 use super::args::EstimateArgs;
 use super::found::InputSummary;
-use super::look::Look;
 use super::many;
 use crate::args::tell_odd_keys;
 use crate::doubts::Doubts;

@@ -72,8 +72,13 @@ fn inputs(input: &Path, count: usize) -> Result<Vec<PathBuf>, Failure> {
     }
     let mut found = many::inputs(&[input.to_owned()], true)?;
     if found.len() < count {
+        let recordings = if found.len() == 1 {
+            "recording"
+        } else {
+            "recordings"
+        };
         let what = format!(
-            "{} holds {} recordings, not {count}",
+            "{} holds {} {recordings}, not {count}",
             input.display(),
             found.len()
         );

@@ -7,9 +7,9 @@ use recording::STEEPEST;
 use super::axles::Axles;
 use super::turning::Turning;
 use crate::advice::{write_sign, write_unit};
-use crate::commands::estimate::look::Look;
-use crate::machines::still::Still;
-use crate::machines::units::{Angles, Cylinder, TURNING};
+use crate::look::Look;
+use crate::still::Still;
+use crate::units::{Angles, Cylinder, TURNING};
 
 /// Least share of rows with a slope that is too steep, for a verdict.
 const OFTEN: f64 = 0.1;
@@ -28,7 +28,7 @@ const EMPTY: f64 = 0.2;
 const LIFTS: f64 = 1.0;
 
 /// All checks: single columns, slope, carriage of the bucket, wheels and torques.
-pub(in crate::machines) struct Fits {
+pub struct Fits {
     angles: Angles<3>,
     cylinder: Cylinder,
     torques: Still<2>,
@@ -328,34 +328,5 @@ mod tests {
             );
         }
         assert_eq!(Fits::of(&config::Loader::default()).slope_unit(), None);
-    }
-
-    #[test]
-    fn an_empty_machine_that_always_weighs_the_same_is_no_mark_of_missing_samples() {
-        let said = |often: f64| {
-            let loader = config::Description::default_of(messages::Machine::Loader);
-            let mut doubts = crate::doubts::Doubts::<Fits>::of(&loader);
-            for k in 0..1000 {
-                let loaded = 21_000.0 + f64::from(k);
-                let sample = LoaderSensors {
-                    mass: if k % 3 == 0 { loaded } else { often },
-                    valid: messages::loader_bits::MASS,
-                    ..LoaderSensors::default()
-                };
-                doubts.add(&sample, false);
-            }
-            let words = doubts.words().join("\n");
-            words.contains("mass is").then_some(words)
-        };
-        let stated = config::Loader::default().machine.mass;
-        assert_eq!([stated, 1.1 * stated].map(said), [None, None]);
-        for often in [0.0, 17_760.0] {
-            let words = said(often).expect("a remark");
-            assert!(
-                words.contains(&format!("mass is {often} kg in 666 rows")),
-                "{words}"
-            );
-            assert!(words.contains("state machine.mass"), "{words}");
-        }
     }
 }

@@ -23,7 +23,7 @@ use super::pair::{Pair, about};
 use super::regression::Regression;
 use super::speed::Speed;
 use crate::advice::{write_sign, write_unit};
-use crate::machines::units::TURNING;
+use crate::units::TURNING;
 
 /// Duration of a block, and longest time between two of its rows \[s\].
 const BLOCK: f64 = 0.2;

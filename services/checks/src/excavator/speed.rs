@@ -3,7 +3,7 @@
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 
 use crate::advice::write_unit;
-use crate::machines::units::TURNING;
+use crate::units::TURNING;
 
 /// Candidate units of a swing velocity, and their number per rad/s.
 const UNITS: [(&str, f64); 3] = [TURNING[0], TURNING[1], TURNING[3]];

@@ -12,9 +12,9 @@ use super::speed::Speed;
 use super::turned::Turned;
 use super::unmoved::Unmoved;
 use crate::advice::{write_sign, write_unit};
-use crate::commands::estimate::look::Look;
-use crate::machines::still::Still;
-use crate::machines::units::{Angles, Cylinder};
+use crate::look::Look;
+use crate::still::Still;
+use crate::units::{Angles, Cylinder};
 
 /// Operating mass of the reference machine \[kg\], assumed for a machine file without one.
 const REFERENCE: f64 = 5500.0;
@@ -23,7 +23,7 @@ const REFERENCE: f64 = 5500.0;
 const SWINGS: f64 = 0.1;
 
 /// All checks: single columns, postures, then torque against the machine file.
-pub(in crate::machines) struct Fits {
+pub struct Fits {
     angles: Angles<3>,
     speed: Speed,
     cylinders: [Cylinder; 2],
