@@ -564,3 +564,38 @@ fn where_lengths_are_guessed_the_loads_say_what_to_measure_and_where_they_are_st
     });
     assert_eq!(said, [vec![true; 6], vec![false; 6]]);
 }
+
+#[test]
+fn check_names_the_stated_deviations_that_limit_the_interval_of_a_load() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, _) = recorded(folder.path(), "loader", "loading", &[]);
+    let half_width = |text: &str, after: &str| -> f64 {
+        let from = text
+            .split(after)
+            .nth(1)
+            .unwrap_or_else(|| panic!("{after}: {text}"));
+        let number: String = from
+            .chars()
+            .take_while(|c| *c != 'k')
+            .filter(char::is_ascii_digit)
+            .collect();
+        number.parse().expect("a half width")
+    };
+    let said = run_ok(&["check", &recording, "--data", &recording]);
+    let (_, load) = said.split_once("Payload: ").expect("a payload");
+    let now = half_width(&said, "Payload: ± ");
+    let line = load
+        .lines()
+        .find(|line| line.contains("sensors.pressure_gain_std"));
+    let line = line.unwrap_or_else(|| panic!("{said}"));
+    let exact = half_width(line, "± ");
+    assert!(exact < 0.9 * now, "{said}");
+    // What it promises comes true.
+    let set = ["--set", "sensors.pressure_gain_std=0.0003"];
+    let said = run_ok(&[&["check", &recording, "--data", &recording], &set[..]].concat());
+    assert!(
+        (half_width(&said, "Payload: ± ") - exact).abs() < 0.02 * exact,
+        "{said}"
+    );
+    assert!(!said.contains("pressure_gain_std"), "{said}");
+}

@@ -20,7 +20,7 @@ macro_rules! keys_of_machines {
         }
 
         /// All keys of a machine, with their tables.
-        pub(crate) fn all_keys(machine: Machine) -> Vec<&'static str> {
+        pub fn keys(machine: Machine) -> Vec<&'static str> {
             match machine {
                 $( Machine::$name => entries::all_keys::<crate::$name>(), )*
             }

@@ -32,6 +32,7 @@ pub use estimation::excavator::keys::Variant;
 pub use estimation::keys::{Form, Key, Numbers, Range, Setting, Table, Value};
 pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
 pub use keyed::Keyed;
+pub use known::keys;
 pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
 pub use renamed::{old_names, renamed};

@@ -389,7 +389,7 @@ fn suggestion<M: Keyed>(path: &str) -> String {
         Some(*full)
     });
     let belongs = |other: &Machine| {
-        let keys = known::all_keys(*other);
+        let keys = known::keys(*other);
         let is_its = |key: &&str| *key == path || key.rsplit('.').next() == Some(path);
         *other != M::MACHINE && keys.iter().any(is_its)
     };

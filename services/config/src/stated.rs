@@ -56,7 +56,7 @@ pub(crate) fn changed(
     earlier: &BTreeMap<String, String>,
 ) -> Vec<String> {
     let earlier: BTreeMap<&str, &String> = earlier.iter().map(|(k, v)| (today(k), v)).collect();
-    let keys = known::all_keys(machine).into_iter();
+    let keys = known::keys(machine).into_iter();
     let differ = keys.filter(|key| earlier.get(*key).copied() != now.get(*key));
     differ.map(str::to_owned).collect()
 }

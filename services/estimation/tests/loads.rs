@@ -568,9 +568,9 @@ fn a_rest_that_is_weighed_badly_adds_no_more_than_an_emptied_bucket_can_keep() {
     let (total, loads) = ten_loads(150.0, 0.0, 0.0);
     assert!(loads.iter().all(|load| load.is_emptied), "{loads:?}");
     let left = |load: &Load| load.carry_back.kg.abs();
-    assert!(loads.iter().all(|load| left(load) < 60.0), "{loads:?}");
+    assert!(loads.iter().all(|load| left(load) < 75.0), "{loads:?}");
     assert!(
-        total.holds(8000.0) && total.std < 10.0_f64.sqrt() * 60.0,
+        total.holds(8000.0) && total.std < 10.0_f64.sqrt() * 90.0,
         "{total:?}"
     );
 }

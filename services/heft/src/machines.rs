@@ -21,6 +21,7 @@ use crate::commands::estimate::args::EstimateArgs;
 use crate::commands::estimate::one;
 use crate::doubts::{AnyDoubts, Doubts, Seen};
 use crate::failure::Failure;
+use crate::limits;
 use crate::plan::Plan;
 use crate::serve::{self, Common, Form, Input, Machines, Out, Played, Rows};
 use crate::signals::Signals;
@@ -80,6 +81,8 @@ pub struct Entry {
     pub estimate: fn(&EstimateArgs, &Path, &Path, &Description) -> Outcome,
     /// Runs the steps of a method over an input, and passes each truth, its sample and the estimate to the callback.
     pub follow: fn(&EstimationArgs, &Path, &Description, See<'_>) -> Outcome,
+    /// What limits the intervals on an input with a signal map, under a description.
+    pub limits: fn(&Path, Option<&Path>, &Description) -> Outcome<String>,
     /// Checks of the samples of a described machine.
     pub doubts: fn(&Description) -> Box<dyn AnyDoubts>,
     /// `heft calibrate`.
@@ -109,6 +112,7 @@ impl Entry {
             serve_shard: serve::serve_shard::<M::Sensors, M::Estimate>,
             estimate: estimate::<M>,
             follow: follow::<M>,
+            limits: limits::<M>,
             doubts: |description| Box::new(Seen::<M::Look, M::Estimate>::of(description)),
             calibrate: M::calibrate,
             evaluate: M::EVALUATE,
@@ -245,6 +249,27 @@ fn follow<M: MachineKind>(
     doubts.tell();
     doubts.has_rows()?;
     doubts.judge(&samples.lacks())
+}
+
+fn limits<M: MachineKind>(
+    file: &Path,
+    map: Option<&Path>,
+    description: &Description,
+) -> Outcome<String> {
+    let map = sources::map(map)?;
+    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    hint_at_names::<M::Sensors>(file, map.as_ref());
+    let method = method(description.machine(), None);
+    let rows = samples.rows()?.map(|(sample, _)| sample.envelope());
+    let mut rows: Vec<Envelope> = rows.take(limits::ROWS + 1).collect();
+    let part = if rows.len() > limits::ROWS {
+        rows.pop();
+        format!("the first {} rows of {}", limits::ROWS, file.display())
+    } else {
+        samples.check()?;
+        file.display().to_string()
+    };
+    limits::table::<M::Estimate>(description, method, &rows, &part)
 }
 
 /// The samples of an input, checked for the method, and the method.

@@ -18,6 +18,7 @@ mod fleet_run;
 mod group;
 mod image;
 mod life;
+mod limits;
 mod live;
 mod machines;
 mod many;

@@ -10,6 +10,7 @@ use recording::{Kind, Reader};
 use crate::args::{assignment, class_or_set, is_for, machine, tell_old_names, tonnes};
 use crate::drawing;
 use crate::failure::Failure;
+use crate::machines;
 use crate::size;
 use crate::small_file;
 
@@ -31,6 +32,12 @@ pub struct CheckArgs {
     /// Print the complete machine file, every key with its unit, range and meaning
     #[arg(long)]
     pub print: bool,
+    /// Name what limits the intervals on these data: the three stated deviations of each quantity that matter most
+    #[arg(long, value_name = "DATA", conflicts_with = "print")]
+    pub data: Option<PathBuf>,
+    /// Signal map of --data (TOML)
+    #[arg(long, requires = "data")]
+    pub map: Option<PathBuf>,
 }
 
 /// `heft check`
@@ -60,6 +67,13 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
         for words in size.into_iter().chain(remarks(&description)?) {
             eprintln!("note: {words}");
         }
+    }
+    if let Some(data) = &args.data {
+        let entry = machines::entry(description.machine());
+        print!(
+            "{}",
+            (entry.limits)(data, args.map.as_deref(), &description)?
+        );
     }
     Ok(())
 }
