@@ -176,9 +176,15 @@ mod tests {
             let description = Description::parse(text, "x", None).expect("a description");
             exact(&description, key)
         };
+        let is = |found: Option<f64>, expected: f64| {
+            assert!(
+                found.is_some_and(|x| (x / expected - 1.0).abs() < 1e-12),
+                "{found:?}"
+            );
+        };
         let loader = "[machine]\nkind = \"loader\"\n[machine.lift_arm]\nlength = 2.5\n";
-        assert_eq!(of(loader, "sensors.pressure_gain_std"), Some(0.0003));
-        assert_eq!(of(loader, "machine.lift_arm.length_std"), Some(2.5e-4));
+        is(of(loader, "sensors.pressure_gain_std"), 0.0003);
+        is(of(loader, "machine.lift_arm.length_std"), 2.5e-4);
         for key in [
             "sensors.pressure_std",
             "prior.cg_ratio_std",
@@ -188,7 +194,7 @@ mod tests {
             assert_eq!(of(loader, key), None, "{key}");
         }
         let excavator = "[machine]\nkind = \"excavator\"\n";
-        assert_eq!(of(excavator, "machine.mass_tolerance"), Some(0.00018));
+        is(of(excavator, "machine.mass_tolerance"), 0.00018);
         assert!(of(excavator, "sensors.swing_torque_gain_std").is_some());
         assert_eq!(of(excavator, "sensors.angle_std"), None, "noise");
     }
