@@ -90,13 +90,17 @@ impl Jump {
             (0.0, held, held)
         };
         let noise = COARSE + NOISE * sqrt(self.rough / 6.0);
-        let run = held + self.gap;
-        self.renews = match self.rate {
+        let unmeasured = if self.rate.is_none() {
             // The first value may have come before the first row.
-            None => HELD,
-            Some(_) => run.min(LONGER * self.renews),
+            self.renews = HELD;
+            unmeasured
+        } else if held == 0.0 {
+            self.renews = self.gap;
+            0.0
+        } else {
+            self.renews = (held + self.gap).min(LONGER * self.renews);
+            unmeasured.max(held.min(self.renews - self.gap))
         };
-        let unmeasured = unmeasured.max(held.min(self.renews - self.gap));
         let possible = RATE * (self.gap + unmeasured)
             + noise
             + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * moves_on
