@@ -51,7 +51,7 @@ const MISSED: f64 = 0.15;
 
 /// Share of the moment's fluctuation within three blocks that neither their mean nor the accelerations of the joints take out: oil and boom
 /// ring at 1 to 4 Hz after a stop.
-const SHAKEN: f64 = 0.3;
+const SHAKEN: f64 = 0.5;
 
 /// Standard deviation of the seals' friction that the model leaves out, as a share of it, for a moving and a standing cylinder.
 const UNMODELLED: [f64; 2] = [0.15, 0.49];
