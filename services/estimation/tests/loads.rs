@@ -564,6 +564,37 @@ fn a_zero_error_cancels_between_load_and_rest_and_a_scale_error_does_not() {
 }
 
 #[test]
+fn what_a_lift_arm_s_loads_are_off_together_is_at_most_a_share_of_each_row() {
+    let known = |witness: Witness, std: f64| {
+        let arm = CommonError {
+            scale_std: 0.06,
+            zero_std: 60.0,
+        };
+        let mut ledger = Ledger::new(Settings {
+            lift_arm: Some(arm),
+            ..Settings::with_rated(RATED)
+        });
+        for k in 0..400 {
+            ledger.step(&Row {
+                time: DT * f64::from(k),
+                payload: Some(Quantity { value: 800.0, std }),
+                trusted: true,
+                witness,
+                ..Row::default()
+            });
+        }
+        let weight = ledger.carried().expect("a load").weight;
+        assert!(weight.common_std <= 0.9 * weight.std, "{weight:?}");
+        weight.known
+    };
+    assert_eq!(known(Witness::Pressure, 100.0).zero_std, 60.0);
+    // An emptied bucket has shown most of it.
+    let left = known(Witness::Pressure, 40.0);
+    assert!(left.std(800.0) < 40.0 && left.zero_std > 10.0, "{left:?}");
+    assert_eq!(known(Witness::Scale, 40.0), CommonError::default());
+}
+
+#[test]
 fn a_rest_that_is_weighed_badly_adds_no_more_than_an_emptied_bucket_can_keep() {
     let (total, loads) = ten_loads(150.0, 0.0, 0.0);
     assert!(loads.iter().all(|load| load.is_emptied), "{loads:?}");

@@ -5,8 +5,8 @@
 use std::collections::VecDeque;
 
 use config::Description;
+use estimation::Quantity;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
-use estimation::{CommonError, Quantity};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
     excavator_bits, loader_bits,
@@ -29,9 +29,6 @@ pub use why::{outage_words, reason_and_flags, why_words};
 
 /// Number of loads stored while the machine works; the sums include all.
 const REMEMBERED: usize = 1000;
-
-/// Largest standard deviation by common errors, as a share of that of a load by lift pressures: an emptied bucket may have shown them.
-const MOST_COMMON: f64 = 0.87;
 
 /// Largest age of the pressures that weigh a boom \[s\].
 const PRESSED: f64 = 0.25;
@@ -66,8 +63,6 @@ pub struct LoadCounter {
     mass: Option<f64>,
     /// Whether the cylinders are described, so that their pressures weigh.
     is_described: bool,
-    /// Errors common to all loads that a lift arm weighs.
-    common: Option<CommonError>,
     guessed: Option<String>,
     /// Whether the latest sample has pressures; `None` where only estimates are received.
     pressure: Option<bool>,
@@ -104,10 +99,6 @@ impl LoadCounter {
             truck: None,
             mass: None,
             is_described,
-            common: match description {
-                Description::Excavator(_) => None,
-                Description::Loader(d) => d.loads_common(),
-            },
             guessed: guessed(description),
             pressure: None,
             pressed: f64::NEG_INFINITY,
@@ -322,12 +313,9 @@ impl LoadCounter {
         let row = Row {
             time: m.stamp.time,
             payload: weighed.or(scale.map(|shown| shown.payload)),
-            common: match weighed {
-                Some(weighed) => self
-                    .common
-                    .map(|common| common.at_most(MOST_COMMON * weighed.std, weighed.value)),
-                None => scale.map(|shown| shown.common),
-            },
+            common: scale
+                .filter(|_| weighed.is_none())
+                .map(|shown| shown.common),
             speed: m.speed,
             changing: match weighed {
                 // Also where a broken sensor is the reason: its value before the change belongs to the load before.

@@ -32,10 +32,13 @@ const WALK: f64 = 3.3e-5;
 const SAME: f64 = 0.05;
 
 impl Description {
-    /// Settings of the ledger of its loads, as far as the machine determines them. No error common to all weights is stated.
+    /// Settings of the ledger of its loads, as far as the machine determines them.
     #[must_use]
     pub fn loads(&self) -> loads::Settings {
-        loads::Settings::with_rated(RATED_SHARE * self.machine.mass)
+        loads::Settings {
+            lift_arm: self.loads_common(),
+            ..loads::Settings::with_rated(RATED_SHARE * self.machine.mass)
+        }
     }
 
     /// The defaults of a loader of the stated mass; those of the reference machine where none is stated.

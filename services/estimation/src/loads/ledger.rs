@@ -61,6 +61,8 @@ pub struct Ledger {
     clock: Clock,
     /// Errors common to all payloads. They cancel between two contents, so loads are found without them.
     common: CommonError,
+    /// Errors common to all payloads that a lift arm weighs.
+    lift_arm: Option<CommonError>,
     holding: Holding,
     content: Content,
     hook: Hook,
@@ -77,6 +79,7 @@ impl Ledger {
             rated,
             clock: Clock::default(),
             common: settings.common,
+            lift_arm: settings.lift_arm,
             holding: Holding::new(rated),
             content: Content::new(rated),
             hook: Hook::default(),
@@ -98,6 +101,7 @@ impl Ledger {
     /// Takes one estimate. Rows whose time does not increase are ignored.
     pub fn step(&mut self, row: &Row) -> Events {
         let mut events = Events::default();
+        let row = &row.with_common(self.lift_arm);
         let dt = match self.clock.tick(row.time) {
             Tick::Later(dt) => dt,
             Tick::Refused => return events,

@@ -96,6 +96,19 @@ impl Row {
         self.speed.abs() > MOVING
     }
 
+    /// The row with the common errors of a lift arm that has weighed it, unless it states its own. A part of them may be known by now, so
+    /// they are at most a share of the payload's variance.
+    pub(super) fn with_common(&self, lift_arm: Option<CommonError>) -> Self {
+        let weighed = self.weighed().filter(|_| self.witness == Witness::Pressure);
+        let of_arm = lift_arm.zip(weighed).map(|(common, payload)| {
+            common.at_most(sqrt(1.0 - LEAST_OWN) * payload.std, payload.value)
+        });
+        Self {
+            common: self.common.or(of_arm),
+            ..*self
+        }
+    }
+
     /// The payload, where it is a number with a standard deviation.
     pub(super) fn weighed(&self) -> Option<Quantity> {
         self.payload

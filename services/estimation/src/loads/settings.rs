@@ -10,6 +10,8 @@ pub struct Settings {
     pub rated: f64,
     /// Errors common to all payloads; the standard deviations of the payloads include them.
     pub common: CommonError,
+    /// The same of payloads that a lift arm weighs, where none of them has shown the errors yet: an emptied bucket does.
+    pub lift_arm: Option<CommonError>,
     /// Target weight of a truck \[kg\].
     pub target: Option<f64>,
     /// Pause between two loads after which another truck begins; 0: never \[s\].
@@ -27,6 +29,7 @@ impl Settings {
         Self {
             rated,
             common: CommonError::default(),
+            lift_arm: None,
             target: None,
             pause: 300.0,
             midnight: 0.0,
@@ -46,6 +49,7 @@ impl Settings {
             } else {
                 CommonError::default()
             },
+            lift_arm: self.lift_arm.filter(|common| common.std(1.0).is_finite()),
             target: self.target.filter(|t| t.is_finite()),
             ..self
         }

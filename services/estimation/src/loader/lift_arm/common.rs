@@ -20,8 +20,7 @@ use crate::math::{norm, sqrt};
 
 impl Description {
     /// Errors common to all loads that the lift arm weighs; `None` where it is not described.
-    #[must_use]
-    pub fn loads_common(&self) -> Option<CommonError> {
+    pub(in crate::loader) fn loads_common(&self) -> Option<CommonError> {
         Drawing::of(&Settings::of(self, Method::FullEkf)).map(common)
     }
 }
