@@ -36,60 +36,79 @@ pub fn table<E: Estimate>(
     estimated: &str,
 ) -> Result<String, Failure> {
     let now = estimates::<E>(description, method, samples)?;
+    let quantities = E::PARAMETERS.iter().filter(|p| p.headline() || p.is_load);
+    let known: Vec<Known<E>> = quantities.map(|q| Known::of(q, &now)).collect();
     let mut variants = Vec::new();
     for key in config::keys(description.machine()) {
         let Some(exact) = exact(description, key) else {
             continue;
         };
-        let mut known = description.clone();
+        let mut stated = description.clone();
         // A value that contradicts other keys is no statement.
-        if known.set(&format!("{key}={exact:e}")).is_ok() {
-            variants.push((key, estimates::<E>(&known, method, samples)?));
+        if stated.set(&format!("{key}={exact:e}")).is_ok() {
+            let all = estimates::<E>(&stated, method, samples)?;
+            // The estimates of all keys together would not fit into memory.
+            variants.push((key, known.iter().map(|k| k.std(&all)).collect()));
         }
     }
     let mut out =
         format!("What limits the 95 % intervals of {estimated}, where each is narrowest:\n");
-    let quantities = E::PARAMETERS.iter().filter(|p| p.headline() || p.is_load);
-    for quantity in quantities {
-        out += &limits(quantity, &now, &variants, description);
+    for (at, known) in known.iter().enumerate() {
+        let narrower = variants.iter();
+        let narrower = narrower.map(|(key, stds): &(&str, Vec<f64>)| (*key, stds[at]));
+        out += &known.limits(&now, narrower.collect(), description);
     }
     Ok(out)
 }
 
-/// The lines of one quantity.
-fn limits<E: Estimate>(
-    quantity: &Parameter<E, E::Truth>,
-    now: &[E],
-    variants: &[(&str, Vec<E>)],
-    description: &Description,
-) -> String {
-    let Some(counts) = best_rows(quantity, now) else {
-        return format!("  {}: not estimated\n", quantity.label);
-    };
-    let of = |all: &[E], number: fn(&Parameter<E, E::Truth>, &E) -> f64| {
-        let numbers: Vec<f64> = counts
-            .iter()
-            .filter_map(|i| Some(number(quantity, all.get(*i)?)))
-            .collect();
-        median(&numbers)
-    };
-    let width = |all: &[E]| of(all, |q, e| q.std(e));
-    let (value, present) = (of(now, |q, e| q.value(e)), width(now));
-    let words = |std: f64| half_width(quantity, value, std);
-    let mut out = format!("  {}: {}\n", quantity.label, words(present));
-    let narrower = variants.iter().map(|(key, all)| (*key, width(all)));
-    let mut narrower: Vec<_> = narrower
-        .filter(|(_, std)| *std < (1.0 - LEAST) * present)
-        .collect();
-    narrower.sort_by(|a, b| a.1.total_cmp(&b.1));
-    for (key, std) in narrower.into_iter().take(NAMED) {
-        let stated = match description.number(key) {
-            Some(number) if number > 0.0 => format!(" ({number})"),
-            _ => String::new(),
-        };
-        let _ = writeln!(out, "    {} if {key}{stated} were 0", words(std));
+/// A quantity with the rows in which it is known best; none if it is never estimated.
+struct Known<E: Estimate> {
+    quantity: &'static Parameter<E, E::Truth>,
+    rows: Vec<usize>,
+}
+
+impl<E: Estimate> Known<E> {
+    fn of(quantity: &'static Parameter<E, E::Truth>, now: &[E]) -> Self {
+        let rows = best_rows(quantity, now).unwrap_or_default();
+        Self { quantity, rows }
     }
-    out
+
+    /// Median of its standard deviation.
+    fn std(&self, all: &[E]) -> f64 {
+        self.median(all, |q, e| q.std(e))
+    }
+
+    fn median(&self, all: &[E], number: fn(&Parameter<E, E::Truth>, &E) -> f64) -> f64 {
+        let numbers = self.rows.iter().filter_map(|row| all.get(*row));
+        let numbers: Vec<f64> = numbers.map(|e| number(self.quantity, e)).collect();
+        median(&numbers)
+    }
+
+    /// Its lines: its half width now, and with each key next to exact.
+    fn limits(
+        &self,
+        now: &[E],
+        mut narrower: Vec<(&str, f64)>,
+        description: &Description,
+    ) -> String {
+        let quantity = self.quantity;
+        if self.rows.is_empty() {
+            return format!("  {}: not estimated\n", quantity.label);
+        }
+        let (value, present) = (self.median(now, |q, e| q.value(e)), self.std(now));
+        let words = |std: f64| half_width(quantity, value, std);
+        let mut out = format!("  {}: {}\n", quantity.label, words(present));
+        narrower.retain(|(_, std)| *std < (1.0 - LEAST) * present);
+        narrower.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (key, std) in narrower.into_iter().take(NAMED) {
+            let stated = match description.number(key) {
+                Some(number) if number > 0.0 => format!(" ({number})"),
+                _ => String::new(),
+            };
+            let _ = writeln!(out, "    {} if {key}{stated} were 0", words(std));
+        }
+        out
+    }
 }
 
 /// The rows in which a quantity is known best; of a load, of those with a load. `None` if it is never estimated.

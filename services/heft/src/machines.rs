@@ -214,7 +214,12 @@ fn estimate<M: MachineKind>(
     output: &Path,
     description: &Description,
 ) -> Result<(), Failure> {
-    let (samples, method) = opened::<M>(&args.with, file, description)?;
+    let (samples, method) = opened::<M>(
+        args.with.map.as_deref(),
+        args.with.method.as_deref(),
+        file,
+        description,
+    )?;
     samples.check()?;
     let map = sources::map(args.with.map.as_deref())?;
     let doubts = Doubts::<M::Look>::of(description).mapped(map);
@@ -232,7 +237,12 @@ fn follow<M: MachineKind>(
     description: &Description,
     see: See<'_>,
 ) -> Result<(), Failure> {
-    let (samples, method) = opened::<M>(with, file, description)?;
+    let (samples, method) = opened::<M>(
+        with.map.as_deref(),
+        with.method.as_deref(),
+        file,
+        description,
+    )?;
     let mut chain = chain(description, method)?;
     let map = sources::map(with.map.as_deref())?;
     let mut doubts = Doubts::<M::Look>::of(description).mapped(map);
@@ -256,10 +266,7 @@ fn limits<M: MachineKind>(
     map: Option<&Path>,
     description: &Description,
 ) -> Outcome<String> {
-    let map = sources::map(map)?;
-    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-    hint_at_names::<M::Sensors>(file, map.as_ref());
-    let method = method(description.machine(), None);
+    let (samples, method) = opened::<M>(map, None, file, description)?;
     let rows = samples.rows()?.map(|(sample, _)| sample.envelope());
     let mut rows: Vec<Envelope> = rows.take(limits::ROWS + 1).collect();
     let part = if rows.len() > limits::ROWS {
@@ -274,14 +281,15 @@ fn limits<M: MachineKind>(
 
 /// The samples of an input, checked for the method, and the method.
 fn opened<'a, M: MachineKind>(
-    with: &'a EstimationArgs,
+    map: Option<&Path>,
+    asked: Option<&'a str>,
     file: &Path,
     description: &Description,
 ) -> Result<(SamplesOf<M::Sensors>, &'a str), Failure> {
-    let map = sources::map(with.map.as_deref())?;
+    let map = sources::map(map)?;
     let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
     hint_at_names::<M::Sensors>(file, map.as_ref());
-    let method = method(description.machine(), with.method.as_deref());
+    let method = method(description.machine(), asked);
     if let Some((first, _)) = samples.rows()?.next() {
         M::check(description, method, &first)?;
     }
