@@ -10,6 +10,7 @@
 use super::Working;
 use super::fading::CONSTANTS;
 use super::filter::{DAMPING, FRICTION, Filter, SLOPE, W};
+use super::motion::WARMING;
 use super::trial::Trial;
 use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
@@ -121,7 +122,7 @@ impl Working {
         let age = time - core::mem::replace(&mut self.recall.confirmed_at, time);
         known.fade(&self.described(settings), exp(-age / LASTS), &CONSTANTS);
         for i in [FRICTION, DAMPING] {
-            known.p[i][i] += self.stated[i] * self.stated[i] * age / super::WARMING;
+            known.p[i][i] += self.stated[i] * self.stated[i] * age / WARMING;
         }
         for i in [SLOPE, SLOPE + 1] {
             known.p[i][i] = known.p[i][i].max(self.stated[i] * self.stated[i]);

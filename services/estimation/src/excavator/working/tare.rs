@@ -6,9 +6,11 @@ use core::f64::consts::TAU;
 use super::Working;
 use super::attachment::Emptied;
 use super::bucket::Content;
-use super::filter::{BUCKET, Filter, M};
+use super::filter::{BUCKET, Filter, M, W};
 use super::trail::Trail;
+use super::weigh::Weigh;
 use crate::excavator::drive::Drive;
+use crate::excavator::measurements::ground::SWEEPING;
 use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
 use crate::math::ln;
@@ -21,8 +23,44 @@ const KNOWN_STD_SHARE: f64 = 0.15;
 const RESIDUE_STD_SHARE: f64 = 0.05;
 /// Frequency of a load that stays (a hook, a clamp, clay) over that of a broken sensor.
 const STUCK_LOAD_ODDS: f64 = 100.0;
+/// Time within which an upper body that goes on accelerating reaches the velocity of a swing [s]: it sets off, and sweeps nothing.
+const SETS_OFF: f64 = 1.0;
 
 impl Working {
+    /// Follows the joints; returns how they may have changed the content. `share`: weight of new angles in the smoothed ones.
+    pub(super) fn content(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        share: f64,
+        stands: bool,
+    ) -> Content {
+        let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let digs = weighs.then(|| self.ground.digs());
+        let content = self.bucket.step(drive, share, stands, digs);
+        let (lengths, velocity) = (settings.geometry.lengths, self.filter.x[W]);
+        if weighs || !stands && velocity.abs() < SWEEPING {
+            self.ground
+                .step(drive.posture, lengths, (velocity, stands), drive.period);
+        } else {
+            self.ground.ends_sweep();
+        }
+        if self.bucket.is_settling() {
+            self.ground.opens();
+        }
+        let sets_off = velocity.abs() + SETS_OFF * self.gaining.abs() > SWEEPING;
+        if self.ground.is_pulled() && !sets_off {
+            // The bucket fills while the upper body sweeps.
+            return Content::Unknown;
+        }
+        content
+    }
+
+    /// Returns whether the bucket may still hold what was filled into it.
+    pub(super) fn carries(&self) -> bool {
+        !(self.bucket.is_settling() || self.bucket.is_emptied())
+    }
+
     /// Updates the filters for a change of the bucket's content.
     pub(super) fn hold(
         &mut self,
@@ -233,6 +271,7 @@ impl Working {
 mod tests {
     use super::*;
     use crate::excavator::keys::Description;
+    use crate::excavator::standstill::Phase;
 
     #[test]
     fn similar_contents_do_not_inform_the_bucket() {
@@ -250,5 +289,50 @@ mod tests {
         let (x, p) = (working.filter.x[BUCKET], working.filter.p[BUCKET][BUCKET]);
         assert!(x * x < p, "{x} {p}");
         assert!(p > 0.99 * before, "{p} {before}");
+    }
+
+    #[test]
+    fn a_content_is_unknown_where_the_arm_pulls_the_bucket_in_during_a_slow_sweep() {
+        let settings = Settings::of(&Description::default());
+        let known = 30.0 * 30.0;
+        // Variance of a content that was known before the arm moved by this angle [rad] in a second, at these swing velocities [rad/s].
+        let after = |arm: f64, velocity: fn(f64) -> f64| {
+            let mut working = Working::new(&settings, &settings.doubts.expect("doubts"));
+            let at = |share: f64, velocity: f64, working: &mut Working| {
+                let posture = [0.6, -1.8 + share * arm, -1.5];
+                let now = settings.geometry.inertia(posture);
+                let drive = Drive {
+                    period: 0.01,
+                    velocity: Some(velocity),
+                    variance: 2.5e-5,
+                    torque: 4000.0,
+                    now,
+                    mean: now,
+                    posture,
+                    driven: true,
+                    seen: true,
+                    ..Drive::default()
+                };
+                working.filter.set(W, velocity, 1e-4, &mut None);
+                working.step(&settings, &drive, Phase::Moving, &mut None);
+            };
+            (0..50).for_each(|_| at(0.0, 0.5, &mut working));
+            working.rest(0.0, 1e-6, &mut None);
+            (working.before, working.gaining) = (0.0, 0.0);
+            working.filter.set(M, 0.0, known, &mut None);
+            for k in 0..100 {
+                let time = f64::from(k) / 100.0;
+                at(time, velocity(time), &mut working);
+            }
+            working.filter.p[M][M]
+        };
+        let prior = settings.prior.payload_std * settings.prior.payload_std;
+        let swept = after(-0.3, |time| if time < 0.2 { 0.06 } else { 0.15 });
+        assert!(swept > 0.5 * prior, "{swept} {prior}");
+        let stretched = after(0.3, |time| if time < 0.2 { 0.06 } else { 0.15 });
+        assert!(stretched < 2.0 * known, "the arm stretches");
+        assert!(after(-0.3, |_| 0.5) < 2.0 * known, "the machine swings");
+        let sets_off = after(-0.3, |time| 0.02 + 0.4 * time);
+        assert!(sets_off < 2.0 * known, "the machine sets off");
     }
 }

@@ -1,11 +1,13 @@
 //! Estimate of the default estimator with its interval, and the reason why it may not be trusted.
 
+use super::Working;
 use super::filter::{
     BUCKET, DAMPING, DELAY, FRICTION, GAIN, LINKS, LOSS, OFFSET, SLOPE, SPAN, UPPER, W, ZERO,
 };
+use super::motion::GAIN_WALK;
+use super::pushes::SUSPICIOUS;
 use super::scale::anything;
 use super::weigh::Weigh;
-use super::{GAIN_WALK, SUSPICIOUS, Working};
 use crate::excavator::drive::Drive;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::reason::Reason;

@@ -4,6 +4,8 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | this file | the order of a row: which signals it has, what is stuck, when to begin anew |
+//! | `weighing`, `answer` | a row with all its signals; its answer with all deviations |
 //! | `drawing`, `numbers` | the described numbers, each with its standard deviation |
 //! | `common` | which of their errors all loads share, as a zero and a scale |
 //! | `geometry` | moment, payload and centre of gravity in a posture |
@@ -41,6 +43,7 @@
 //! | x_f | load ahead of the front axle, pivot_x + x_b | m |
 //! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: effect of arm and bucket away from it | -, m |
 
+mod answer;
 mod below;
 mod changed;
 mod common;
@@ -63,34 +66,32 @@ mod steps;
 mod stops;
 mod tare;
 mod turn;
-
-use core::ops::Deref;
+mod weighing;
 
 use super::input::carriage::Carriage;
 use super::layout::Each;
-use super::physics::cg_model::Loading;
 use super::sample::Sample;
 use super::settings::Settings;
 use crate::Quantity;
-use crate::math::{norm, sqrt};
+pub(super) use answer::{Carried, Said, Weighed};
 use below::Below;
-use changed::{Bucket, Changed, DOUBTED};
-use content::{Content, Motion};
+use changed::Changed;
+use content::Content;
 use doubt::Doubts;
 use drawing::Drawing;
 use drive::Drive;
-use geometry::{Empty, Posture, Shown, USUAL_ROD_PRESSURE};
+use geometry::{Posture, USUAL_ROD_PRESSURE};
 use grading::Grading;
 use inertial_mass::InertialMass;
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use linkage::Linkage;
-use numbers::{EMPTY_MASS, FRICTION, ROD_ZERO, TURN};
+use numbers::ROD_ZERO;
 use saturation::Saturation;
 use scale::Scale;
 use seals::Seals;
 use signals::{Now, Signals};
 use steps::{AngleSteps, MomentSteps};
-use stops::{End, Stops};
+use stops::Stops;
 use tare::Emptied;
 use turn::Turn;
 
@@ -104,8 +105,6 @@ const CHANGED: f64 = 60.0;
 const LIFTED: f64 = 0.15;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
-/// Standard deviations below zero beyond which a bucket at the lower end of the arm's travel rests on a stop or the ground.
-const CARRIED: f64 = 1.9;
 /// Speed above which the machine drives, and shakes its sensors [m/s].
 const DRIVING: f64 = 0.5;
 
@@ -147,61 +146,6 @@ pub(super) struct LiftWitness {
     changed: Changed,
     inertial: InertialMass,
     answer: Option<Weighed>,
-}
-
-/// What the machine carries in a row: input to the slip-based filter, whose states are those of the empty machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Carried {
-    /// Mass of the machine with its load [kg].
-    pub mass: f64,
-    /// Effect of load and arm on the empty machine's centre of gravity.
-    pub loading: Loading,
-    /// Standard deviations of ratio and height given the empty machine [-, m].
-    pub loading_std: [f64; 2],
-    /// The content may be changing, or the ground may carry a part of it.
-    pub open: bool,
-    /// The ground may carry a part of it.
-    pub rests: bool,
-}
-
-/// Estimate of a row from the pressures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Weighed {
-    /// Payload, not limited to positive values: an empty bucket may show less than 0 [kg].
-    pub payload: Quantity,
-    /// Front-axle load fraction.
-    pub ratio: Quantity,
-    /// Height of the centre of gravity [m].
-    pub height: Quantity,
-    /// Input to the slip-based filter.
-    pub carried: Carried,
-    /// Standard deviation of the payload by an unknown place of the tilt cylinder; 0 where the bucket turn is stated [kg].
-    pub undecided: f64,
-    /// Standard deviation by the pressure's gain at a load, included in that of the payload [kg]. Only a weighed load identifies it.
-    pub gain_left: f64,
-    /// The stated deviations do not explain the pressures (`below`), or a sensor has probably changed (beyond `DOUBTED`).
-    pub wrong: bool,
-    /// Signals of the arm are missing or too old: this is a prediction since the last weight (`silence`).
-    pub silent: bool,
-}
-
-/// Estimate of a row, or a prediction where signals are missing.
-pub(super) enum Said<'a> {
-    Weighed(&'a Weighed),
-    Silent(Weighed),
-}
-
-impl Deref for Said<'_> {
-    type Target = Weighed;
-
-    fn deref(&self) -> &Weighed {
-        match self {
-            Self::Weighed(weighed) => weighed,
-            Self::Silent(weighed) => weighed,
-        }
-    }
 }
 
 impl LiftWitness {
@@ -383,192 +327,6 @@ impl LiftWitness {
         }
     }
 
-    fn weigh(&mut self, [lift, bucket]: [f64; 2], mut posture: Posture, sample: &Sample, dt: f64) {
-        let stance = self.drawing.stance(&self.drawing.values, &posture);
-        self.seals.take(stance.rod_length, dt);
-        let low = self.drawing.is_low(posture.arm);
-        let (pushes, driving) = (self.drive.pushes(), drives(sample));
-        let mut motion = self.content.motion(
-            self.rates,
-            self.drawing.values[TURN],
-            [low, pushes],
-            sample.speed,
-            dt,
-        );
-        self.learn(&posture, &motion);
-        let (drawing, values) = (&self.drawing, &self.drawing.values);
-        posture.seals = self.seals.share();
-        let shown = drawing.shown(values, &stance, &posture);
-        // A low bucket rests only while the machine stands. Driven low it is carried, or levels: then the cylinders carry almost nothing.
-        let rests = low && !driving;
-        let pressed = drawing.pressed(values, shown.lever, &posture);
-        self.watch_steps((&shown, pressed), &motion, [rests, pushes], dt);
-        if !self.drawing.carries_itself(&shown) {
-            motion = self.content.put_down(&motion);
-        }
-        self.take(&shown, [posture.head, lift], driving, &motion, dt);
-        // While the moment swings, the content is unknown.
-        motion.open |= self.scale.swings();
-        posture.rest = self.scale.rest();
-        let (drawing, values) = (&self.drawing, &self.drawing.values);
-        let shown = Shown {
-            lifting: drawing.lifted(values, shown.lever, &posture),
-            ..shown
-        };
-        let payload = self.scale.payload();
-        let empty = drawing.empty_at(values, &stance);
-        let known = (!motion.open).then_some(payload);
-        let moment = shown.lifting / shown.per_load;
-        let at = low.then_some([lift, bucket]);
-        let weights = [moment, drawing.capacity];
-        let forward = sample.speed.unwrap_or(0.0) * dt;
-        if self.grading.see(known, at, weights, forward) {
-            motion = self.content.put_down(&motion);
-        }
-        // One number a row, but all in the first.
-        loop {
-            let payloads = [shown.payload(), payload.value];
-            let doubts = &mut self.doubts;
-            doubts.see(&mut self.drawing, (&stance, &posture), payloads, &empty);
-            if doubts.are_whole() {
-                break;
-            }
-        }
-        let drawn = self.doubts.shown();
-        let std = norm(&[payload.std, drawn]);
-        let shown = Quantity { std, ..payload };
-        // The ground may carry a low bucket, so only a high one hangs free.
-        let hangs = !low && self.below.explains(shown);
-        let capacity = self.drawing.capacity;
-        let tare = self.emptied.see(payload, &motion, hangs, capacity);
-        self.doubts.empty(tare);
-        let row = Bucket {
-            shown: payload,
-            doubts: &self.doubts,
-            motion: &motion,
-            in_the_air: (!low).then_some(bucket),
-            is_empty: tare.is_some_and(|tare| tare.at_dump),
-            rests,
-            capacity,
-        };
-        self.changed.see(&row, dt);
-        if !motion.open {
-            self.below.see(shown, empty.most(), rests, dt);
-        }
-        let answer = self.answer(&empty, &empty, payload, motion.open);
-        self.answer.insert(answer).carried.rests = motion.held;
-    }
-
-    /// Detects steps of the moment `pressed` by the pressures that no content makes. `rests`: the ground may carry a part of it; `pushes`:
-    /// the wheels push.
-    fn watch_steps(
-        &mut self,
-        (shown, pressed): (&Shown, f64),
-        motion: &Motion,
-        [rests, pushes]: [bool; 2],
-        dt: f64,
-    ) {
-        let acts =
-            motion.turning || pushes || self.stops.carry() && !self.moment_steps.is_stepping();
-        let rows = [shown.payload(), pressed, shown.per_load];
-        let Quantity { value, std } = self.scale.payload();
-        // The payload is unknown while the ground carries a part of it.
-        let is_known = !(motion.open || rests && value < -std);
-        let known = is_known.then_some(value);
-        if let Some(step) = self.moment_steps.see(rows, known, acts, dt) {
-            let landed = rests && step.level < 0.0;
-            let turned = step.by.abs() < 2.0 * self.friction(shown);
-            let empty = shown.empty / shown.per_load;
-            self.changed.step(step, empty, landed || turned);
-        }
-    }
-
-    /// Updates the payload with a row, and detects stops, saturation, jumps and ground contact.
-    fn take(
-        &mut self,
-        shown: &Shown,
-        [head, lift]: [f64; 2],
-        driving: bool,
-        motion: &Motion,
-        dt: f64,
-    ) {
-        self.stops.see(lift);
-        let drawing = &self.drawing;
-        self.scale.walk(drawing, &self.seals, motion, dt);
-        if self.stops.carry() {
-            self.scale.stop();
-            return;
-        }
-        let moves = motion.lifting || driving;
-        if self.saturation.see(head, moves, dt) {
-            return;
-        }
-        self.scale
-            .step(drawing, shown, &self.seals, motion, self.drive.measured, dt);
-        let is_low = self.stops.is_at(End::Lower, lift);
-        if self.stops.is_at(End::Upper, lift) && self.scale.presses(shown, motion) {
-            self.scale.stop();
-            self.stops.meet(End::Upper, lift);
-        } else if is_low && self.scale.swings() && self.is_less_than_nothing(shown.payload(), shown)
-        {
-            self.scale.stop();
-            self.stops.meet(End::Lower, lift);
-        } else if is_low
-            && !motion.open
-            && self.is_less_than_nothing(self.scale.payload().value, shown)
-        {
-            // It rests without a swing at contact: the payload is unknown.
-            self.scale.forget(drawing);
-            self.stops.meet(End::Lower, lift);
-        } else if self.scale.jumped() {
-            self.scale.open(drawing);
-            self.scale.dig(drawing, dt);
-            self.content.touch();
-        } else if motion.held {
-            self.scale.dig(drawing, dt);
-        }
-    }
-
-    /// The cylinders carry significantly less than the empty arm and bucket, given the deviations of drawing and seals.
-    fn is_less_than_nothing(&self, payload: f64, shown: &Shown) -> bool {
-        let seals = self.seals.unknown() * self.friction(shown);
-        let off = self.doubts.off();
-        payload - off.value < -CARRIED * norm(&[seals, off.std])
-    }
-
-    /// Friction of the seals, as a payload [kg].
-    fn friction(&self, shown: &Shown) -> f64 {
-        let (drawing, v) = (&self.drawing, &self.drawing.values);
-        v[FRICTION] * drawing.full_force(v) * shown.lever / shown.per_load
-    }
-
-    /// Probability that a sensor of the arm has changed.
-    fn changed(&self) -> f64 {
-        if self.angle_steps.iter().any(AngleSteps::has_stepped) {
-            1.0
-        } else {
-            let (emptied, moved) = (self.changed.probability(), self.inertial.probability());
-            if emptied > moved { emptied } else { moved }
-        }
-    }
-
-    /// Updates the bucket turn from the angles. The measured moment stays; with another lever it is another payload.
-    fn learn(&mut self, posture: &Posture, motion: &Motion) {
-        let (Some(linkage), Some(angles)) = (&mut self.linkage, self.angles) else {
-            return;
-        };
-        if !self.signals.measure_tilt() {
-            return;
-        }
-        let Some(turn) = linkage.see(angles, motion.lifting && !motion.held) else {
-            return;
-        };
-        let old = self.drawing;
-        self.know(TURN, turn);
-        let moments = [&old, &self.drawing].map(|d| d.moments(&d.values, posture));
-        self.scale.redraw(moments);
-    }
-
     /// Sets a number of the drawing, and rescales its effects on the answer.
     fn know(&mut self, number: usize, known: Quantity) {
         let (value, std) = (self.drawing.values[number], self.drawing.std[number]);
@@ -581,53 +339,6 @@ impl LiftWitness {
         };
         self.doubts.learnt(number, by, moved);
         self.drawing.set(number, known);
-    }
-
-    /// Centre of gravity with this payload, with all deviations. `moved`: the machine with its arm one deviation away, where the angles
-    /// are not measured. `open`: the content is not known.
-    fn answer(&self, machine: &Empty, moved: &Empty, payload: Quantity, open: bool) -> Weighed {
-        let drawing = &self.drawing;
-        let centre = machine.with(payload.value);
-        // An emptied bucket does not identify the gain at the pressure of a load.
-        let gain_left = drawing.gain_left_std * payload.value.max(0.0);
-        // With a changed sensor the content may be anything up to the capacity.
-        let changed = self.changed();
-        let anything = sqrt(changed) * drawing.capacity;
-        let std = norm(&[payload.std, gain_left, anything]);
-        let more = moved.with(payload.value + std);
-        let rows = [std, more.ratio - centre.ratio, more.height - centre.height];
-        let shown = self
-            .doubts
-            .doubted(payload.value, centre, rows, self.below.factor());
-        // While the content may be changing, the deviation is mostly that of the content itself: the bound at 0 is not applied.
-        let widened = if open {
-            shown
-        } else {
-            shown.not_less_than_nothing()
-        };
-        let mass = drawing.values[EMPTY_MASS] + widened.payload.value;
-        let share = drawing.values[EMPTY_MASS] / mass;
-        let (empty, Each { ratio, height }) = (self.empty(), widened.centre);
-        Weighed {
-            payload: shown.payload,
-            ratio,
-            height,
-            carried: Carried {
-                mass,
-                loading: Loading {
-                    share,
-                    height: height.value - share * empty.height.0,
-                    ratio: ratio.value - share * empty.ratio.0,
-                },
-                loading_std: [widened.moved.ratio, widened.moved.height],
-                open,
-                rests: false,
-            },
-            undecided: self.linkage.map_or(0.0, |_| self.doubts.of_payload(TURN)),
-            gain_left,
-            wrong: !self.below.explains(shown.payload) || changed > DOUBTED,
-            silent: false,
-        }
     }
 }
 
