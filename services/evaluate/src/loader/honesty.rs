@@ -254,6 +254,16 @@ mod tests {
     }
 
     #[test]
+    fn the_mass_of_a_load_is_enough_where_no_boom_motion_is_reported() {
+        let run = work(effects("payload", "mass stated"), true, 13);
+        for [ratio, _] in tally(&run, false).unwrap() {
+            assert!(ratio.trusted() > 0.3, "{}", ratio.trusted());
+            assert!(ratio.wrong() <= 0.05, "{}", ratio.wrong());
+            assert!(ratio.covered() > 0.93, "{}", ratio.covered());
+        }
+    }
+
+    #[test]
     fn a_machine_that_straightens_out_of_a_curve_learns_no_ratio_from_it() {
         // Machines of 20 t whose first evaluated rows follow a curve.
         for seed in [9, 15] {

@@ -14,6 +14,10 @@ use crate::math::sqrt;
 
 /// Correlation time of a force that the torques do not explain [s]: a bucket enters a pile.
 const FORCE_TIME: f64 = 0.25;
+/// Horizontal distance by which a lift moves the load [wheelbases].
+const LIFT_REACH: f64 = 0.1;
+/// Time from lift to lift of a loader at work [s].
+const LIFT_INTERVAL: f64 = 30.0;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Process noise of a step, by state: random walks, and what was loosened.
@@ -95,7 +99,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let (keys, prior) = (&settings.estimator, &settings.prior);
         if boom_moving || self.lifts_unreported(settings) {
             std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
-            std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
+            std[CG_RATIO] = if boom_moving {
+                keys.boom_gain * scale * keys.q_cg_ratio
+            } else {
+                // A wider walk makes the valley of ratio, radii and their sensitivity look like information.
+                let lift = self.load.share() * LIFT_REACH;
+                std[CG_RATIO].max(lift * scale * sqrt(REFERENCE_STEP / LIFT_INTERVAL))
+            };
         }
         let weighed = self.is_loaded();
         if weighed {

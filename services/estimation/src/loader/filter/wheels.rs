@@ -105,6 +105,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 + self.effect.closing / self.dynamics.wheel_radius,
             turn: self.effect.turn,
             torques: [model.inputs.front_torque, model.inputs.rear_torque],
+            share: model.loading.share * seen.state[CG_RATIO] + model.loading.ratio,
         };
         self.wheel_lag.see(&self.dynamics, &row, model.dt);
     }
