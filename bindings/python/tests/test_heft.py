@@ -324,6 +324,8 @@ def test_two_recordings_calibrate_a_machine_and_one_of_standstill_does_not(tmp_p
     out.unlink()
     with pytest.raises(heft.HeftError, match="stands still"):
         heft.calibrate("excavator", [GOLDEN / "excavator_input_base_case2.csv"], out)
+    with pytest.raises(heft.HeftError, match="int is no path"):
+        heft.calibrate("excavator", [empty], out, payload={3: 0})
     assert not out.exists()
     # Under other names, by a map.
     foreign, map = tmp_path / "foreign.csv", tmp_path / "map.toml"

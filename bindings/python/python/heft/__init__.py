@@ -314,6 +314,8 @@ def _files(recordings: Any, why: str) -> list[str]:
 
 def _path(file: PathLike) -> str:
     """A path that the command cannot take for an option."""
+    if not isinstance(file, (str, os.PathLike)):
+        raise HeftError(f"{type(file).__name__} is no path of a recording")
     path = os.fspath(file)
     return os.path.join(".", path) if path.startswith("-") else path
 
