@@ -17,6 +17,26 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
 }
 
 #[test]
+fn a_command_of_another_name_is_refused_before_the_package_is_made() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let built = Command::new(root.join("services/heft/debian/build"))
+        .arg(folder.path())
+        .env("HEFT", "/bin/true")
+        .output();
+    let Ok(built) = built else {
+        let _ = writeln!(std::io::stderr(), "skipped: no python3");
+        return;
+    };
+    let said = String::from_utf8_lossy(&built.stderr);
+    assert_eq!(built.status.code(), Some(1), "{said}");
+    assert!(
+        said.starts_with("HEFT=/") && said.lines().count() == 1,
+        "{said}"
+    );
+}
+
+#[test]
 fn the_package_of_a_fleet_has_its_programs_units_and_defaults() {
     if output("dpkg-deb", &["--version"]).is_none() || output("python3", &["--version"]).is_none() {
         let _ = writeln!(std::io::stderr(), "skipped: no dpkg-deb, no python3");

@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::process::Command;
 use std::time::Duration;
 
 use common::{Running, both, kill, run, wait_until, words};
@@ -107,6 +108,40 @@ fn killed_excavator_services_go_on_from_their_states() {
     let (all, unknown) = replayed(&recording);
     // Answers lost with a death, and those up to the next state of stages that read from the dead one.
     assert!(unknown * 10 < all, "{unknown} of {all}");
+}
+
+/// `XDG_RUNTIME_DIR` may be another file system than `/dev/shm`, as in the unit. It is filled while a service is killed.
+#[test]
+fn a_service_waits_for_room_in_a_runtime_folder_that_others_fill() {
+    let place = tempfile::tempdir().expect("a folder");
+    let at = place.path().display();
+    let script = format!(
+        "mount -t tmpfs -o size=4m,mode=700 tmpfs {at} && export XDG_RUNTIME_DIR={at} && exec \"$@\""
+    );
+    let behind = |program: &str| {
+        let mut command = Command::new("unshare");
+        command.args(["--mount", "sh", "-c", &script, "sh", program]);
+        command
+    };
+    if !behind("true").status().is_ok_and(|s| s.success()) {
+        eprintln!("skipped: this user may not mount");
+        return;
+    }
+    let heft = behind(env!("CARGO_BIN_EXE_heft"));
+    let running = Running::start_with(heft, "filled", ["excavator", "--duration", "12"]);
+    running.wait_for_services();
+    std::thread::sleep(Duration::from_secs(1));
+    let filler = format!("/proc/{}/root{at}/of-others", running.child.id());
+    std::fs::write(&filler, vec![1; 8 << 20]).expect_err("it is full");
+    let victim = running.service("ukf").expect("it runs");
+    kill(victim, Signal::KILL);
+    std::thread::sleep(Duration::from_secs(2));
+    std::fs::remove_file(&filler).expect("it can be freed");
+    let (output, _folder) = running.wait();
+    let said = both(&output);
+    assert!(said.contains("the folder of the domains has"), "{said}");
+    assert!(!said.contains("ended early"), "{said}");
+    assert!(said.contains("ukf died"), "{said}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList, PyTuple};
 use recording::frame::{self, Values};
-use recording::{Lacks, Map, Reader};
+use recording::{Kind, Lacks, Map, Reader};
 use steps::stages::Pipeline;
 
 use crate::kind::{Estimates, kind};
@@ -151,13 +151,11 @@ fn estimate_file<'py>(
     estimated(py, result?)
 }
 
-/// The description in a recording of heft.
+/// The description in a recording of heft: a file of any name, or the folder of a run.
 fn recorded_description(path: &str) -> PyResult<Option<String>> {
     let path = Path::new(path);
-    if !path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"))
-    {
+    // What cannot be read is named where its rows are read.
+    if !Kind::of(path).is_ok_and(|kind| kind == Kind::Recording) {
         return Ok(None);
     }
     let reader = Reader::open(path).map_err(refused)?;

@@ -3,6 +3,7 @@
 import datetime
 import os
 import pickle
+import shutil
 import subprocess
 import time
 import warnings
@@ -201,7 +202,8 @@ def test_missing_values_are_missing_samples():
 
 
 def test_a_recording_reads_back_with_units(tmp_path):
-    run = ["run", "excavator", "--duration", "5", "--pace", "max", "--out", str(tmp_path)]
+    # With another machine file than the reference machine's, so that it shows which one is taken.
+    run = ["run", "excavator", "--set", "machine.nominal_damping=900", "--duration", "5", "--pace", "max", "--out", str(tmp_path)]
     done = subprocess.run([heft.command(), *run], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     (recording,) = tmp_path.rglob("*.mcap")
@@ -210,8 +212,9 @@ def test_a_recording_reads_back_with_units(tmp_path):
     assert sensors.attrs["units"]["swing_velocity"] == "rad/s"
     # One sensor row, one estimate: the recording replays through `estimate`, with the machine that it brings.
     recorded = channels["excavator/inertia_ukf"]
-    for again in (heft.estimate(sensors, "excavator"), heft.estimate(recording, "excavator")):
-        assert (bits(again["inertia"]) == bits(recorded["inertia"])).all()
+    renamed = shutil.copy(recording, tmp_path / "monday.bin")
+    for again in (sensors, recording, tmp_path, renamed):
+        assert (bits(heft.estimate(again, "excavator")["inertia"]) == bits(recorded["inertia"])).all(), again
     assert "[machine]" in channels.attrs["heft.description"]
     changed = heft.estimate(sensors, "excavator", config={"sensors.swing_velocity_std": 0.05})
     assert not (bits(changed["inertia"]) == bits(recorded["inertia"])).all()
@@ -321,6 +324,8 @@ def test_two_recordings_calibrate_a_machine_and_one_of_standstill_does_not(tmp_p
     out.unlink()
     with pytest.raises(heft.HeftError, match="stands still"):
         heft.calibrate("excavator", [GOLDEN / "excavator_input_base_case2.csv"], out)
+    with pytest.raises(heft.HeftError, match="int is no path"):
+        heft.calibrate("excavator", [empty], out, payload={3: 0})
     assert not out.exists()
     # Under other names, by a map.
     foreign, map = tmp_path / "foreign.csv", tmp_path / "map.toml"

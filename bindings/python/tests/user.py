@@ -1,6 +1,7 @@
 """What a user writes; `mypy --strict` must pass."""
 
-from typing import Tuple
+from pathlib import Path
+from typing import Dict, Tuple
 
 import heft
 import numpy as np
@@ -29,5 +30,7 @@ def look_back(file: str) -> float:
 
 
 def calibrated(file: str) -> float:
-    found = heft.calibrate("excavator", [file], "machine.toml", payload={file: "400±5"})
+    found = heft.calibrate("excavator", [file], "machine.toml", payload={"empty.csv": 0, file: "400±5"})
+    weighed: Dict[str, int] = {"empty.csv": 0}
+    found = heft.calibrate("excavator", [Path(file)], "machine.toml", payload=weighed, mass={Path(file): 5500})
     return found["machine.nominal_damping"].std

@@ -5,7 +5,7 @@ use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
 use messages::{Health, State};
-use runtime::{Bell, Control, Domain, is_stopped, now_ns};
+use runtime::{Bell, Control, Domain, Needs, is_stopped, now_ns};
 use steps::stages::{Role, Stage};
 
 use crate::failure::Failure;
@@ -20,10 +20,7 @@ const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// Number of consecutive starts refused by the system that ends the run: five seconds.
 const MAX_REFUSALS: u32 = 50;
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
-/// Shared memory \[bytes\] and file names there that a service needs to start, and time for which their lack is waited out: other
-/// programs may free them.
-const SERVICE_BYTES: u64 = 16 << 20;
-const SERVICE_NAMES: u64 = 64;
+/// Time for which a lack of memory is waited out: other programs may free it.
 const STARVED_LIMIT: Duration = Duration::from_secs(5);
 /// Age of a health report above which a process is checked: reports come three times a second.
 const LATE: Duration = Duration::from_millis(350);
@@ -31,17 +28,6 @@ const LATE: Duration = Duration::from_millis(350);
 const STOPPED_LIMIT: Duration = Duration::from_millis(350);
 /// Silence after which a process that has reported its health is ended, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
-
-/// The reason why shared memory does not suffice to start a service.
-fn lack_of_shared_memory() -> Option<String> {
-    let about = rustix::fs::statvfs("/dev/shm").ok()?;
-    if about.f_bavail.saturating_mul(about.f_frsize) < SERVICE_BYTES {
-        return Some("shared memory (/dev/shm) is full".into());
-    }
-    // A file system that counts no names has no limit of them.
-    let is_short = about.f_files > 0 && about.f_favail < SERVICE_NAMES;
-    is_short.then(|| "shared memory (/dev/shm) takes no more names".into())
-}
 
 /// A service and its life.
 pub struct Supervised {
@@ -66,7 +52,7 @@ pub struct Supervised {
     stopped: Option<Instant>,
     quick_deaths: u32,
     refusals: u32,
-    /// Since when it finds no shared memory to start with.
+    /// Since when it finds no memory to start with.
     starved: Option<Instant>,
     next: Next,
 }
@@ -163,10 +149,11 @@ impl Supervised {
     }
 
     /// Plans the restart after a death; `Err` with the reason when a restart is pointless.
-    pub fn plan_restart(&mut self, status: ExitStatus) -> Result<(), String> {
+    pub fn plan_restart(&mut self, status: ExitStatus, domain: &Domain) -> Result<(), String> {
         let is_quick = self.started.elapsed() < QUICK;
-        if let Some(lack) = is_quick.then(lack_of_shared_memory).flatten() {
-            return self.wait_for_memory(&lack);
+        let lack = is_quick.then(|| runtime::lack(&domain.folder(), Needs::Service));
+        if let Some(lack) = lack.flatten() {
+            return self.wait_for_memory(&format!("{} ({})", lack.what, lack.place));
         }
         self.starved = None;
         self.quick_deaths = if is_quick { self.quick_deaths + 1 } else { 0 };
@@ -181,7 +168,7 @@ impl Supervised {
         Ok(())
     }
 
-    /// Plans another start of a service that found no shared memory; `Err` when the lack lasts.
+    /// Plans another start of a service that found no memory; `Err` when the lack lasts.
     fn wait_for_memory(&mut self, lack: &str) -> Result<(), String> {
         let name = self.process.name;
         let since = *self.starved.get_or_insert_with(|| {

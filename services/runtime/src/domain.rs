@@ -17,11 +17,8 @@ use rustix::fs::OFlags;
 
 use crate::Error;
 use crate::home::{self, SHARED_MEMORY};
+use crate::room::{self, Needs};
 
-/// Shared memory that one run may need, with margin [bytes]; with less a run would end in SIGBUS.
-const ROOM_BYTES: u64 = 64 << 20;
-/// Number of names in shared memory that one run may need: an excavator has 250.
-const ROOM_NAMES: u64 = 300;
 /// Longest time for which a command that only inspects a domain holds its lock.
 const LOOK: Duration = Duration::from_millis(500);
 /// Files of a domain, next to its lock.
@@ -109,10 +106,14 @@ impl Domain {
     /// # Errors
     /// A living supervisor holds it, or shared memory is missing, full or not writable.
     pub fn take(&self) -> Result<Owner, Error> {
-        check_room()?;
+        check_places()?;
+        let home = home::make()?;
+        if let Some(lack) = room::lack(&home, Needs::Run) {
+            return Err(lack);
+        }
         let domain = Self {
             name: self.name.clone(),
-            home: Some(home::make()?),
+            home: Some(home),
         };
         let folder = domain.folder();
         let failed =
@@ -369,12 +370,7 @@ fn objects(is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     entries.map(|entry| entry.path()).collect()
 }
 
-/// Free shared memory \[bytes\].
-pub fn free_shared_memory() -> u64 {
-    rustix::fs::statvfs(SHARED_MEMORY).map_or(0, |s| s.f_bavail.saturating_mul(s.f_frsize))
-}
-
-fn check_room() -> Result<(), Error> {
+fn check_places() -> Result<(), Error> {
     for (place, remedy) in [
         (
             SHARED_MEMORY,
@@ -391,28 +387,7 @@ fn check_room() -> Result<(), Error> {
             return Err(Error::new(what, place, remedy));
         }
     }
-    let free = free_shared_memory();
-    if free < ROOM_BYTES {
-        return Err(Error::new(
-            format!(
-                "shared memory has {} MiB free, a run needs {} MiB",
-                free >> 20,
-                ROOM_BYTES >> 20
-            ),
-            SHARED_MEMORY,
-            "run `heft doctor --clean`, remove other files there, or mount it larger (containers: --shm-size)",
-        ));
-    }
-    let names = rustix::fs::statvfs(SHARED_MEMORY).map(|s| (s.f_files, s.f_favail));
-    match names {
-        // A file system that does not count names reports zero.
-        Ok((1.., left)) if left < ROOM_NAMES => Err(Error::new(
-            format!("shared memory takes {left} more names, a run needs {ROOM_NAMES}"),
-            SHARED_MEMORY,
-            "run `heft doctor --clean`, remove other files there, or mount it with more (nr_inodes)",
-        )),
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 #[cfg(test)]

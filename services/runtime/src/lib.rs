@@ -13,6 +13,7 @@
 //! | `bell` | wake-ups |
 //! | `worker`, `control`, `requests` | the life cycle of a process, the protocol of the supervisor, its requests |
 //! | `domain`, `home`, `cleaner` | files of a run: their place, owner, removal |
+//! | `room` | what a run needs in memory, and which file system lacks it |
 //! | `window` | view of a run for a group of other users |
 //! | `telemetry`, `pulse` | counters, and detection of a step that hangs |
 //! | `realtime`, `clock` | scheduling and time |
@@ -31,6 +32,7 @@ mod probe;
 mod pulse;
 pub mod realtime;
 mod requests;
+mod room;
 mod run_sink;
 mod sink;
 mod source;
@@ -45,7 +47,7 @@ pub use bell::Bell;
 pub use cleaner::Cleaner;
 pub use clock::{now_ns, processor_time, processor_time_of, since_1970, sleep_until};
 pub use control::{Control, ControlWord};
-pub use domain::{Domain, Owner, free_shared_memory};
+pub use domain::{Domain, Owner};
 pub use error::Error;
 pub use home::make as home;
 pub use live::{Live, Polled, run_live};
@@ -53,6 +55,7 @@ pub use ports::{ChannelOwner, EventListener, Input, Output, Ports, Received, Tel
 pub use probe::{Arrival, Wake, run_probe};
 pub use pulse::is_stopped;
 pub use requests::Begin;
+pub use room::{Needs, free_shared_memory, lack};
 pub use run_sink::run_sink;
 pub use sink::Sink;
 pub use source::{Pace, run_source};

@@ -19,7 +19,7 @@ import sysconfig
 import tempfile
 from pathlib import Path
 import warnings
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Mapping, Optional, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Mapping, Optional, Tuple, TypeVar, Union, overload
 
 import numpy as np
 
@@ -76,6 +76,9 @@ class Channels(Dict[str, Any]):
 
 PathLike = Union[str, "os.PathLike[str]"]
 Config = Union[None, PathLike, Mapping[str, Any]]
+# A mapping has one type of key: strings, or paths.
+_Loaded = TypeVar("_Loaded", bound=PathLike)
+_Heavy = TypeVar("_Heavy", bound=PathLike)
 Machine = Literal["excavator", "loader"]
 Method = Union["ExcavatorMethod", "LoaderMethod"]
 
@@ -189,8 +192,8 @@ def calibrate(
     recordings: Iterable[PathLike],
     output: PathLike,
     *,
-    payload: Optional[Mapping[PathLike, str]] = None,
-    mass: Optional[Mapping[PathLike, str]] = None,
+    payload: Optional[Mapping[_Loaded, Union[str, float]]] = None,
+    mass: Optional[Mapping[_Heavy, Union[str, float]]] = None,
     config: Config = None,
     map: Optional[PathLike] = None,
     weigh: Optional[Mapping[Optional[PathLike], PathLike]] = None,
@@ -201,7 +204,7 @@ def calibrate(
 ) -> Calibration:
     """The machine's own parameters from recordings, written as a description to ``output``.
 
-    ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns the parameters
+    ``payload`` and ``mass`` say what was weighed, such as ``{"empty.csv": 0, "full.csv": "400±5"}``. Returns the parameters
     that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed. ``map`` is the signal map of
     recordings with other names. Of a loader, ``weigh`` gives the axle scales of a recording, or (None) of the machine
     without load, and ``out_and_back`` pairs of recordings on one path, the second with the machine turned round.
@@ -311,6 +314,8 @@ def _files(recordings: Any, why: str) -> list[str]:
 
 def _path(file: PathLike) -> str:
     """A path that the command cannot take for an option."""
+    if not isinstance(file, (str, os.PathLike)):
+        raise HeftError(f"{type(file).__name__} is no path of a recording")
     path = os.fspath(file)
     return os.path.join(".", path) if path.startswith("-") else path
 

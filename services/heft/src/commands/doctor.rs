@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use runtime::{Domain, free_shared_memory, realtime};
+use runtime::{Domain, Needs, free_shared_memory, realtime};
 use rustix::process::{Resource, getrlimit};
 
 use crate::failure::Failure;
@@ -171,18 +171,17 @@ fn recordings() -> Vec<Finding> {
 }
 
 fn room() -> Vec<Finding> {
+    let home = runtime::home().ok();
+    if let Some(lack) = home.and_then(|home| runtime::lack(&home, Needs::Run)) {
+        return vec![bad(format!("{}: {}", lack.place, lack.what), lack.remedy)];
+    }
     let mib = free_shared_memory() >> 20;
-    let what = format!("{mib} MiB free in /dev/shm");
-    vec![if mib >= 128 {
-        good(what)
-    } else if mib >= 64 {
-        good(format!("{what}: room for one run only"))
+    let few = if mib < 128 {
+        ": room for one run only"
     } else {
-        bad(
-            what,
-            "a run needs 64 MiB; mount -o remount,size=256M /dev/shm (containers: --shm-size=256m)",
-        )
-    }]
+        ""
+    };
+    vec![good(format!("{mib} MiB free in /dev/shm{few}"))]
 }
 
 fn priority() -> Vec<Finding> {

@@ -24,7 +24,7 @@ impl Supervisor {
         };
         let service = worker.process.name;
         let hung = worker.hung;
-        worker.plan_restart(status)?;
+        worker.plan_restart(status, self.owner.domain())?;
         self.watch.note(match hung {
             Some(silence) => Fault::Hung {
                 service,

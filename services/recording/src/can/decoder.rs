@@ -235,7 +235,8 @@ impl<S: Sensors> Decoder<S> {
             return Ok(());
         };
         let signal = &silent.entry.signal;
-        let is_long = |bus: &&Bus| bus.message.j1939 && bus.message.is_long();
+        // Many a DBC of J1939 lacks the attributes that say so.
+        let is_long = |bus: &&Bus| bus.message.extended && bus.message.is_long();
         let mut own = self.terms.iter().filter(|bus| bus.entry.signal == *signal);
         let what = format!("{log} has no value of {signal}");
         let (what, remedy) = match own.find(is_long) {
@@ -248,7 +249,7 @@ impl<S: Sensors> Decoder<S> {
                     "{what}: {} is longer than 8 bytes, and heft does not read the transport protocol of J1939 (BAM, RTS/CTS)",
                     bus.message.name
                 ),
-                "map a message of 8 bytes, or have a gateway send the signal in one",
+                "map a message of 8 bytes, or have a gateway send the signal in one; on CAN FD check message, source and interface",
             ),
         };
         Err(Error::new(what, self.map.place(&silent.entry), remedy))

@@ -189,3 +189,42 @@ fn a_file_that_says_it_is_a_log_and_is_not_is_an_error() {
     let error = load::<ExcavatorSensors>(&path, Some(&map)).expect_err("no log");
     assert!(error.to_string().len() < 1000, "{error}");
 }
+
+/// A DBC of J1939 need not say that it is one.
+#[test]
+fn a_message_of_the_transport_protocol_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writable");
+        path
+    };
+    file(
+        "m.dbc",
+        "BO_ 2566869249 SWING: 8 E\n SG_ Speed : 0|16@1- (0.001,0) [0|0] \"rad/s\" E\n\
+         BO_ 2566869761 BIG: 12 E\n SG_ Head : 0|32@1- (1,0) [0|0] \"Pa\" E\n",
+    );
+    let map = file(
+        "map.toml",
+        "[can]\ndbc = [\"m.dbc\"]\nrate = 100\n[can.signals]\n\
+         swing_velocity = { message = \"SWING\", signal = \"Speed\" }\n\
+         boom_head_pressure = { message = \"BIG\", signal = \"Head\" }\n",
+    );
+    let rows = (0..200).map(|i| {
+        format!(
+            "({}.{:02}) c 18FF5101#0{}00000000000000\n",
+            i / 100,
+            i % 100,
+            i % 9
+        )
+    });
+    let log = file("day.log", &rows.collect::<String>());
+    let map = Map::read(&map).expect("a map");
+    let error = load::<ExcavatorSensors>(&log, Some(&map))
+        .map(drop)
+        .expect_err("no pressure");
+    assert!(
+        error.to_string().contains("transport protocol of J1939"),
+        "{error}"
+    );
+}
