@@ -53,8 +53,8 @@ pub struct Guess {
     pub lever: f64,
     /// Shares of the load that swing at each of the rates.
     pub swinging: [f64; RATES.len()],
-    /// True minus measured joint angles [rad].
-    pub zeros: [f64; 3],
+    /// Offsets of the joint angles beyond the described ones, measured less true \[rad\].
+    pub angle_offsets: [f64; 3],
     /// First moment of the upper body [kg m].
     pub upper_moment: f64,
     /// Slope of the ground across and along the machine at the start of the recording [rad].
@@ -88,9 +88,9 @@ impl Inertias<'_> {
         let s = self.series;
         let g = self.guess;
         let [mut links, mut leverage] = [s.links[k], s.leverage[k]];
-        for (zero, [of_links, of_load]) in g.zeros.iter().zip(s.per_angle[k]) {
-            links += zero * of_links;
-            leverage += zero * of_load;
+        for (offset, [of_links, of_load]) in g.angle_offsets.iter().zip(s.per_angle[k]) {
+            links -= offset * of_links;
+            leverage -= offset * of_load;
         }
         g.upper_inertia + g.link_scale * links + g.lever * self.payload * leverage
     }

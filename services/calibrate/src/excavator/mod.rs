@@ -15,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
-use estimation::excavator::{Geometry, Sample};
+use estimation::excavator::{Geometry, Sample, Settings, true_posture};
 
 pub use cylinder::CylinderFit;
 pub use loads::Doubt;
@@ -120,7 +120,7 @@ impl Outcome {
 /// A key of `free` that cannot be identified; the error names those that can.
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
     let geometry = Geometry::of(options.description);
-    let series: Vec<Series> = inputs
+    let series: Vec<Series> = with_true_angles(inputs, options.description)
         .iter()
         .map(|i| Series::new(&i.name, &i.samples, &geometry))
         .collect();
@@ -151,7 +151,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     if options.free.is_none()
         && outcome.faults.is_empty()
         && let Some((found, _)) = outcome.description(options.description, &[])
-        && let Some(learnt) = cylinder::learn(&found, inputs)
+        && let Some(learnt) = cylinder::learn(&found, &with_true_angles(inputs, &found))
     {
         let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
         outcome.remarks.push(words);
@@ -162,6 +162,16 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.faults.push(words::GUESSED_PIN.into());
     }
     Ok(outcome)
+}
+
+/// The recordings with joint angles that are free of the described offsets.
+fn with_true_angles(inputs: &[Input], d: &Description) -> Vec<Input> {
+    let offsets = Settings::of(d).sensors.angle_offsets;
+    let mut inputs = inputs.to_vec();
+    for sample in inputs.iter_mut().flat_map(|input| &mut input.samples) {
+        sample.posture = true_posture(sample.posture, offsets);
+    }
+    inputs
 }
 
 /// Parameters that stay as described.
@@ -292,11 +302,11 @@ fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<Stri
 }
 
 /// Sorts the swings of loaded recordings into loaded and empty ones, from a first fit of the recordings with an empty bucket. This fit is
-/// not stopped: a part of it would sort wrongly. Zeros of angles are held: they would absorb faults of a torque.
+/// not stopped: a part of it would sort wrongly. Offsets of angles are held: they would absorb faults of a torque.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
-    let is_zero = |role: &Role| matches!(role, Role::Zero(_));
+    let is_offset = |role: &Role| matches!(role, Role::AngleOffset(_));
     let roles = swings.roles.iter().zip(fixed);
-    let fixed: Vec<bool> = roles.map(|(role, f)| *f || is_zero(role)).collect();
+    let fixed: Vec<bool> = roles.map(|(role, f)| *f || is_offset(role)).collect();
     let fixed = fixed.as_slice();
     let empty: Vec<usize> = (0..swings.series.len())
         .filter(|&r| swings.stated[r].is_some_and(|t| t.value == 0.0))
@@ -336,7 +346,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Payload(_)
         | Role::UpperMoment
         | Role::Swinging(_)
-        | Role::Zero(_)
+        | Role::AngleOffset(_)
         | Role::Across(_)
         | Role::Along(_) => 0.0,
     };

@@ -113,14 +113,14 @@ impl Outcome {
                 pen.value(prompt, none);
                 pen.std(&format!("{prompt}_std"), 0.0);
             }
-            Role::MotionNoise | Role::TorqueNoise => {
+            Role::MotionNoise | Role::TorqueNoise | Role::AngleOffset(_) => {
                 if let Some(i) = self.swings.index(role) {
                     let key = self.swings.parameters[i].key.clone();
                     pen.value(&key, q);
                 }
             }
             Role::Payload(_) | Role::Lever => {}
-            Role::Swinging(_) | Role::Zero(_) => {}
+            Role::Swinging(_) => {}
             Role::UpperMoment | Role::Across(_) | Role::Along(_) => {}
         }
     }

@@ -106,7 +106,7 @@ mod tests {
             payload,
             lever,
             swinging,
-            zeros: [0.0; 3],
+            angle_offsets: [0.0; 3],
             upper_moment: 0.0,
             slope: [0.0; 2],
         };

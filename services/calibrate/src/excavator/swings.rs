@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
-use estimation::excavator::{Doubts, Geometry};
+use estimation::excavator::{Doubts, Geometry, Settings};
 
 use super::filter::{self, Guess};
 use super::series::{Load, Measured, Series, Swing};
@@ -43,7 +43,7 @@ pub enum Role {
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
     /// Zero of a joint angle.
-    Zero(usize),
+    AngleOffset(usize),
     /// First moment of the upper body.
     UpperMoment,
     /// Slope of the ground in a recording, across the machine at its beginning.
@@ -71,7 +71,7 @@ impl Role {
         matches!(
             self,
             Self::Swinging(_)
-                | Self::Zero(_)
+                | Self::AngleOffset(_)
                 | Self::UpperMoment
                 | Self::Across(_)
                 | Self::Along(_)
@@ -187,11 +187,12 @@ impl Swings {
             payload: self.stated[recording].map_or(0.0, |q| q.value),
             lever: 1.0,
             swinging: [0.0; RATES.len()],
-            zeros: [0.0; 3],
+            angle_offsets: [0.0; 3],
             upper_moment: 0.0,
             slope: [0.0; 2],
         };
-        for (role, &value) in self.roles.iter().zip(values) {
+        let roles = self.roles.iter().zip(&self.parameters);
+        for ((role, parameter), &value) in roles.zip(values) {
             match role {
                 Role::Damping => guess.damping = value,
                 Role::Friction => guess.friction = value,
@@ -205,7 +206,7 @@ impl Swings {
                 Role::TorqueNoise => guess.torque_std = value,
                 Role::Lever => guess.lever = value,
                 Role::Swinging(i) => guess.swinging[*i] = value,
-                Role::Zero(i) => guess.zeros[*i] = value,
+                Role::AngleOffset(i) => guess.angle_offsets[*i] = value - parameter.mean,
                 Role::UpperMoment => guess.upper_moment = value,
                 Role::Payload(r) if *r == recording => guess.payload = value,
                 Role::Across(r) if *r == recording => guess.slope[0] = value,
@@ -299,7 +300,7 @@ fn parameters(
             all.push((Role::Lever, lever));
         }
         all.extend(swinging());
-        all.extend(zeros(d));
+        all.extend(angle_offsets(d));
         let loads = series.iter().zip(stated).enumerate();
         all.extend(loads.filter_map(|(r, (series, stated))| {
             let payload = payload(&series.name, *stated, d)?;
@@ -422,17 +423,17 @@ fn swinging() -> impl Iterator<Item = (Role, Parameter)> {
     })
 }
 
-/// Zeros of the joint angles: their effect on the radii differs between arm in and arm out.
-fn zeros(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
+/// Offsets of the joint angles: their effect on the radii differs between arm in and arm out.
+fn angle_offsets(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
     let std = d.sensors.angle_offset_std;
-    let joints = ["boom", "arm", "bucket"].into_iter().enumerate();
-    joints.filter(move |_| std > 0.0).map(move |(i, joint)| {
-        let (key, words) = (
-            format!("zero of the {joint} angle"),
-            format!("the zero of the {joint} angle"),
-        );
-        let zero = Parameter::described(&key, &words, "rad", 0.0, std, (-0.5, 0.5));
-        (Role::Zero(i), zero)
+    let described = Settings::of(d).sensors.angle_offsets;
+    let joints = ["boom", "arm", "bucket"].into_iter().zip(described);
+    let joints = joints.filter(move |_| std > 0.0).enumerate();
+    joints.map(move |(i, (joint, offset))| {
+        let key = format!("sensors.{joint}_angle_offset");
+        let words = format!("the offset of the {joint} angle");
+        let offset = Parameter::described(&key, &words, "rad", offset, std, (-0.5, 0.5));
+        (Role::AngleOffset(i), offset)
     })
 }
 

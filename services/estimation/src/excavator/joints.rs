@@ -22,6 +22,12 @@ pub fn joint(angle: f64) -> f64 {
     }
 }
 
+/// True joint angles within half a turn, from the measured ones and their offsets, measured less true \[rad\].
+#[must_use]
+pub fn true_posture(measured: [Option<f64>; 3], offsets: [f64; 3]) -> [Option<f64>; 3] {
+    core::array::from_fn(|i| Some(joint(measured[i]? - offsets[i])))
+}
+
 /// The equal angle within half a turn.
 pub(in crate::excavator) fn turned(angle: f64) -> f64 {
     if angle.abs() <= PI {

@@ -230,6 +230,12 @@ table! {
         pressure_offset_std: f64 = 100e3, "Pa", 0.0 to 1e8;
         /// Standard deviation of the zero of a joint angle.
         angle_offset_std: f64 = 0.0087, "rad", 0.0 to 1.0;
+        /// Boom angle that is measured where the true one is 0, as calibrated.
+        boom_angle_offset: f64 = 0.0, "rad", -0.5 to 0.5;
+        /// The same of the arm angle.
+        arm_angle_offset: f64 = 0.0, "rad", -0.5 to 0.5;
+        /// The same of the bucket angle.
+        bucket_angle_offset: f64 = 0.0, "rad", -0.5 to 0.5;
         /// A velocity of this size or more is taken as missing (end of the sensor's range).
         swing_velocity_limit: f64 = 5.0, "rad/s", 1e-6 to 1e6;
         /// A joint angle of this size or more is taken as missing.

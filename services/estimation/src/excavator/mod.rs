@@ -58,7 +58,7 @@ pub use doubts::{Correlations, Doubts};
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
 pub use input::screen::largest;
-pub use joints::joint;
+pub use joints::{joint, true_posture};
 pub use measurements::boom_moment::{FADING, GRAVITY, Moment};
 pub use measurements::lifts::Lifts;
 pub use mismatch::Mismatch;

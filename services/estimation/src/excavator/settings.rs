@@ -38,6 +38,8 @@ pub struct Sensors {
     pub swing_torque_gain: f64,
     /// Offset of the torque sensor, its value at zero torque, as calibrated [N m].
     pub swing_torque_offset: f64,
+    /// Offsets of the angles of boom, arm and bucket, measured less true, as calibrated \[rad\].
+    pub angle_offsets: [f64; 3],
     /// Stated delays of velocity and torque \[s\].
     pub delays: [f64; 2],
 }

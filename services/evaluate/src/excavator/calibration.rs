@@ -100,7 +100,7 @@ impl Truth {
             Role::Inertia => Scenario::Base.plant(None).machine.geometry.upper_inertia,
             Role::MotionNoise => VELOCITY_STD,
             Role::TorqueNoise => TORQUE_STD,
-            Role::Payload(_) | Role::Swinging(_) | Role::Zero(_) => 0.0,
+            Role::Payload(_) | Role::Swinging(_) | Role::AngleOffset(_) => 0.0,
             Role::Across(_) | Role::Along(_) => 0.0,
             Role::Lever => 1.0,
             Role::UpperMoment => Doubts::default().upper_moment(&Geometry::default()).0,

@@ -56,6 +56,7 @@ pub(in crate::excavator) struct Screen {
     velocity_std: f64,
     torque_std: f64,
     angle_limit: f64,
+    angle_offsets: [f64; 3],
     torque_gain: f64,
     torque_offset: f64,
     refused: u64,
@@ -83,6 +84,7 @@ impl Screen {
             velocity_std: sensors.swing_velocity_std,
             torque_std: sensors.swing_torque_std,
             angle_limit: sensors.angle_limit,
+            angle_offsets: sensors.angle_offsets,
             torque_gain: sensors.swing_torque_gain,
             torque_offset: sensors.swing_torque_offset,
             refused: 0,
@@ -203,7 +205,7 @@ impl Screen {
         // At the end of its range a sensor shows only a bound: missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
-        sample.posture = sample.posture.map(|angle| angle.map(joints::joint));
+        sample.posture = joints::true_posture(sample.posture, self.angle_offsets);
         let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
         let possible = joints::possible(sample.posture.map(|angle| angle.unwrap_or(0.0)));
         let values = sample.posture.iter_mut().zip(possible);

@@ -151,6 +151,11 @@ fn sensors(d: &Description) -> Sensors {
         angle_limit: s.angle_limit,
         swing_torque_gain: s.swing_torque_gain,
         swing_torque_offset: s.swing_torque_offset,
+        angle_offsets: [
+            s.boom_angle_offset,
+            s.arm_angle_offset,
+            s.bucket_angle_offset,
+        ],
         delays: [s.swing_velocity_delay, s.swing_torque_delay],
     }
 }
