@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x1fa94095u
+#define HEFT_ABI 0x3fc97e00u
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -254,7 +254,6 @@ typedef struct {
     double head_area; /* Area of the piston; 0 says that nothing is known of the cylinder, and leaves its pressures out. [m^2] */
     double head_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
     double rod_area; /* Area of the piston less that of the rod. [m^2] */
-    double rod_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
     double base_distance; /* Cylinder base to boom foot (a). [m] */
     double base_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
     double rod_distance; /* Boom foot to rod eye (c). [m] */
@@ -277,21 +276,6 @@ typedef struct {
     double bucket_sin; /* With its sine. [N m] */
   } boom_cylinder;
   struct {
-    double count; /* Number of cylinders side by side. */
-    double head_area; /* Area of the piston; 0 says that nothing is known of the cylinder, and leaves its pressures out. [m^2] */
-    double head_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
-    double rod_area; /* Area of the piston less that of the rod. [m^2] */
-    double rod_area_std; /* Its standard deviation; "none" takes 0.5 %. [m^2] */
-    double base_distance; /* Cylinder base to arm pin (a). [m] */
-    double base_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
-    double rod_distance; /* Arm pin to rod eye (c). [m] */
-    double rod_distance_std; /* Its standard deviation; "none" takes 0.4 %. [m] */
-    double angle; /* Angle between the two at arm angle 0; negative, so that the lever is (delta). [rad] */
-    double angle_std; /* Its standard deviation. [rad] */
-    double friction; /* Friction of the seals, as a share of all pistons at 20 MPa. */
-    double friction_std; /* Its standard deviation. */
-  } arm_cylinder;
-  struct {
     double rate; /* Samples per second. [Hz] */
     double swing_velocity_std; /* Noise of the swing velocity (sigma_w). [rad/s] */
     double swing_angle_std; /* Noise of the swing angle, where an encoder serves in place of the velocity. [rad] */
@@ -302,8 +286,7 @@ typedef struct {
     double swing_velocity_delay; /* How late the swing velocity comes. [s] */
     double swing_velocity_delay_std; /* Its standard deviation. [s] */
     double angle_std; /* Noise of the joint angles. [rad] */
-    double pressure_std; /* Noise of a cylinder's pressure. [Pa] */
-    double pressure_offset_std; /* Standard deviation of its zero. [Pa] */
+    double pressure_offset_std; /* Standard deviation of the zero of a cylinder's pressure. White noise is negligible beside the friction of the seals. [Pa] */
     double angle_offset_std; /* Standard deviation of the zero of a joint angle. [rad] */
     double swing_velocity_limit; /* A velocity of this size or more is taken as missing (end of the sensor's range). [rad/s] */
     double angle_limit; /* A joint angle of this size or more is taken as missing. [rad] */

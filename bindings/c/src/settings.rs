@@ -41,7 +41,7 @@ macro_rules! tables {
     };
 }
 
-tables!(excavator::keys::Description: 0 machine, 1 geometry, 2 boom_cylinder, 3 arm_cylinder, 4 sensors, 5 prior, 6 estimator, 7 paper);
+tables!(excavator::keys::Description: 0 machine, 1 geometry, 2 boom_cylinder, 3 sensors, 4 prior, 5 estimator, 6 paper);
 tables!(loader::keys::Description: 0 machine, 1 lift_arm, 2 lift_cylinder, 3 sensors, 4 prior, 5 estimator);
 
 /// A key with its place.

@@ -52,7 +52,7 @@ impl<L: Look> Looks for Looked<L> {
 
     fn words(&self) -> Vec<String> {
         let fault = self.look.fault();
-        let fault = fault.map(|fault| checks::advised(fault, self.map.as_ref()));
+        let fault = fault.map(|fault| checks::advised(fault, self.map.as_ref()).to_string());
         let nothing = (!self.is_measured).then(|| {
             "nothing was measured: no row has a value beside the time; check that the sensors were on".to_owned()
         });
@@ -126,7 +126,8 @@ impl Hints {
         });
         let slow = recording::too_slow(&self.times, rate);
         let fast = recording::too_fast(&self.times, rate);
-        let gaps = self.gaps.fault().or_else(|| self.gaps.words());
+        let gaps = self.gaps.fault().map(|fault| fault.to_string());
+        let gaps = gaps.or_else(|| self.gaps.words());
         let hints = unit
             .into_iter()
             .chain(slow)

@@ -1,6 +1,6 @@
 //! Advice to write a line into a signal map, and what it becomes where the map already contains the line.
 
-use recording::Map;
+use recording::{Finding, Map};
 
 /// The advice to state the unit of these signals, "a, b and c" or one of them.
 pub fn write_unit(unit: &str, signals: &str) -> String {
@@ -16,11 +16,18 @@ fn write(line: &str, signals: &str) -> String {
     format!("write `{line}` for {signals} in a signal map")
 }
 
-/// The remedy of a fault, where the map already contains the advised line.
-pub fn advised(fault: String, map: Option<&Map>) -> String {
-    let Some((map, (said, names))) = map.zip(advised_line(&fault)) else {
-        return fault;
-    };
+/// The fault with the remedy that helps where the map already contains the advised line.
+pub fn advised(fault: Finding, map: Option<&Map>) -> Finding {
+    let instead = map.and_then(|map| instead(&fault.remedy, map));
+    match instead {
+        Some(remedy) => Finding { remedy, ..fault },
+        None => fault,
+    }
+}
+
+/// The remedy in place of one that advises a line, which this map already contains.
+fn instead(remedy: &str, map: &Map) -> Option<String> {
+    let (said, names) = advised_line(remedy)?;
     let has = |name: &str| map.said(name).iter().any(|line| line == said);
     let is_sign = said.starts_with("sign");
     let write = format!("write `{said}`");
@@ -29,18 +36,16 @@ pub fn advised(fault: String, map: Option<&Map>) -> String {
             true => format!("remove `{said}`"),
             false => format!("find the unit of the column, which is not `{said}`, and write it"),
         };
-        return fault.replace(&write, &instead);
+        return Some(remedy.replace(&write, &instead));
     }
     // Torque and velocity are compared with each other.
-    if is_sign && names == ["swing_torque"] && has("swing_velocity") {
-        return format!("{fault}; or remove it for swing_velocity");
-    }
-    fault
+    let of_two = is_sign && names == ["swing_torque"] && has("swing_velocity");
+    of_two.then(|| format!("{remedy}; or remove it for swing_velocity"))
 }
 
-/// The line that a fault advises to [`write`], and the signals for which.
-fn advised_line(fault: &str) -> Option<(&str, Vec<&str>)> {
-    let (_, advice) = fault.split_once("write `")?;
+/// The line that a remedy advises to [`write`], and the signals for which.
+fn advised_line(remedy: &str) -> Option<(&str, Vec<&str>)> {
+    let (_, advice) = remedy.split_once("write `")?;
     let (said, after) = advice.split_once("` for ")?;
     let (names, _) = after.split_once(" in a signal map")?;
     let names = names.split(", ").flat_map(|names| names.split(" and "));
@@ -51,18 +56,14 @@ fn advised_line(fault: &str) -> Option<(&str, Vec<&str>)> {
 mod tests {
     use super::*;
 
-    fn said(map: &str, fault: &str) -> String {
+    fn said(map: &str, remedy: &str) -> String {
         let map = Map::parse(&format!("[columns]\n{map}\n"), "map.toml").expect("a map");
-        advised(fault.into(), Some(&map))
-    }
-
-    fn fault(advice: &str) -> String {
-        format!("x\n  what to do: {advice}")
+        advised(Finding::new("x", remedy), Some(&map)).remedy
     }
 
     #[test]
     fn a_sign_that_the_map_has_is_removed_and_not_written_again() {
-        let sign = &fault(&write_sign("swing_torque"));
+        let sign = &write_sign("swing_torque");
         assert_eq!(&said("swing_torque = \"m\"", sign), sign);
         let there = said("swing_torque = { column = \"m\", sign = -1 }", sign);
         assert!(
@@ -78,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_unit_that_the_map_has_is_another_one() {
-        let fault = &fault(&write_unit("rpm", "front_wheel_speed and rear_wheel_speed"));
+        let fault = &write_unit("rpm", "front_wheel_speed and rear_wheel_speed");
         let one = "front_wheel_speed = { column = \"f\", unit = \"rpm\" }";
         assert_eq!(&said(one, fault), fault);
         let both = format!("{one}\nrear_wheel_speed = {{ column = \"r\", unit = \"rpm\" }}");

@@ -1,5 +1,6 @@
 //! Checks whether samples can be of the machine that a machine file describes: units, signs, columns that are exchanged or that no
-//! sensor measures, another size. Each finding is a text with its remedy. The command line and the Python package say the same.
+//! sensor measures, another size. Each is a [`recording::Finding`]: what is wrong, and the remedy. The command line and the Python package say
+//! the same.
 
 mod advice;
 pub mod excavator;
@@ -10,3 +11,9 @@ mod units;
 
 pub use advice::advised;
 pub use look::Look;
+
+/// The text of a finding; empty for none.
+#[cfg(test)]
+fn text(fault: Option<recording::Finding>) -> String {
+    fault.map_or_else(String::new, |fault| fault.to_string())
+}

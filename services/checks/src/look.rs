@@ -1,7 +1,7 @@
 //! Checks of samples by a machine's knowledge of itself.
 
 use config::Keyed;
-use recording::Sensors;
+use recording::{Finding, Sensors};
 
 /// Checks whether samples can be of the machine.
 pub trait Look: Sized {
@@ -19,8 +19,8 @@ pub trait Look: Sized {
     fn is_measurement(&self, _signal: &str, _value: f64) -> bool {
         false
     }
-    /// Why data and description cannot be of one machine, with the remedy.
-    fn fault(&self) -> Option<String> {
+    /// Why data and description cannot be of one machine.
+    fn fault(&self) -> Option<Finding> {
         None
     }
 }

@@ -1,5 +1,7 @@
 //! Detects columns that stay constant while the machine moves: no sensor measures them.
 
+use recording::Finding;
+
 /// Fewest moving rows for a verdict: some ten seconds.
 const FEWEST: u32 = 1000;
 
@@ -34,7 +36,7 @@ impl<const N: usize> Still<N> {
     }
 
     /// The fault and its remedy, if no signal changes.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let first = self.first.filter(|_| !self.changes)?;
         let said = self.names.iter().zip(first);
         let said: Vec<_> = said
@@ -42,12 +44,16 @@ impl<const N: usize> Still<N> {
             .collect();
         let none = self.names.map(|name| format!("`{name} = \"none\"`"));
         (self.rows >= FEWEST).then(|| {
-            format!(
-                "{} in all {} rows in which the machine moves: nothing seems to measure it\n  \
-                 what to do: check the sensor and its line of the signal map; where there is no such sensor, write {} there",
-                said.join(" and "),
-                self.rows,
-                none.join(" and ")
+            Finding::new(
+                format!(
+                    "{} in all {} rows in which the machine moves: nothing seems to measure it",
+                    said.join(" and "),
+                    self.rows,
+                ),
+                format!(
+                    "check the sensor and its line of the signal map; where there is no such sensor, write {} there",
+                    none.join(" and "),
+                ),
             )
         })
     }
@@ -56,8 +62,9 @@ impl<const N: usize> Still<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
-    fn said(rows: u32, torques: fn(u32) -> [Option<f64>; 2]) -> Option<String> {
+    fn said(rows: u32, torques: fn(u32) -> [Option<f64>; 2]) -> Option<Finding> {
         let mut still = Still::new(["front_torque", "rear_torque"], "N m");
         (0..rows).for_each(|k| still.see(torques(k)));
         still.fault()
@@ -65,7 +72,7 @@ mod tests {
 
     #[test]
     fn torques_that_never_change_are_named_and_one_axle_alone_may_be_idle() {
-        let words = said(FEWEST, |_| [Some(0.0), Some(-1.5)]).unwrap_or_default();
+        let words = text(said(FEWEST, |_| [Some(0.0), Some(-1.5)]));
         assert!(
             words.contains("front_torque is exactly 0 N m and rear_torque is exactly -1.5 N m")
                 && words.contains("`rear_torque = \"none\"`"),

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use recording::LARGEST_PRESSURES as LARGEST;
+use recording::{Finding, LARGEST_PRESSURES as LARGEST};
 
 use crate::advice::write_unit;
 
@@ -46,7 +46,7 @@ impl<const N: usize> Angles<N> {
     }
 
     /// The fault of angles in degrees.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let is_in_degrees = |i: &usize| {
             self.rows[*i] >= FEWEST && f64::from(self.beyond[*i]) > OFTEN * f64::from(self.rows[*i])
         };
@@ -57,10 +57,9 @@ impl<const N: usize> Angles<N> {
         let seem = if names.len() == 1 { "seems" } else { "seem" };
         let names = names.join(", ");
         (!names.is_empty()).then(|| {
-            format!(
-                "{names} {seem} to be in degrees: no joint turns further than once\n  \
-                 what to do: {}",
-                write_unit("deg", &names)
+            Finding::new(
+                format!("{names} {seem} to be in degrees: no joint turns further than once"),
+                write_unit("deg", &names),
             )
         })
     }
@@ -131,7 +130,7 @@ impl Cylinder {
     }
 
     /// The fault of pressures in another unit than Pa, or of exchanged sides.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let [head, rod] = ["head", "rod"].map(|side| format!("{}_{side}_pressure", self.name));
         let both = format!("{head} and {rod}");
         let [of_head, of_rod] = self.sizes.each_ref().map(Sizes::highest);
@@ -142,18 +141,17 @@ impl Cylinder {
             } else {
                 ""
             };
-            return Some(format!(
-                "{both} seem to be in {unit}: no pump works at so few Pa\n  \
-                 what to do: {}{other}",
-                write_unit(unit, "both")
+            return Some(Finding::new(
+                format!("{both} seem to be in {unit}: no pump works at so few Pa"),
+                format!("{}{other}", write_unit(unit, "both")),
             ));
         }
         let too_large = |place: Option<usize>| place == Some(LARGEST.len());
         let large = [(&head, of_head), (&rod, of_rod)];
         if let Some((name, _)) = large.into_iter().find(|(_, place)| too_large(*place)) {
-            return Some(format!(
-                "{name} seems to be in another unit: no machine has more than 700 bar\n  \
-                 what to do: check the unit of both in the signal map (psi that are read as bar are 14.5 times too large)"
+            return Some(Finding::new(
+                format!("{name} seems to be in another unit: no machine has more than 700 bar"),
+                "check the unit of both in the signal map (psi that are read as bar are 14.5 times too large)",
             ));
         }
         let is_alone =
@@ -162,15 +160,15 @@ impl Cylinder {
             .into_iter()
             .find(|(_, place)| is_alone(*place));
         if let Some((name, _)) = alone {
-            return Some(format!(
-                "{name} seems to be in another unit than the other side, bar or MPa\n  \
-                 what to do: write `unit = \"bar\"`, or MPa, for {name} in a signal map"
+            return Some(Finding::new(
+                format!("{name} seems to be in another unit than the other side, bar or MPa"),
+                format!("write `unit = \"bar\"`, or MPa, for {name} in a signal map"),
             ));
         }
         (self.carries >= FEWEST && 2 * self.by_rod > self.carries).then(|| {
-            format!(
-                "{both} seem to be exchanged: the rod side seems to carry the weight\n  \
-                 what to do: exchange the two in the signal map; or they are those of another cylinder"
+            Finding::new(
+                format!("{both} seem to be exchanged: the rod side seems to carry the weight"),
+                "exchange the two in the signal map; or they are those of another cylinder",
             )
         })
     }
@@ -179,6 +177,7 @@ impl Cylinder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     #[test]
     fn angles_in_degrees_are_named_one_by_one() {
@@ -187,7 +186,7 @@ mod tests {
         assert!(
             angles
                 .fault()
-                .is_some_and(|text| text.starts_with("arm_angle seems"))
+                .is_some_and(|fault| fault.what.starts_with("arm_angle seems"))
         );
         let mut angles = Angles::new(["boom_angle", "arm_angle"]);
         (0..200).for_each(|k| angles.see([(k > 100).then_some(0.8), Some(6.0)]));
@@ -195,7 +194,7 @@ mod tests {
     }
 
     /// The fault of a boom cylinder with these units and sides.
-    fn boom_fault(unit: f64, sides: [usize; 2]) -> Option<String> {
+    fn boom_fault(unit: f64, sides: [usize; 2]) -> Option<Finding> {
         let mut cylinder = Cylinder::new("boom");
         for k in 0..1000 {
             let pressures = [12e6 + 1e4 * f64::from(k), 0.7e6].map(|pressure| pressure / unit);
@@ -209,22 +208,22 @@ mod tests {
     fn another_unit_of_pressures_and_the_other_side_are_named() {
         assert_eq!(boom_fault(1.0, [0, 1]), None);
         for (unit, name) in [(1e5, "bar"), (1e6, "MPa"), (1e3, "kPa"), (6894.76, "psi")] {
-            let text = boom_fault(unit, [0, 1]).unwrap_or_default();
+            let text = text(boom_fault(unit, [0, 1]));
             assert!(text.contains(&format!("unit = \"{name}\"")), "{text}");
         }
-        assert!(boom_fault(1.0, [1, 0]).is_some_and(|text| text.contains("exchanged")));
+        assert!(boom_fault(1.0, [1, 0]).is_some_and(|fault| fault.what.contains("exchanged")));
         // One side in another unit than the other.
         let alone = |units: [f64; 2]| {
             let mut cylinder = Cylinder::new("lift");
             (0..1000)
                 .for_each(|_| cylinder.see(Some(12e6 / units[0]), Some(0.7e6 / units[1]), true));
-            cylinder.fault().unwrap_or_default()
+            text(cylinder.fault())
         };
         assert!(alone([1e5, 1.0]).starts_with("lift_head_pressure seems to be in another unit"));
         assert!(alone([1.0, 1e5]).starts_with("lift_rod_pressure seems to be in another unit"));
         assert_eq!(alone([1.0, 10.0]), "");
         for unit in [0.1, 1.0 / 14.5] {
-            assert!(boom_fault(unit, [0, 1]).is_some_and(|text| text.contains("700 bar")));
+            assert!(boom_fault(unit, [0, 1]).is_some_and(|fault| fault.what.contains("700 bar")));
         }
         assert_eq!(boom_fault(1e9, [0, 1]), None);
         assert_eq!(boom_fault(10.0, [1, 0]), None);

@@ -1,5 +1,6 @@
 //! The keys of a TOML text, against the tables of a machine.
 
+use messages::Machine;
 use toml_edit::{Document, Item, TableLike};
 
 use crate::renamed::{is_retired, today};
@@ -35,6 +36,7 @@ pub(crate) fn entries<'a, M: Keyed>(
 ) -> (Vec<Entry<'a>>, Vec<Error>) {
     let tables = table_names::<M>();
     let mut walk = Walk {
+        machine: M::MACHINE,
         text,
         file,
         tables,
@@ -46,6 +48,7 @@ pub(crate) fn entries<'a, M: Keyed>(
 }
 
 struct Walk<'a, 't> {
+    machine: Machine,
     text: &'t str,
     file: &'t str,
     tables: Vec<&'static str>,
@@ -64,9 +67,9 @@ impl<'a> Walk<'a, '_> {
             let span = table.get_key_value(name).and_then(|(key, _)| key.span());
             let line = span.or_else(|| item.span()).map(|s| line_of(self.text, &s));
             match item.as_table_like() {
+                _ if is_retired(self.machine, &path) => {}
                 Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
                 Some(inner) => self.foreign(path, inner, line),
-                None if is_retired(&path) => {}
                 None => self.key(today(&path), item, line),
             }
         }

@@ -15,7 +15,6 @@ tables!(
         machine,
         geometry,
         boom_cylinder,
-        arm_cylinder,
         sensors,
         prior,
         estimator,

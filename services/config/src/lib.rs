@@ -35,6 +35,6 @@ pub use keyed::Keyed;
 pub use known::keys;
 pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
-pub use renamed::{old_names, renamed};
+pub use renamed::{is_retired, old_names, renamed};
 pub use tables::Tables;
 pub use toml_error::{toml_error, toml_remedy};

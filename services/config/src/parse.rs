@@ -6,7 +6,7 @@ use messages::Machine;
 
 use crate::class::mass_key;
 use crate::entries::{Entry, OF_A_MAP, all_keys, document, entries, find, table_names};
-use crate::renamed::today;
+use crate::renamed::{is_retired, today};
 use crate::toml_error::line_of;
 use crate::{
     Error, Errors, Form, Keyed, Numbers, Range, Table, Value, known, nearest, print, stated,
@@ -163,6 +163,9 @@ fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
         });
     };
     let (path, text) = (today(path.trim()), text.trim());
+    if is_retired(M::MACHINE, path) {
+        return Ok(());
+    }
     let item = match text.parse::<toml_edit::Value>() {
         Ok(value) => Item::Value(value),
         Err(_) => numbers::<M>(path, text).unwrap_or_else(|| toml_edit::value(text)), // a word without its quotes

@@ -1,5 +1,6 @@
 //! Keys of earlier versions: files and recordings with them are still read.
 
+use messages::Machine;
 use toml_edit::{Document, Item};
 
 /// Old and present name, each with its table.
@@ -14,12 +15,27 @@ const RENAMED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Keys without a successor, left out where a file has them. `drop_q_m` belonged to a variant of `posture-torque` that the default replaced.
-const RETIRED: [&str; 1] = ["estimator.drop_q_m"];
+/// Keys and tables without a successor, left out where a file has them.
+const RETIRED: [(Machine, &str); 4] = [
+    // Of a variant of `posture-torque` that the default replaced.
+    (Machine::Excavator, "estimator.drop_q_m"),
+    // The boom's cylinder alone weighs the load.
+    (Machine::Excavator, "machine.arm_cylinder"),
+    // The rod side's force is at most a tenth of the head side's.
+    (Machine::Excavator, "machine.boom_cylinder.rod_area_std"),
+    // White noise of a pressure is negligible beside the friction of the seals.
+    (Machine::Excavator, "sensors.pressure_std"),
+];
 
-/// Whether a key had an effect in earlier versions only.
-pub(crate) fn is_retired(key: &str) -> bool {
-    RETIRED.contains(&key)
+/// Whether a key or a table of this machine has no effect any more.
+pub fn is_retired(machine: Machine, path: &str) -> bool {
+    let is_in = |table: &str| {
+        path.strip_prefix(table)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    RETIRED
+        .iter()
+        .any(|(of, retired)| *of == machine && is_in(retired))
 }
 
 /// The present name of a renamed key; `None` for every other.
@@ -33,8 +49,8 @@ pub(crate) fn today(key: &str) -> &str {
     renamed(key).unwrap_or(key)
 }
 
-/// The renamed and the retired keys that a description uses; none for a text that is not TOML.
-pub fn old_names(text: &str) -> Vec<&'static str> {
+/// The renamed and the retired keys that a machine's description uses; none for a text that is not TOML.
+pub fn old_names(machine: Machine, text: &str) -> Vec<&'static str> {
     let Ok(document) = Document::parse(text) else {
         return Vec::new();
     };
@@ -44,6 +60,10 @@ pub fn old_names(text: &str) -> Vec<&'static str> {
         let found: Option<&Item> = path.fold(first, |item, name| item?.get(name));
         found.is_some()
     };
-    let old = RENAMED.iter().map(|(old, _)| *old).chain(RETIRED);
+    let retired = RETIRED.iter().filter(|(of, _)| *of == machine);
+    let old = RENAMED
+        .iter()
+        .map(|(old, _)| *old)
+        .chain(retired.map(|(_, old)| *old));
     old.filter(is_used).collect()
 }

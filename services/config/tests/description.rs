@@ -363,10 +363,39 @@ fn a_class_is_a_valid_machine_of_any_size() {
 
 #[test]
 fn a_key_without_a_successor_is_left_out() {
-    let old = "[estimator]\ndrop_q_m = 62500.0\n";
-    let read = Excavator::parse(old, "old.toml");
-    assert_eq!(read, Ok(Excavator::default()));
-    assert_eq!(config::old_names(old), ["estimator.drop_q_m"]);
+    for (old, name) in [
+        ("[estimator]\ndrop_q_m = 62500.0\n", "estimator.drop_q_m"),
+        (
+            "[machine.arm_cylinder]\ncount = 2.0\n",
+            "machine.arm_cylinder",
+        ),
+        (
+            "machine.arm_cylinder = { rod_area = 0.005 }\n",
+            "machine.arm_cylinder",
+        ),
+        (
+            "machine.boom_cylinder.rod_area_std = 1e-5\n",
+            "machine.boom_cylinder.rod_area_std",
+        ),
+        ("sensors.pressure_std = 1e4\n", "sensors.pressure_std"),
+    ] {
+        let read = Excavator::parse(old, "old.toml");
+        assert_eq!(read, Ok(Excavator::default()), "{old}");
+        assert_eq!(config::old_names(Machine::Excavator, old), [name]);
+    }
+    let mut set = Excavator::default();
+    let retired = ["machine.arm_cylinder.count=2", "sensors.pressure_std=1e4"];
+    set.set_all(&retired).expect("read");
+    assert_eq!(set, Excavator::default());
+    assert!(
+        set.set("machine.arm_cylinders.count=2").is_err(),
+        "no such key"
+    );
+    // The loader has this key.
+    let loader = "sensors.pressure_std = 1e4\n";
+    let read = Loader::parse(loader, "x").expect("valid");
+    assert_eq!(read.sensors.pressure_std, 1e4);
+    assert!(config::old_names(Machine::Loader, loader).is_empty());
 }
 
 #[test]
@@ -378,10 +407,10 @@ fn a_key_is_read_by_its_old_name_too_and_not_by_both() {
     assert_eq!(Ok(&read), Loader::parse(&today, "new.toml").as_ref());
     assert!(!read.to_toml().contains("slope_follows"));
     assert_eq!(
-        config::old_names(old),
+        config::old_names(Machine::Loader, old),
         ["sensors.slope_follows", "sensors.slope_follows_std"]
     );
-    assert!(config::old_names(&today).is_empty());
+    assert!(config::old_names(Machine::Loader, &today).is_empty());
     let machine = Description::parse(old, "old.toml", None).map(|found| found.machine());
     assert_eq!(machine, Ok(Machine::Loader), "by its keys alone");
 

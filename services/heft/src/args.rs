@@ -139,9 +139,9 @@ pub fn description(
     let mut description = match (&args.config, machine) {
         (Some(path), _) => {
             let text = small_file::text(path)?;
-            tell_old_names(&config::old_names(&text));
             let description =
                 Description::parse_of_class(&text, &path.display().to_string(), machine, class)?;
+            tell_old_names(&config::old_names(description.machine(), &text));
             let machine = machine.unwrap_or(description.machine());
             is_for(machine, &description, path.display())?;
             description
@@ -156,9 +156,10 @@ pub fn description(
         }
     };
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
+    let machine = description.machine();
     let keys = keys
         .map(|(key, _)| key.trim())
-        .filter(|key| config::renamed(key).is_some());
+        .filter(|key| config::renamed(key).is_some() || config::is_retired(machine, key));
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&args.set)?;
     Ok(description)

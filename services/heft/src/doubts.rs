@@ -8,7 +8,7 @@ use checks::{Look, advised};
 use config::{Description, Keyed};
 use messages::{Envelope, Message, Value};
 use recording::measurable::{self, Measured};
-use recording::{Gaps, Lacks, Map, Sensors, Together};
+use recording::{Finding, Gaps, Lacks, Map, Sensors, Together};
 
 use crate::failure::Failure;
 use crate::marked::{Count, Ends, Shared};
@@ -245,7 +245,7 @@ impl<L: Look> Doubts<L> {
     }
 
     /// A signal that is often larger than any measurement: it has another unit, or is of another machine.
-    fn often_too_large(&self) -> Option<String> {
+    fn often_too_large(&self) -> Option<Finding> {
         let counts = self.too_large.iter().zip(&self.ends);
         let mut counts = self.measured.iter().zip(counts);
         counts.find_map(|((index, ..), (large, ends))| {
@@ -327,7 +327,8 @@ impl<L: Look> Doubts<L> {
             return parts::check_end(lacks, || self.before.as_ref().and_then(time));
         };
         lacks.cut_off.iter().for_each(|cut| eprintln!("{cut}"));
-        Err(Failure::answer_is_no(advised(fault, self.map.as_ref())))
+        let fault = advised(fault, self.map.as_ref());
+        Err(Failure::answer_is_no(fault.to_string()))
     }
 }
 
@@ -335,7 +336,7 @@ impl<L: Look> Doubts<L> {
 const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
 
 /// The fault of times that cannot be in seconds, or do not fit the described rate \[Hz\].
-fn time_fault(times: &[f64], rate: f64) -> Option<String> {
+fn time_fault(times: &[f64], rate: f64) -> Option<Finding> {
     let (step, remedy) = match recording::time_unit(times, rate) {
         Some((step, unit)) => (
             step,
@@ -348,8 +349,9 @@ fn time_fault(times: &[f64], rate: f64) -> Option<String> {
             "check the unit of the time".into(),
         ),
     };
-    Some(format!(
-        "the rows are {step} s apart, and sensors.rate is {rate} Hz\n  what to do: {remedy}"
+    Some(Finding::new(
+        format!("the rows are {step} s apart, and sensors.rate is {rate} Hz"),
+        remedy,
     ))
 }
 
@@ -357,21 +359,21 @@ fn time_fault(times: &[f64], rate: f64) -> Option<String> {
 const REFUSED_ONE_IN: usize = 10;
 
 /// The fault of an input in which more than one row in ten was refused.
-fn refused_often(refused: usize, rows: usize) -> Option<String> {
+fn refused_often(refused: usize, rows: usize) -> Option<Finding> {
     (REFUSED_ONE_IN * refused > rows).then(|| {
-        format!(
-            "{refused} of {rows} rows were refused, more than one in {REFUSED_ONE_IN}: their time is missing or does not increase\n  \
-             what to do: give the times with more digits, and sort the rows by time; rows at even steps need no time: t = {{ column = \"row\", scale = 0.01 }} in a signal map"
+        Finding::new(
+            format!("{refused} of {rows} rows were refused, more than one in {REFUSED_ONE_IN}: their time is missing or does not increase"),
+            "give the times with more digits, and sort the rows by time; rows at even steps need no time: t = { column = \"row\", scale = 0.01 } in a signal map",
         )
     })
 }
 
 /// The fault of a signal that is larger than any measurement in more than one row in ten.
-fn too_large_often(name: &str, large: usize, rows: usize) -> Option<String> {
+fn too_large_often(name: &str, large: usize, rows: usize) -> Option<Finding> {
     (REFUSED_ONE_IN * large > rows).then(|| {
-        format!(
-            "{name} is larger than any measurement in {large} of {rows} rows, where it counts as missing\n  \
-             what to do: check its unit and scale in the signal map, and the size of the machine (--class, --config)"
+        Finding::new(
+            format!("{name} is larger than any measurement in {large} of {rows} rows, where it counts as missing"),
+            "check its unit and scale in the signal map, and the size of the machine (--class, --config)",
         )
     })
 }
@@ -397,7 +399,7 @@ mod tests {
     #[test]
     fn a_row_in_ten_may_be_refused() {
         assert_eq!(refused_often(10, 100), None);
-        assert!(refused_often(11, 100).is_some_and(|words| words.contains("11 of 100 rows")));
+        assert!(refused_often(11, 100).is_some_and(|words| words.what.contains("11 of 100 rows")));
     }
 
     /// Checks nothing.
@@ -417,7 +419,7 @@ mod tests {
 
         fn add(&mut self, _: &messages::LoaderSensors) {}
 
-        fn fault(&self) -> Option<String> {
+        fn fault(&self) -> Option<Finding> {
             None
         }
     }
@@ -425,7 +427,9 @@ mod tests {
     #[test]
     fn one_value_in_ten_may_be_too_large_and_a_mark_is_none() {
         assert_eq!(too_large_often("speed", 10, 100), None);
-        assert!(too_large_often("speed", 11, 100).is_some_and(|text| text.contains("speed is")));
+        assert!(
+            too_large_often("speed", 11, 100).is_some_and(|text| text.what.contains("speed is"))
+        );
         let fault = |value: fn(u32) -> f64| {
             let loader = Description::default_of(messages::Machine::Loader);
             let mut doubts = Doubts::<Nothing>::of(&loader);
@@ -487,15 +491,15 @@ mod tests {
     #[test]
     fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
         let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
-        assert!(time_fault(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
-        assert!(time_fault(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
+        assert!(time_fault(&every(10.0), 100.0).is_some_and(|h| h.remedy.contains("\"ms\"")));
+        assert!(time_fault(&every(1e4), 100.0).is_some_and(|h| h.remedy.contains("\"us\"")));
         for step in [0.001, 0.01, 0.1, 1.0] {
             assert_eq!(time_fault(&every(step), 100.0), None, "{step} s");
         }
         assert_eq!(time_fault(&[], 100.0), None);
         for step in [1e-11, 864.0] {
             let hint = time_fault(&every(step), 100.0).expect("a hint");
-            assert!(hint.contains("check the unit of the time"), "{hint}");
+            assert_eq!(hint.remedy, "check the unit of the time");
         }
     }
 }

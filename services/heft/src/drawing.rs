@@ -12,11 +12,6 @@ const ORDERS: &[(&str, &str, &str)] = &[
         ROD,
     ),
     (
-        "machine.arm_cylinder.rod_area",
-        "machine.arm_cylinder.head_area",
-        ROD,
-    ),
-    (
         "machine.lift_arm.cylinder.rod_area",
         "machine.lift_arm.cylinder.head_area",
         ROD,
@@ -51,10 +46,6 @@ const BORES: &[(&str, &str)] = &[
     (
         "machine.boom_cylinder.head_area",
         "machine.boom_cylinder.base_distance",
-    ),
-    (
-        "machine.arm_cylinder.head_area",
-        "machine.arm_cylinder.base_distance",
     ),
     (
         "machine.lift_arm.cylinder.head_area",

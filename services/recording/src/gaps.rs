@@ -1,5 +1,7 @@
 //! Gaps in the times of an input.
 
+use crate::Finding;
+
 /// Step of the times above which there is a gap \[s\].
 const LONG: f64 = 10.0;
 /// Step back above which a row was not merely late: a clock was set, or another recording begins \[s\].
@@ -149,18 +151,20 @@ impl Gaps {
     }
 
     /// Why the times are not in seconds or not in order, and the remedy.
-    pub fn fault(&self) -> Option<String> {
+    pub fn fault(&self) -> Option<Finding> {
         if let Some([part, before]) = self.misplaced() {
-            return Some(format!(
-                "the rows are not in the order of their times: behind t = {} come {} rows from {} to {}, which belong before t = {}\n  \
-                 what to do: sort the rows by their time, or put the parts in order; what is estimated across the seam is of no use",
-                before.end, part.rows, part.begin, part.end, before.begin
+            return Some(Finding::new(
+                format!(
+                    "the rows are not in the order of their times: behind t = {} come {} rows from {} to {}, which belong before t = {}",
+                    before.end, part.rows, part.begin, part.end, before.begin
+                ),
+                "sort the rows by their time, or put the parts in order; what is estimated across the seam is of no use",
             ));
         }
         (self.count > 1 && self.at_minutes == self.count).then(|| {
-            format!(
-                "the times seem to be written as hhmmss: they skip {MINUTE} s at each full minute\n  \
-                 what to do: write them with colons (01:02:03.5), or in seconds"
+            Finding::new(
+                format!("the times seem to be written as hhmmss: they skip {MINUTE} s at each full minute"),
+                "write them with colons (01:02:03.5), or in seconds",
             )
         })
     }
@@ -195,7 +199,7 @@ mod tests {
     fn parts_in_the_wrong_order_are_a_fault_and_a_clock_that_was_set_is_none() {
         let rows = |k: u32| f64::from(k) / 100.0;
         let fault = of((2000..4000).chain(0..2000).map(rows)).fault();
-        let fault = fault.expect("halves in the wrong order");
+        let fault = fault.expect("halves in the wrong order").to_string();
         for words in [
             "behind t = 39.99 come 2000 rows from 0 to 19.99, which belong before t = 20",
             "sort the rows",
@@ -206,7 +210,7 @@ mod tests {
         let parts = [0..2000, 6000..8000, 4000..6000, 9000..9500];
         let fault = of(parts.into_iter().flatten().map(rows)).fault();
         assert!(
-            fault.is_some_and(|said| said.contains("2000 rows from 40 to 59.99")),
+            fault.is_some_and(|said| said.what.contains("2000 rows from 40 to 59.99")),
             "the middle"
         );
         let in_order: [Vec<u32>; 5] = [
@@ -231,7 +235,9 @@ mod tests {
         let day = |from: f64| (0..20_000).map(move |i| from + 0.01 * f64::from(i));
         let found = of(day(7100.0).map(digits));
         assert!(
-            found.fault().is_some_and(|said| said.contains("hhmmss")),
+            found
+                .fault()
+                .is_some_and(|said| said.what.contains("hhmmss")),
             "{found:?}"
         );
         let off = of(day(7100.0).map(|t| if t > 7150.0 { t + 3600.0 } else { t }));

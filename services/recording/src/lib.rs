@@ -16,6 +16,7 @@ pub mod csv;
 mod error;
 mod excavator;
 mod file;
+mod finding;
 pub mod frame;
 mod gaps;
 mod kind;
@@ -52,6 +53,7 @@ mod writer;
 
 pub use csv::EstimateWriter;
 pub use error::Error;
+pub use finding::Finding;
 pub use gaps::Gaps;
 pub use kind::{Kind, foreign};
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn, NamedLine};

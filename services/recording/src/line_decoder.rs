@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::Error;
 use crate::can::{self, Decoder, LeftOut, Line, parse};
 use crate::csv::{self, Cells, Columns, Dialect, Front};
 use crate::kind;
 use crate::map::Map;
 use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
+use crate::{Error, Finding};
 
 /// Longest accepted line \[bytes\].
 pub const MAX_LINE: usize = 1 << 16;
@@ -200,7 +200,7 @@ impl<S: Sensors> LineDecoder<S> {
             let record = cells.split(line);
             if columns.is_no_row(record) {
                 self.rows -= 1;
-            } else if let Some((what, remedy)) = columns.misfit(record) {
+            } else if let Some(Finding { what, remedy }) = columns.misfit(record) {
                 self.refuse(&format!("is no row of the table: {what}; {remedy}"));
             } else if let Err(cell) = columns.take(record) {
                 let column = cell.column.clone();

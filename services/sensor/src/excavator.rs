@@ -18,7 +18,7 @@ const ALL_KNOWN: u32 = 0b111_1111;
 
 /// Drawing of the reference machine's cylinders, as `--set` takes it.
 pub fn drawing() -> Vec<String> {
-    // No estimator uses the arm's cylinders yet.
+    // No estimator uses the arm's cylinders.
     let [boom, _] = cylinders(&Size::reference().geometry);
     cylinder("machine.boom_cylinder", &boom)
 }

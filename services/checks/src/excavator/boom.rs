@@ -1,6 +1,7 @@
 //! Detects a boom angle of opposite sign.
 
 use messages::{ExcavatorSensors, excavator_bits as bits};
+use recording::Finding;
 
 /// Counts swinging samples in which the boom points into the ground. No machine can swing like that.
 #[derive(Default)]
@@ -27,11 +28,12 @@ impl Boom {
         }
     }
 
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         (self.all >= Self::FEWEST && 10 * self.down > 9 * self.all).then(|| {
-            "boom_angle seems to have the other sign, or another zero: the boom points into the ground while the machine swings\n  \
-             what to do: in the signal map `sign = -1`, or `offset` (up from the horizontal is positive)"
-                .into()
+            Finding::new(
+                "boom_angle seems to have the other sign, or another zero: the boom points into the ground while the machine swings",
+                "in the signal map `sign = -1`, or `offset` (up from the horizontal is positive)",
+            )
         })
     }
 }

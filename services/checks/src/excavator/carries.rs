@@ -1,6 +1,7 @@
 //! Checks that the boom's head pressure carries boom, arm and bucket while the machine swings: nothing else holds them up.
 
 use estimation::excavator::Sample;
+use recording::Finding;
 
 /// Swing velocity above which the bucket is in the air [rad/s].
 const SWINGS: f64 = 0.1;
@@ -33,13 +34,15 @@ impl Carries {
     }
 
     /// The fault and its remedy, if the pressures are too low.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let [some, enough] = self.beyond.map(|rows| DISTURBED * rows > self.rows);
         (self.rows >= FEWEST && some && !enough).then(|| {
-            format!(
-                "boom_head_pressure is hardly ever above {:.0} bar while the machine swings: too little to carry boom, arm and bucket\n  \
-                 what to do: check the unit of both pressures in the signal map (psi that are read as kPa are 6.9 times too small)",
-                LOW[1] / 1e5
+            Finding::new(
+                format!(
+                    "boom_head_pressure is hardly ever above {:.0} bar while the machine swings: too little to carry boom, arm and bucket",
+                    LOW[1] / 1e5,
+                ),
+                "check the unit of both pressures in the signal map (psi that are read as kPa are 6.9 times too small)",
             )
         })
     }
@@ -48,6 +51,7 @@ impl Carries {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     #[test]
     fn pressures_that_cannot_carry_the_boom_are_named_and_those_that_do_are_not() {
@@ -62,7 +66,7 @@ mod tests {
                     ..Sample::default()
                 });
             }
-            carries.fault().unwrap_or_default()
+            text(carries.fault())
         };
         assert_eq!(said(1.0), "");
         assert!(said(6.894_76).contains("psi that are read as kPa"));

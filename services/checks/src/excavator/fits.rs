@@ -2,6 +2,7 @@
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, joint, largest};
 use messages::ExcavatorSensors;
+use recording::Finding;
 
 use super::boom::Boom;
 use super::carries::Carries;
@@ -90,7 +91,7 @@ impl Look for Fits {
         arm.see(sample.arm_head_pressure, sample.arm_rod_pressure, false);
     }
 
-    fn fault(&self) -> Option<String> {
+    fn fault(&self) -> Option<Finding> {
         let columns = self.angles.fault().or_else(|| self.speed.fault());
         let columns = columns.or_else(|| self.cylinders.iter().find_map(Cylinder::fault));
         let columns = columns.or_else(|| self.postures.fault());
@@ -106,7 +107,7 @@ impl Look for Fits {
             return of_signs.or_else(|| self.carries.fault());
         };
         let remedy = remedy(mismatch, self.mass);
-        Some(format!("{mismatch}\n  what to do: {remedy}"))
+        Some(Finding::new(mismatch.to_string(), remedy))
     }
 }
 

@@ -7,6 +7,7 @@
 //! the swing is positive clockwise. If both have the opposite sign nothing changes.
 
 use estimation::excavator::Sample;
+use recording::Finding;
 
 /// Duration of a block \[s\]: longer than the noise of inclinometers, shorter than a swing.
 const BLOCK: f64 = 0.5;
@@ -84,12 +85,13 @@ impl Ground {
     }
 
     /// The fault and its remedy, if signs or columns contradict.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let correlation = self.both / (self.said * self.did).sqrt();
         (self.said > TURNED * TURNED && correlation < AGAINST).then(|| {
-            "pitch and roll turn against the swing: one of them has the other sign, they are exchanged, or the swing is positive clockwise\n  \
-             what to do: write `sign = -1` in a signal map for that one, exchange them, or write `sign = -1` for swing_velocity and swing_torque (docs/map.md)"
-                .into()
+            Finding::new(
+                "pitch and roll turn against the swing: one of them has the other sign, they are exchanged, or the swing is positive clockwise",
+                "write `sign = -1` in a signal map for that one, exchange them, or write `sign = -1` for swing_velocity and swing_torque (docs/map.md)",
+            )
         })
     }
 }
@@ -99,7 +101,7 @@ mod tests {
     use super::*;
 
     /// The fault of a machine that swings to and fro on this slope, with inclinometers of .2 degrees noise.
-    fn said(slope: f64, change: fn([f64; 2]) -> [f64; 2]) -> Option<String> {
+    fn said(slope: f64, change: fn([f64; 2]) -> [f64; 2]) -> Option<Finding> {
         let mut ground = Ground::default();
         for k in 0..6000 {
             let time = 0.01 * f64::from(k);
@@ -131,7 +133,7 @@ mod tests {
         ];
         for change in wrong {
             let words = said(0.05, change).expect("a doubt");
-            assert!(words.contains("turn against the swing"), "{words}");
+            assert!(words.what.contains("turn against the swing"), "{words}");
             assert_eq!(said(0.0, change), None, "level ground tells nothing");
         }
     }

@@ -3,6 +3,8 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use recording::Finding;
+
 /// Ranges of boom, arm and bucket angle that machines reach \[rad\]. Recorded: -.3 to 1.2, -2.4 to -.8, -1.6 to .3.
 const REACHED: [[f64; 2]; 3] = [[-0.9, 1.4], [-2.9, -0.3], [-2.9, 1.3]];
 /// Fewest rows for a verdict.
@@ -68,7 +70,7 @@ impl Postures {
     }
 
     /// The only hypothesis that explains the postures, if they are wrong.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let share = |beyond: u32| f64::from(beyond) / f64::from(self.rows);
         if self.rows < FEWEST || share(self.beyond[0]) < WRONG {
             return None;
@@ -79,7 +81,10 @@ impl Postures {
             .filter(|(_, beyond)| share(*beyond) < RIGHT);
         let ((what, remedy, _), _) = explaining.next()?;
         explaining.next().is_none().then(|| {
-            format!("{what}: only so are the postures those of a machine\n  what to do: {remedy}")
+            Finding::new(
+                format!("{what}: only so are the postures those of a machine"),
+                *remedy,
+            )
         })
     }
 }
@@ -87,6 +92,7 @@ impl Postures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     type Change = fn([f64; 3]) -> [f64; 3];
 
@@ -99,7 +105,7 @@ mod tests {
             for _ in 0..1000 {
                 cycle.iter().for_each(|q| postures.see(change(*q)));
             }
-            postures.fault().unwrap_or_default()
+            text(postures.fault())
         };
         assert_eq!(said(|q| q), "");
         let from_horizontal = |q: [f64; 3]| [q[0], q[1], q[0] + q[1] + q[2]];

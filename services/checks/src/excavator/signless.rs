@@ -3,6 +3,7 @@
 //! The torque changes the velocity in its own direction. Without one of the signs that holds in one direction of the swing only.
 
 use estimation::excavator::Sample;
+use recording::Finding;
 
 /// Least time between two velocities that are compared, and largest \[s\].
 const APART: std::ops::RangeInclusive<f64> = 0.1..=0.3;
@@ -70,7 +71,7 @@ impl Signless {
     }
 
     /// The fault and its remedy.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let signals = [
             ("swing_velocity", &self.velocity),
             ("swing_torque", &self.torque),
@@ -80,9 +81,11 @@ impl Signless {
         let is_against = AGAINST.contains(&self.along.negative());
         (self.along.count() >= FEWEST && is_against && !without.is_empty()).then(|| {
             let (one, s) = (without.join(" and "), if without.len() == 1 { "s" } else { "" });
-            format!(
-                "{one} seem{s} to lack the sign: the direction never changes, and the velocity changes against the torque as often as with it\n  \
-                 what to do: record the signed value (positive is anticlockwise, seen from above), not the amount"
+            Finding::new(
+                format!(
+                    "{one} seem{s} to lack the sign: the direction never changes, and the velocity changes against the torque as often as with it",
+                ),
+                "record the signed value (positive is anticlockwise, seen from above), not the amount",
             )
         })
     }
@@ -91,9 +94,10 @@ impl Signless {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     /// What is said of a minute of swings to and fro, with torque and velocity as recorded.
-    fn said(recorded: fn(f64, f64) -> (f64, f64)) -> Option<String> {
+    fn said(recorded: fn(f64, f64) -> (f64, f64)) -> Option<Finding> {
         let mut signless = Signless::default();
         for k in 0..6000 {
             let time = f64::from(k) / 100.0;
@@ -122,7 +126,7 @@ mod tests {
                 "swing_velocity and swing_torque seem to",
             ),
         ] {
-            let words = said(recorded).unwrap_or_default();
+            let words = text(said(recorded));
             assert!(words.starts_with(names), "{words:?}");
         }
         assert_eq!(said(|v, t| (v, t)), None);

@@ -1,6 +1,7 @@
 //! Detects a swing velocity in another unit than rad/s, by its size and by the torque.
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
+use recording::Finding;
 
 use crate::advice::write_unit;
 use crate::units::TURNING;
@@ -76,7 +77,7 @@ impl Speed {
     }
 
     /// The fault of a velocity that is not in rad/s.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let is_faster = self.are_enough(self.faster);
         if !is_faster && !self.are_enough(self.fast) {
             return None;
@@ -119,12 +120,12 @@ impl Speed {
             })
             .collect();
         let (unit, factor) = UNITS[unit];
-        Some(format!(
-            "swing_velocity seems to be in {unit}: no excavator swings at {mean:.0} rad/s, and {:.2} would be usual\n  \
-             what to do: {}{}",
-            mean / factor,
-            write_unit(unit, "swing_velocity"),
-            others.concat()
+        Some(Finding::new(
+            format!(
+                "swing_velocity seems to be in {unit}: no excavator swings at {mean:.0} rad/s, and {:.2} would be usual",
+                mean / factor
+            ),
+            format!("{}{}", write_unit(unit, "swing_velocity"), others.concat()),
         ))
     }
 }
@@ -168,7 +169,7 @@ mod tests {
                     ..Sample::default()
                 });
             }
-            let text = speed.fault()?;
+            let text = speed.fault()?.to_string();
             let unit = text.split("unit = \"").nth(1)?;
             Some(unit.split('"').next()?.to_owned())
         };

@@ -5,6 +5,7 @@
 //! right if the negated one is refused for its sign, and turned if the part itself is.
 
 use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
+use recording::Finding;
 
 /// Duration of a part [s].
 const PART: f64 = 30.0;
@@ -73,12 +74,14 @@ impl Turned {
     }
 
     /// The fault of signs that change.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let last = self.begin.filter(|_| self.differs());
         let time = self.changed.or(last)?;
-        Some(format!(
-            "swing_velocity or swing_torque changes its sign at about t = {time:.0} s: torque and acceleration agree on one side of it only\n  \
-             what to do: divide the recording there, and write `sign = -1` for the wrong column in a signal map of that part"
+        Some(Finding::new(
+            format!(
+                "swing_velocity or swing_torque changes its sign at about t = {time:.0} s: torque and acceleration agree on one side of it only"
+            ),
+            "divide the recording there, and write `sign = -1` for the wrong column in a signal map of that part",
         ))
     }
 }
@@ -86,9 +89,10 @@ impl Turned {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     /// The fault of two minutes in which the reference machine swings to and fro, with a velocity of this sign at each time.
-    fn said(sign: impl Fn(f64) -> f64) -> Option<String> {
+    fn said(sign: impl Fn(f64) -> f64) -> Option<Finding> {
         let geometry = Geometry::of(&config::Excavator::default());
         let posture = [0.8, -1.4, -0.6];
         let inertia = geometry.inertia(posture).empty;
@@ -112,7 +116,7 @@ mod tests {
         // The same sign everywhere is another fault, if it is wrong.
         assert_eq!([said(|_| 1.0), said(|_| -1.0)], [None, None]);
         for (changes, part) in [(50.0, 60), (91.0, 90)] {
-            let words = said(|time| if time < changes { 1.0 } else { -1.0 }).unwrap_or_default();
+            let words = text(said(|time| if time < changes { 1.0 } else { -1.0 }));
             let time = format!("changes its sign at about t = {part} s");
             assert!(words.contains(&time), "{words}");
         }

@@ -1,6 +1,7 @@
 //! Detects a swing velocity that shows no swing, although the torque turns the machine: a dead sensor, or another unit.
 
 use estimation::excavator::{Geometry, Sample};
+use recording::Finding;
 
 /// Posture of the inertia that the torque would turn \[rad\].
 const POSTURE: [f64; 3] = [0.8, -1.4, -0.6];
@@ -45,14 +46,17 @@ impl Unmoved {
     }
 
     /// The fault and its remedy.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let least = f64::from(FEWEST).max(OFTEN * f64::from(self.rows));
         let turns = self.turning.iter().all(|rows| f64::from(*rows) > least);
         (turns && self.fastest < STANDS).then(|| {
-            format!(
-                "swing_velocity never exceeds {:.3} rad/s, though swing_torque, of up to {:.0} N m, turns the machine both ways\n  \
-                 what to do: check the sensor, and its column and unit in the signal map",
-                self.fastest, self.largest
+            Finding::new(
+                format!(
+                    "swing_velocity never exceeds {:.3} rad/s, though swing_torque, of up to {:.0} N m, turns the machine both ways",
+                    self.fastest,
+                    self.largest,
+                ),
+                "check the sensor, and its column and unit in the signal map",
             )
         })
     }
@@ -78,7 +82,7 @@ mod tests {
         };
         // Dead, and radians a second taken for degrees.
         for velocity in [0.0, 0.9_f64.to_radians()] {
-            assert!(said(velocity, 5e3).is_some_and(|words| words.contains("up to 5000 N m")));
+            assert!(said(velocity, 5e3).is_some_and(|words| words.what.contains("up to 5000 N m")));
         }
         assert_eq!(said(0.9, 5e3), None, "it swings");
         assert_eq!(said(0.0, 500.0), None, "it stands");

@@ -17,6 +17,7 @@ use std::ops::Range;
 
 use estimation::GRAVITY;
 use estimation::loader::Sample;
+use recording::Finding;
 
 use super::grade::Grade;
 use super::pair::{Pair, about};
@@ -183,7 +184,7 @@ impl Axles {
     }
 
     /// The fault of a column and its remedy, for a machine with this mass times wheel radius [kg m].
-    pub(super) fn fault(&self, moment: f64) -> Option<String> {
+    pub(super) fn fault(&self, moment: f64) -> Option<Finding> {
         if self.blocks < ENOUGH || 2.0 * self.hard < ENOUGH {
             return None;
         }
@@ -192,39 +193,40 @@ impl Axles {
         let what = what.or_else(|| self.torque(moment));
         let what = what.or_else(|| self.accelerometer());
         let what = what.or_else(|| self.pound_feet(moment));
-        what.or_else(|| self.exchanged().map(str::to_owned))
+        what.or_else(|| self.exchanged())
     }
 
     /// Exchanged axles: of the wheel speeds, or of the torques where they differ.
-    fn exchanged(&self) -> Option<&'static str> {
+    fn exchanged(&self) -> Option<Finding> {
         if self.slips.rows < SLIPPING {
             return None;
         }
         if self.slips.significance() < -SURE {
-            return Some(
-                "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down\n  \
-                 what to do: exchange the two in the signal map",
-            );
+            return Some(Finding::new(
+                "front_wheel_speed and rear_wheel_speed seem to be exchanged: the rear wheels slip more while the machine accelerates, which presses them down",
+                "exchange the two in the signal map",
+            ));
         }
         let torque = (self.pulls[0].squares[0] / self.blocks).sqrt();
         let differ = self.split.left() > DIFFER * torque;
-        (differ && self.split.significance() < -SURE).then_some(
-            "front_torque and rear_torque seem to be exchanged: the wheels of the axle with the larger torque slip less\n  \
-             what to do: exchange the two in the signal map",
+        (differ && self.split.significance() < -SURE).then(|| Finding::new(
+                "front_torque and rear_torque seem to be exchanged: the wheels of the axle with the larger torque slip less",
+                "exchange the two in the signal map",
+            ),
         )
     }
 
     /// The fault of the slope by accelerometer and torques.
-    pub(super) fn slope(&self) -> Option<String> {
+    pub(super) fn slope(&self) -> Option<Finding> {
         self.grade.fault()
     }
 
     /// The fault of the speed by the wheel speeds.
-    pub(super) fn speed(&self) -> Option<&'static str> {
+    pub(super) fn speed(&self) -> Option<Finding> {
         self.speed.fault()
     }
 
-    fn wheel_unit(&self) -> Option<String> {
+    fn wheel_unit(&self) -> Option<Finding> {
         let ratio = self.wheels.ratio();
         let is_about = |unit: f64| about(ratio / unit, TURN_ALIKE);
         let of = |(name, unit): &(&'static str, f64)| {
@@ -233,14 +235,15 @@ impl Axles {
                 .map(|axle| (axle, *name))
         };
         let (axle, unit) = TURNING.iter().find_map(of)?;
-        Some(format!(
-            "{axle}_wheel_speed seems to be in {unit}: front over rear wheel speed is {ratio:.3}\n  \
-             what to do: {}",
-            write_unit(unit, &format!("{axle}_wheel_speed"))
+        Some(Finding::new(
+            format!(
+                "{axle}_wheel_speed seems to be in {unit}: front over rear wheel speed is {ratio:.3}"
+            ),
+            write_unit(unit, &format!("{axle}_wheel_speed")),
         ))
     }
 
-    fn torque(&self, moment: f64) -> Option<String> {
+    fn torque(&self, moment: f64) -> Option<Finding> {
         let turned = self.pulls.map(|pull| pull.correlation() < -TOGETHER);
         let sign = match turned {
             [true, true] => Some(("front_torque and rear_torque", "have")),
@@ -249,10 +252,11 @@ impl Axles {
             [false, false] => None,
         };
         if let Some((names, have)) = sign {
-            return Some(format!(
-                "{names} {have} the other sign: a torque that drives the machine forwards is positive\n  \
-                 what to do: {}",
-                write_sign(names)
+            return Some(Finding::new(
+                format!(
+                    "{names} {have} the other sign: a torque that drives the machine forwards is positive"
+                ),
+                write_sign(names),
             ));
         }
         let ratio = self.torques.ratio();
@@ -265,23 +269,26 @@ impl Axles {
             [false, true] if about(1e-3 * ratio, THOUSANDTH) => ("rear_torque", "seems"),
             _ => return None,
         };
-        Some(format!(
-            "{names} {seem} to be in kN m: N m that small would not move the machine\n  \
-             what to do: {}",
-            write_unit("kNm", names)
+        Some(Finding::new(
+            format!("{names} {seem} to be in kN m: N m that small would not move the machine"),
+            write_unit("kNm", names),
         ))
     }
 
     /// Torques that would move a machine lighter than the empty one: they are in lbf ft.
-    fn pound_feet(&self, moment: f64) -> Option<String> {
+    fn pound_feet(&self, moment: f64) -> Option<Finding> {
         let [_, moved] = self.moved.coefficients();
         let ratio = moved / moment;
         let is_so = self.moved.correlation() > MOVED && LIGHT.contains(&ratio);
         is_so.then(|| {
-            format!(
-                "front_torque and rear_torque seem to be in lbf ft: they accelerate {ratio:.2} times the described mass, less than the empty machine\n  \
-                 what to do: {}; or state machine.mass and machine.wheel_radius, whose product is too large",
-                write_unit("lbf ft", "both")
+            Finding::new(
+                format!(
+                    "front_torque and rear_torque seem to be in lbf ft: they accelerate {ratio:.2} times the described mass, less than the empty machine",
+                ),
+                format!(
+                    "{}; or state machine.mass and machine.wheel_radius, whose product is too large",
+                    write_unit("lbf ft", "both"),
+                ),
             )
         })
     }
@@ -294,13 +301,12 @@ impl Axles {
         (is_enough && (0.0..AT_MOTOR).contains(&ratio)).then_some(ratio)
     }
 
-    fn accelerometer(&self) -> Option<String> {
+    fn accelerometer(&self) -> Option<Finding> {
         let (together, size) = (self.acceleration.correlation(), self.acceleration.ratio());
         if together < -TOGETHER {
-            return Some(format!(
-                "acceleration has the other sign: it is positive while the machine becomes faster forwards\n  \
-                 what to do: {}",
-                write_sign("acceleration")
+            return Some(Finding::new(
+                "acceleration has the other sign: it is positive while the machine becomes faster forwards",
+                write_sign("acceleration"),
             ));
         }
         let units = [
@@ -311,9 +317,9 @@ impl Axles {
         let (unit, _, changes) = units
             .into_iter()
             .find(|(_, ratio, _)| together > TOGETHER && about(*ratio, ABOUT))?;
-        Some(format!(
-            "acceleration seems to be in {unit}: the speed changes {changes} as fast\n  what to do: {}",
-            write_unit(unit, "acceleration")
+        Some(Finding::new(
+            format!("acceleration seems to be in {unit}: the speed changes {changes} as fast"),
+            write_unit(unit, "acceleration"),
         ))
     }
 }
@@ -321,10 +327,11 @@ impl Axles {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     /// The fault of a machine of 10 t, half of it on each axle, centre of gravity 1 m high, wheelbase 3 m, wheels of .7 m. Slip is a
     /// twentieth of torque over load.
-    fn said(change: impl Fn(&mut Sample)) -> Option<String> {
+    fn said(change: impl Fn(&mut Sample)) -> Option<Finding> {
         driven(change).fault(7e3)
     }
 
@@ -408,7 +415,7 @@ mod tests {
             [said(0.0, false), said(0.0, true), said(1.0, false)],
             [None, None, None]
         );
-        let words = said(1.0, true).unwrap_or_default();
+        let words = text(said(1.0, true));
         assert!(
             words.starts_with("front_torque and rear_torque seem to be exchanged"),
             "{words}"
@@ -435,7 +442,7 @@ mod tests {
     #[test]
     fn the_column_that_the_others_contradict_is_named() {
         assert_eq!(said(|_| {}), None);
-        let first = |change: fn(&mut Sample)| said(change).unwrap_or_default();
+        let first = |change: fn(&mut Sample)| text(said(change));
         for (said, words) in [
             (
                 first(|s| times(&mut s.front_wheel_speed, 9.55)),
@@ -484,9 +491,9 @@ mod tests {
         };
         assert_eq!(both(0.5), None);
         assert_eq!(both(0.9), None);
-        assert!(both(0.7376).is_some_and(|said| said.contains("`unit = \"lbf ft\"`")));
-        assert!(both(1e-3).is_some_and(|said| said.contains("`unit = \"kNm\"`")));
-        assert!(both(-1.0).is_some_and(|said| said.contains("have the other sign")));
+        assert!(both(0.7376).is_some_and(|said| said.remedy.contains("`unit = \"lbf ft\"`")));
+        assert!(both(1e-3).is_some_and(|said| said.remedy.contains("`unit = \"kNm\"`")));
+        assert!(both(-1.0).is_some_and(|said| said.what.contains("have the other sign")));
         // Without an accelerometer, in turns, and with tyres of another size nothing is reported.
         assert_eq!(said(|s| s.acceleration = None), None);
         assert_eq!(said(|s| times(&mut s.front_wheel_speed, 1.05)), None);

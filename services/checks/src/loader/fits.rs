@@ -2,7 +2,7 @@
 
 use estimation::loader::{Carriage, Mismatch, Plausible, largest};
 use messages::LoaderSensors;
-use recording::STEEPEST;
+use recording::{Finding, STEEPEST};
 
 use super::axles::Axles;
 use super::turning::Turning;
@@ -74,74 +74,79 @@ impl Fits {
     }
 
     /// The fault of a mass larger than the described machine with any load: it is in pounds, or the machine is larger.
-    fn too_massive(&self) -> String {
+    fn too_massive(&self) -> Finding {
         let mean = self.mass_sum / f64::from(self.massive);
         let [shown, described] = [mean, self.mass].map(|kg| kg / 1000.0);
         let size = format!("say how large yours is (--class {shown:.1}t, or machine.mass)");
         let unit = write_unit("lb", "mass");
         // The size of the reference machine is not stated by the user.
         if self.mass == config::Loader::REFERENCE_MASS {
-            return format!(
-                "mass is {shown:.1} t, more than the reference machine of {described:.1} t has with any load\n  \
-                 what to do: {size}; or, if it is in pounds, {unit}"
+            return Finding::new(
+                format!(
+                    "mass is {shown:.1} t, more than the reference machine of {described:.1} t has with any load"
+                ),
+                format!("{size}; or, if it is in pounds, {unit}"),
             );
         }
-        format!(
-            "mass seems to be in pounds: it is {shown:.1} t, more than the {described:.1} t of the machine file with any load\n  \
-             what to do: {unit}; or {size}"
+        Finding::new(
+            format!(
+                "mass seems to be in pounds: it is {shown:.1} t, more than the {described:.1} t of the machine file with any load"
+            ),
+            format!("{unit}; or {size}"),
         )
     }
 
     /// The fault of the slope's unit and its remedy, in the words of accelerometer and torques if they show it.
-    fn slope_fault(&self) -> Option<String> {
+    fn slope_fault(&self) -> Option<Finding> {
         let unit = self.slope_unit()?;
-        Some(self.axles.slope().unwrap_or_else(|| unit.into()))
+        Some(self.axles.slope().unwrap_or(unit))
     }
 
-    fn slope_unit(&self) -> Option<&'static str> {
+    fn slope_unit(&self) -> Option<Finding> {
         let is_too_steep = self
             .steep
             .map(|count| count as f64 > OFTEN * self.rows as f64);
         match is_too_steep {
-            [_, true] => Some(
-                "slope seems to be a grade in percent: even in degrees no loader drives on such hills\n  \
-                 what to do: write `unit = \"%\", scale = 1.0` for slope in a signal map",
-            ),
-            [true, false] => Some(
-                "slope seems to be in degrees or in percent: no loader drives on such hills\n  \
-                 what to do: in a signal map write `unit = \"deg\"` for slope, or `unit = \"%\", scale = 1.0` for a grade",
-            ),
+            [_, true] => Some(Finding::new(
+                "slope seems to be a grade in percent: even in degrees no loader drives on such hills",
+                "write `unit = \"%\", scale = 1.0` for slope in a signal map",
+            )),
+            [true, false] => Some(Finding::new(
+                "slope seems to be in degrees or in percent: no loader drives on such hills",
+                "in a signal map write `unit = \"deg\"` for slope, or `unit = \"%\", scale = 1.0` for a grade",
+            )),
             [false, false] => None,
         }
     }
 
     /// A mass in another unit, or of another machine.
-    fn mass_fault(&self) -> Option<String> {
+    fn mass_fault(&self) -> Option<Finding> {
         if 2 * self.tonnes > self.massive {
-            return Some(format!(
-                "mass seems to be in t: the machine has about a thousand times as many kg\n  what to do: {}",
-                write_unit("t", "mass")
+            return Some(Finding::new(
+                "mass seems to be in t: the machine has about a thousand times as many kg",
+                write_unit("t", "mass"),
             ));
         }
         (2 * self.pounds > self.massive).then(|| self.too_massive())
     }
 
     /// Lift and tilt angle that are exchanged, or of which one has another sign or zero.
-    fn angle_fault(&self) -> Option<&'static str> {
+    fn angle_fault(&self) -> Option<Finding> {
         if self.is_exchanged() {
-            return Some(
-                "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright\n  \
-                 what to do: exchange the two in the signal map",
-            );
+            return Some(Finding::new(
+                "lift_angle and tilt_angle seem to be exchanged: no loader drives with its arm upright",
+                "exchange the two in the signal map",
+            ));
         }
-        self.carriage.is_odd().then_some(
-            "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
-             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg",
+        self.carriage.is_odd().then(|| Finding::new(
+                "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that",
+                "in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/lift-arm.svg",
+            ),
         )
     }
 
     /// Wheels, torques and mass that cannot be of the described machine.
-    fn machine_fault(&self) -> Option<String> {
+    fn machine_fault(&self) -> Option<Finding> {
         // One axle that contradicts the other makes the sum of both that of another machine.
         let axles = self.axles.fault(self.moment);
         // A bucket that pushes into a pile hides from the speed what the accelerometer shows.
@@ -149,7 +154,7 @@ impl Fits {
         match self.plausible.mismatch().or_else(at_motor) {
             Some(mismatch) if axles.is_none() || is_of_wheels(mismatch) => {
                 let remedy = remedy(mismatch, self.mass);
-                Some(format!("{mismatch}\n  what to do: {remedy}"))
+                Some(Finding::new(mismatch.to_string(), remedy))
             }
             _ => axles,
         }
@@ -235,16 +240,16 @@ impl Look for Fits {
         signal == "mass" && (value - self.mass).abs() < EMPTY * self.mass
     }
 
-    fn fault(&self) -> Option<String> {
+    fn fault(&self) -> Option<Finding> {
         let columns = self.angles.fault().or_else(|| self.cylinder.fault());
         let columns = columns.or_else(|| self.torques.fault());
         let columns = columns.or_else(|| self.speed.fault().or_else(|| self.wheels.fault()));
         let columns = columns.or_else(|| self.slope_fault());
         let columns = columns.or_else(|| self.mass_fault());
-        let pairs = || self.turning.fault().or_else(|| self.axles.speed());
-        let pairs = || pairs().or_else(|| self.angle_fault());
+        let columns = columns.or_else(|| self.turning.fault());
         columns
-            .or_else(|| pairs().map(str::to_owned))
+            .or_else(|| self.axles.speed())
+            .or_else(|| self.angle_fault())
             .or_else(|| self.machine_fault())
     }
 }
@@ -313,8 +318,7 @@ mod tests {
                 fits.see(Some(unit * hill));
                 fits.see(None);
             }
-            fits.slope_unit()
-                .map(|said| said.lines().next().unwrap_or_default())
+            fits.slope_unit().map(|fault| fault.what)
         };
         assert_eq!(said(1.0), None);
         for (unit, words) in [

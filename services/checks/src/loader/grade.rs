@@ -10,6 +10,7 @@
 //! A slope sensor that follows the acceleration lowers c1 and leaves c2. Level ground carries no information.
 
 use estimation::GRAVITY;
+use recording::Finding;
 
 use super::pair::about;
 use super::regression::Regression;
@@ -72,13 +73,14 @@ impl Grade {
     }
 
     /// The fault of the slope and its remedy.
-    pub(super) fn fault(&self) -> Option<String> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let (share, factor, units) = self.share()?;
         let (.., what, remedy) = units
             .iter()
             .find(|(unit, ..)| about(share * unit, factor))?;
-        Some(format!(
-            "slope {what}: acceleration and torques show {share:.2} of it\n  what to do: {remedy}"
+        Some(Finding::new(
+            format!("slope {what}: acceleration and torques show {share:.2} of it"),
+            *remedy,
         ))
     }
 }
@@ -120,6 +122,7 @@ const UNITS: [Unit; 5] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     /// The fault of a machine of 10 t on wheels of .7 m on hills; `by`: measured over true slope.
     fn said(by: f64, has_accelerometer: bool, hills: f64) -> String {
@@ -133,7 +136,7 @@ mod tests {
             let sent = by * slope + 0.002 * (7.0 * time).sin();
             grade.see(speed, gain, sent, acceleration, 7e3 * (force + 0.2));
         }
-        grade.fault().unwrap_or_default()
+        text(grade.fault())
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Checks the speed against the wheel speeds, in driving blocks: it must have a sign, and must not be computed from them.
 
+use recording::Finding;
+
 /// Fewest blocks of a direction for a verdict.
 const ENOUGH: u32 = 20;
 /// Relative standard deviation of speed over wheel speed below which the speed is computed from the wheels. A machine that pulls slips
@@ -49,35 +51,36 @@ impl Speed {
     }
 
     /// The fault of the speed and its remedy.
-    pub(super) fn fault(&self) -> Option<&'static str> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let [forwards, speed_alone, wheels_alone, backwards] = self.ways;
         if forwards < ENOUGH {
             return None;
         }
         if speed_alone >= ENOUGH && wheels_alone + backwards == 0 {
-            return Some(
-                "speed has no sign: it is positive while the wheels turn backwards\n  \
-                 what to do: give it the sign of the wheel speeds, or of the gear, before heft reads it (CCVS1 on a J1939 bus has none)",
-            );
+            return Some(Finding::new(
+                "speed has no sign: it is positive while the wheels turn backwards",
+                "give it the sign of the wheel speeds, or of the gear, before heft reads it (CCVS1 on a J1939 bus has none)",
+            ));
         }
         if wheels_alone >= ENOUGH && speed_alone + backwards == 0 {
-            return Some(
-                "front_wheel_speed and rear_wheel_speed have no sign: they are positive while the machine drives backwards\n  \
-                 what to do: give them the sign of the speed, or of the gear, before heft reads them",
-            );
+            return Some(Finding::new(
+                "front_wheel_speed and rear_wheel_speed have no sign: they are positive while the machine drives backwards",
+                "give them the sign of the speed, or of the gear, before heft reads them",
+            ));
         }
         self.made_of_wheels()
     }
 
-    fn made_of_wheels(&self) -> Option<&'static str> {
+    fn made_of_wheels(&self) -> Option<Finding> {
         let [front, rear] = self.torques;
         let pulls = [front > PULLS * rear, rear > PULLS * front, true];
         let same = |ratio: &Ratio| (ratio.squares / self.rows).sqrt() < SAME * ratio.mean;
         let mut all = self.ratios.iter().zip(pulls);
         (self.rows >= f64::from(5 * ENOUGH) && all.any(|(ratio, pulls)| pulls && same(ratio)))
-            .then_some(
-                "speed seems to be made from the wheel speeds: their ratio never changes, and slip would change it\n  \
-                 what to do: map a speed that no driven wheel makes (radar, satellites, a free wheel); or weigh by lift pressures",
+            .then(|| Finding::new(
+                    "speed seems to be made from the wheel speeds: their ratio never changes, and slip would change it",
+                    "map a speed that no driven wheel makes (radar, satellites, a free wheel); or weigh by lift pressures",
+                ),
             )
     }
 }
@@ -85,9 +88,10 @@ impl Speed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     /// The fault of a machine that drives in both directions and slips, with these sensors of speed and front wheels.
-    fn said(speed: impl Fn(f64, f64) -> f64, wheel: impl Fn(f64) -> f64) -> &'static str {
+    fn said(speed: impl Fn(f64, f64) -> f64, wheel: impl Fn(f64) -> f64) -> String {
         let mut seen = Speed::default();
         for k in 0..600 {
             let time = f64::from(k) / 5.0;
@@ -98,7 +102,7 @@ mod tests {
                 seen.see(speed(v, slipped), wheels, [torque; 2]);
             }
         }
-        seen.fault().unwrap_or_default()
+        text(seen.fault())
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Checks articulation against yaw rate: yaw rate = speed times articulation over a length.
 
 use estimation::loader::Sample;
+use recording::Finding;
 
 use super::pair::Pair;
 
@@ -39,7 +40,7 @@ impl Turning {
     }
 
     /// The fault, unit or sign of one of the two columns, and its remedy.
-    pub(super) fn fault(&self) -> Option<&'static str> {
+    pub(super) fn fault(&self) -> Option<Finding> {
         let together = self.both.correlation();
         if self.rows < ENOUGH || together.abs() < TOGETHER {
             return None;
@@ -48,23 +49,23 @@ impl Turning {
         let within = |by: f64| (LENGTHS[0]..LENGTHS[1]).contains(&length(by));
         let far = |by: f64| (length(by) / USUAL).ln().abs();
         match () {
-            () if together < 0.0 => Some(
-                "articulation and yaw_rate seem to have opposite signs: both are positive where the machine turns left\n  \
-                 what to do: in the signal map `sign = -1` for the one that is positive to the right",
-            ),
+            () if together < 0.0 => Some(Finding::new(
+                "articulation and yaw_rate seem to have opposite signs: both are positive where the machine turns left",
+                "in the signal map `sign = -1` for the one that is positive to the right",
+            )),
             () if within(1.0) => None,
-            () if within(THOUSANDTHS) && far(THOUSANDTHS) < far(DEGREES) => Some(
-                "yaw_rate seems to be in mrad/s: the machine turns less than that by its articulation\n  \
-                 what to do: in the signal map `unit = \"mrad/s\"` for yaw_rate",
-            ),
-            () if within(DEGREES) => Some(
-                "yaw_rate seems to be in deg/s: the machine turns less than that by its articulation\n  \
-                 what to do: in the signal map `unit = \"deg/s\"` for yaw_rate",
-            ),
-            () if within(1.0 / DEGREES) => Some(
-                "articulation seems to be in degrees: the machine turns less than that by its yaw_rate\n  \
-                 what to do: in the signal map `unit = \"deg\"` for articulation",
-            ),
+            () if within(THOUSANDTHS) && far(THOUSANDTHS) < far(DEGREES) => Some(Finding::new(
+                "yaw_rate seems to be in mrad/s: the machine turns less than that by its articulation",
+                "in the signal map `unit = \"mrad/s\"` for yaw_rate",
+            )),
+            () if within(DEGREES) => Some(Finding::new(
+                "yaw_rate seems to be in deg/s: the machine turns less than that by its articulation",
+                "in the signal map `unit = \"deg/s\"` for yaw_rate",
+            )),
+            () if within(1.0 / DEGREES) => Some(Finding::new(
+                "articulation seems to be in degrees: the machine turns less than that by its yaw_rate",
+                "in the signal map `unit = \"deg\"` for articulation",
+            )),
             () => None,
         }
     }
@@ -73,6 +74,7 @@ impl Turning {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     #[test]
     fn signs_and_units_of_turns_are_reported() {
@@ -87,7 +89,7 @@ mod tests {
                     ..Sample::default()
                 });
             }
-            turning.fault().unwrap_or_default()
+            text(turning.fault())
         };
         assert_eq!(said([1.0, 1.0]), "");
         assert!(said([-1.0, 1.0]).contains("opposite signs"));

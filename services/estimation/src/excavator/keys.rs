@@ -123,8 +123,6 @@ table! {
         head_area_std: Option<f64> = None, "m^2", 0.0 to 1.0;
         /// Area of the piston less that of the rod.
         rod_area: f64 = 0.0, "m^2", 0.0 to 1.0;
-        /// Its standard deviation; "none" takes 0.5 %.
-        rod_area_std: Option<f64> = None, "m^2", 0.0 to 1.0;
         /// Cylinder base to boom foot (a).
         base_distance: f64 = 0.0, "m", 0.0 to 20.0;
         /// Its standard deviation; "none" takes 0.4 %.
@@ -169,38 +167,6 @@ table! {
 }
 
 table! {
-    /// The cylinder on the boom that moves the arm; it pulls the arm in as it extends.
-    pub struct ArmCylinder, "machine.arm_cylinder" {
-        /// Number of cylinders side by side.
-        count: f64 = 1.0, "", 1.0 to 4.0;
-        /// Area of the piston; 0 says that nothing is known of the cylinder, and leaves its pressures out.
-        head_area: f64 = 0.0, "m^2", 0.0 to 1.0;
-        /// Its standard deviation; "none" takes 0.5 %.
-        head_area_std: Option<f64> = None, "m^2", 0.0 to 1.0;
-        /// Area of the piston less that of the rod.
-        rod_area: f64 = 0.0, "m^2", 0.0 to 1.0;
-        /// Its standard deviation; "none" takes 0.5 %.
-        rod_area_std: Option<f64> = None, "m^2", 0.0 to 1.0;
-        /// Cylinder base to arm pin (a).
-        base_distance: f64 = 0.0, "m", 0.0 to 20.0;
-        /// Its standard deviation; "none" takes 0.4 %.
-        base_distance_std: Option<f64> = None, "m", 0.0 to 1.0;
-        /// Arm pin to rod eye (c).
-        rod_distance: f64 = 0.0, "m", 0.0 to 20.0;
-        /// Its standard deviation; "none" takes 0.4 %.
-        rod_distance_std: Option<f64> = None, "m", 0.0 to 1.0;
-        /// Angle between the two at arm angle 0; negative, so that the lever is (delta).
-        angle: f64 = 0.0, "rad", -6.3 to 6.3;
-        /// Its standard deviation.
-        angle_std: f64 = 0.005, "rad", 0.0 to 1.0;
-        /// Friction of the seals, as a share of all pistons at 20 MPa.
-        friction: f64 = 0.03, "", 0.0 to 0.5;
-        /// Its standard deviation.
-        friction_std: f64 = 0.015, "", 0.0 to 0.5;
-    }
-}
-
-table! {
     /// The sensors.
     pub struct Sensors, "sensors" {
         /// Samples per second.
@@ -224,9 +190,7 @@ table! {
         swing_velocity_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
         /// Noise of the joint angles.
         angle_std: f64 = 0.001, "rad", 0.0 to 1.0;
-        /// Noise of a cylinder's pressure.
-        pressure_std: f64 = 50e3, "Pa", 0.0 to 1e8;
-        /// Standard deviation of its zero.
+        /// Standard deviation of the zero of a cylinder's pressure. White noise is negligible beside the friction of the seals.
         pressure_offset_std: f64 = 100e3, "Pa", 0.0 to 1e8;
         /// Standard deviation of the zero of a joint angle.
         angle_offset_std: f64 = 0.0087, "rad", 0.0 to 1.0;
@@ -394,8 +358,6 @@ pub struct Description {
     pub geometry: Attachment,
     /// `[machine.boom_cylinder]`
     pub boom_cylinder: BoomCylinder,
-    /// `[machine.arm_cylinder]`
-    pub arm_cylinder: ArmCylinder,
     /// `[sensors]`
     pub sensors: Sensors,
     /// `[prior]`

@@ -47,11 +47,11 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     let text = args.file.as_deref().map(text_of).transpose()?;
     let text = text.unwrap_or_default();
-    tell_old_names(&config::old_names(&text));
     let name = args.file.as_ref().map(|file| file.display().to_string());
     let name = name.unwrap_or_else(|| "--print".to_owned());
     let class = class_or_set(args.class, &args.set);
     let mut description = Description::parse_of_class(&text, &name, args.machine, class)?;
+    tell_old_names(&config::old_names(description.machine(), &text));
     if let Some(machine) = args.machine {
         is_for(machine, &description, &name)?;
     }

@@ -10,12 +10,12 @@ use super::dialect::{self, BLANK, Dialect};
 use super::front::{comment, is_rule};
 use super::marks::{self, Marks};
 use super::no_number::{NoNumber, ZEROS};
-use crate::Error;
 use crate::counter::Counter;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
 use crate::time::{self, Dates};
+use crate::{Error, Finding};
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -292,14 +292,14 @@ impl<S: Sensors> Columns<S> {
             .then(|| format!("{cells} of {width} cells"))
     }
 
-    /// Why a row does not fit the table, and the remedy. A row that was cut off must not be taken for one with missing samples.
-    pub(crate) fn misfit(&mut self, record: &Record) -> Option<(String, &'static str)> {
+    /// Why a row does not fit the table. A row that was cut off must not be taken for one with missing samples.
+    pub(crate) fn misfit(&mut self, record: &Record) -> Option<Finding> {
         let (cells, width) = (record.len(), self.header.len());
         let has_value = |at| record.get(at).is_some_and(|cell| !cell.is_empty());
         let has_more = (width..cells).any(has_value);
         let dialect = self.numbers.dialect;
         if let Some(what) = hidden_rows(record, width, dialect) {
-            return Some((what, CLOSE));
+            return Some(Finding::new(what, CLOSE));
         }
         if !has_more && !self.is_short(record) {
             return self.another_machine(record);
@@ -311,7 +311,7 @@ impl<S: Sensors> Columns<S> {
         let mut ends = record.iter();
         if let Some(end) = ends.find_map(|cell| dialect.other_line_end(cell)) {
             let what = format!("{what}: it goes on behind {end}, which ends no line here");
-            return Some((what, dialect::LINE_ENDS));
+            return Some(Finding::new(what, dialect::LINE_ENDS));
         }
         let remedy = match (record.iter().any(|cell| cell.contains(&0)), dialect) {
             (true, _) => ZEROS,
@@ -327,18 +327,18 @@ impl<S: Sensors> Columns<S> {
             }
             _ => "complete the row, or delete it",
         };
-        Some((what, remedy))
+        Some(Finding::new(what, remedy))
     }
 
-    /// Why a row belongs to another machine than those before it, and the remedy.
-    fn another_machine(&mut self, record: &Record) -> Option<(String, &'static str)> {
+    /// Why a row belongs to another machine than those before it.
+    fn another_machine(&mut self, record: &Record) -> Option<Finding> {
         let name = record.get(self.machine?).filter(|name| !name.is_empty())?;
         if self.named.is_empty() {
             self.named = name.to_vec();
         }
         (name != self.named).then(|| {
             let [other, first] = [name, &self.named].map(dialect::text);
-            (
+            Finding::new(
                 format!("the row is of machine {other}, and those before it are of {first}"),
                 "heft serve takes a table of many machines; here give the rows of one, or rename the column if it names something else",
             )

@@ -6,6 +6,7 @@
 use super::cells::Record;
 use super::dialect::{self, Dialect};
 use super::front::{Front, cells, lines};
+use crate::Finding;
 
 /// First cells of the lines that describe the channels of TwinCAT Scope.
 const NAMES: &[u8] = b"Name";
@@ -20,19 +21,15 @@ const VALUES: &[u8] = b"trace_values";
 /// Times above this are ticks of Windows, of 100 ns since 1601, and none in milliseconds: some 30 000 years.
 const TICKS: f64 = 1e15;
 
-/// Why an export is not read, and the remedy.
-pub(super) type Refusal = (String, &'static str);
-
 /// The lines above the rows of such an export; none of other tables.
-pub(super) fn front(head: &[u8]) -> Option<Result<Front, Refusal>> {
+pub(super) fn front(head: &[u8]) -> Option<Result<Front, Finding>> {
     let begins = |line: &[u8], word: &[u8]| {
         let line = line.trim_ascii_start();
         line.strip_prefix(b"\"").unwrap_or(line).starts_with(word)
     };
     if lines(head, 0).any(|(_, line)| begins(line, VALUES)) {
-        return Some(Err((
-            "this is a recording of ControlDesk (dSPACE), with its names and values in blocks"
-                .to_owned(),
+        return Some(Err(Finding::new(
+            "this is a recording of ControlDesk (dSPACE), with its names and values in blocks",
             "export it as MDF (.mf4) and convert that: pip install asammdf; or write a table of the block: its trace_names as the header, the rows from trace_values on below",
         )));
     }
@@ -68,7 +65,7 @@ fn scope(
     block: &[Record],
     row: Option<&Record>,
     dialect: Dialect,
-) -> Result<(Vec<String>, Vec<String>), Refusal> {
+) -> Result<(Vec<String>, Vec<String>), Finding> {
     let named = |name: &[u8]| block.iter().find(|row| row.get(0) == Some(name));
     let channels = block[0].iter();
     let is_time: Vec<bool> = channels.map(|cell| cell == NAMES).collect();
@@ -79,7 +76,7 @@ fn scope(
         .filter(|step| step.is_finite());
     let first = steps.next();
     if let Some(other) = steps.find(|step| Some(*step) != first) {
-        return Err((
+        return Err(Finding::new(
             format!(
                 "the channels of this export of TwinCAT Scope have several sample times, {} and {other} ms among them: a row is of several times",
                 first.unwrap_or_default()
@@ -149,7 +146,7 @@ mod tests {
         ] {
             let text = export(["10", "10"], separator, times);
             let front = front(text.as_bytes()).expect("an export");
-            let front = front.unwrap_or_else(|(what, _)| panic!("{what}"));
+            let front = front.unwrap_or_else(|refusal| panic!("{refusal}"));
             let names = ["Time", "SwingVelocity", "", "SwingTorque"].map(str::to_owned);
             assert_eq!(front.names, Some(names.to_vec()), "{separator:?}");
             let units = [unit, "deg/s", "", ""].map(str::to_owned);
@@ -172,13 +169,13 @@ mod tests {
     #[test]
     fn an_export_whose_rows_are_of_several_times_is_refused_by_its_name() {
         let text = export(["10", "2"], "\t", ["0", "10"]);
-        let (what, _) = front(text.as_bytes())
+        let Finding { what, .. } = front(text.as_bytes())
             .expect("an export")
             .err()
             .expect("several times");
         assert!(what.contains("several sample times, 10 and 2 ms"), "{what}");
         let text = "trace_names,time,vel\nunit,s,rad/s\ntrace_values,0,1\n,0.01,1\n";
-        let (what, _) = front(text.as_bytes())
+        let Finding { what, .. } = front(text.as_bytes())
             .expect("an export")
             .err()
             .expect("blocks");

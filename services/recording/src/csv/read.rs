@@ -117,7 +117,7 @@ impl Table {
             return Err(Error::new("this is a packed tar archive", file, remedy));
         }
         let exported = exported::front(&head).transpose();
-        let exported = exported.map_err(|(what, remedy)| Error::new(what, &file, remedy))?;
+        let exported = exported.map_err(|refusal| refusal.at(&file))?;
         let Some(front) = exported.or_else(|| Front::of(&head)) else {
             let what = if head.trim_ascii().is_empty() {
                 "the file is empty"
@@ -341,9 +341,8 @@ impl<S: Sensors> TableRows<S> {
             if Columns::<S>::is_hole(record) {
                 return self.end_in_zeros();
             }
-            if let Some((what, remedy)) = self.columns.misfit(record) {
-                let place = format!("{}:{}", table.file, table.line(start));
-                let error = Error::new(what, place, remedy);
+            if let Some(misfit) = self.columns.misfit(record) {
+                let error = misfit.at(format!("{}:{}", table.file, table.line(start)));
                 return match self.columns.cut(record) {
                     Some(cut) => self.end_early(&cut, error),
                     None => Err(error),

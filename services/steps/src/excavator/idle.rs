@@ -10,21 +10,8 @@ pub(crate) fn is_idle(_: &Excavator, change: &Change, methods: &[&str]) -> bool 
     !methods.iter().any(|m| acts(change.path, m))
 }
 
-/// Tables and keys that can be stated and that no estimator uses.
-const READ_BY_NOTHING: &[&str] = &[
-    // The boom's cylinder alone weighs the load.
-    "machine.arm_cylinder.",
-    // The rod side's force is at most a tenth of the head side's: an error of its area is negligible.
-    "machine.boom_cylinder.rod_area_std",
-    // White noise of a pressure is negligible beside the friction of the seals, and what the boom's oscillation adds is measured.
-    "sensors.pressure_std",
-];
-
 /// Whether a key may act under a method.
 fn acts(path: &str, method: &str) -> bool {
-    if READ_BY_NOTHING.iter().any(|idle| path.starts_with(idle)) {
-        return false;
-    }
     let Ok(method) = super::method(method) else {
         return true;
     };
