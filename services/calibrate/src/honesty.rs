@@ -123,6 +123,11 @@ impl Uncertainty {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 
+    /// Widens a parameter by a difference between recordings, in prior standard deviations: nothing tells which of them is right.
+    pub fn widen(&mut self, i: usize, difference: f64) {
+        self.covariance[(i, i)] += difference * difference;
+    }
+
     /// Correlation of two parameters.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let size = self.std(i) * self.std(j);

@@ -257,6 +257,65 @@ fn recordings_of_two_machines_do_not_fit_together() {
     says(&outcome, "does not fit the rest: the viscous damping");
 }
 
+/// Samples whose boom angle is measured too high \[rad\].
+fn with_boom_offset(samples: Vec<Sample>, offset: f64) -> Vec<Sample> {
+    let higher = |mut sample: Sample| {
+        sample.posture[0] = sample.posture[0].map(|boom| boom + offset);
+        sample
+    };
+    samples.into_iter().map(higher).collect()
+}
+
+#[test]
+fn the_offset_of_the_boom_angle_is_found_written_and_used() {
+    const OFFSET: f64 = 0.03;
+    let truth = Truth::new(3);
+    let record = |name, payload, seed| {
+        let samples = with_boom_offset(truth.record(payload, seed), OFFSET);
+        input(name, samples, payload)
+    };
+    let inputs = [record("empty", 0.0, 1), record("loaded", 423.0, 2)];
+    let mut before = config::Excavator::default();
+    before.sensors.angle_offset_std = 0.035;
+    let found = |description: &config::Excavator| {
+        let outcome = calibrate(&inputs, &Options::of(description)).expect("known keys");
+        assert_eq!(outcome.faults, Vec::<String>::new());
+        let offset = outcome.quantity(Role::AngleOffset(0)).expect("a value");
+        assert!(
+            (offset.value - OFFSET).abs() < 2.0 * offset.std,
+            "{offset:?}"
+        );
+        assert!(offset.std < 0.01, "{offset:?}");
+        outcome
+            .description(description, &[])
+            .expect("a description")
+            .0
+    };
+    let after = found(&before);
+    let written = after.sensors.boom_angle_offset;
+    assert!((written - OFFSET).abs() < 0.01, "{written}");
+    // The written one is that of the description in the next calibration.
+    let again = found(&after).sensors.boom_angle_offset;
+    assert!((again - written).abs() < 0.005, "{written} {again}");
+}
+
+#[test]
+fn a_boom_sensor_that_moved_between_the_recordings_is_named() {
+    let truth = Truth::new(3);
+    let moved = with_boom_offset(truth.record(423.0, 2), 0.06);
+    let mut description = config::Excavator::default();
+    description.sensors.angle_offset_std = 0.035;
+    let inputs = [
+        input("empty", truth.record(0.0, 1), 0.0),
+        input("loaded", moved, 423.0),
+    ];
+    let outcome = calibrate(&inputs, &Options::of(&description)).expect("known keys");
+    says(
+        &outcome,
+        "does not fit the rest: the offset of the boom angle",
+    );
+}
+
 #[test]
 fn what_a_user_mixed_up_is_said_in_the_words_of_the_user() {
     let truth = Truth::new(3);

@@ -263,13 +263,16 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             ) || role.is_nuisance()
         })
         .collect();
-    let Some(found) = FitResult::of(&whole, fit, &held, &minor) else {
+    let Some(mut found) = FitResult::of(&whole, fit, &held, &minor) else {
         outcome.faults = vec![NOTHING.into()];
         return;
     };
-    let (others, hints) = words::disagreement(swings, &found, &outcome.fixed);
+    let disagreement = words::disagreement(swings, &found, &outcome.fixed);
+    for (i, difference) in disagreement.widths {
+        found.uncertainty.widen(i, difference);
+    }
     if faults.is_empty() {
-        faults.extend(others);
+        faults.extend(disagreement.fault);
     }
     if faults.is_empty() && !found.fit.interrupted {
         let tolerance = options.description.machine.mass_tolerance;
@@ -277,7 +280,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     }
     outcome.faults = faults;
     outcome.found = Some(found);
-    outcome.remarks.extend(hints);
+    outcome.remarks.extend(disagreement.remark);
     if outcome.faults.is_empty() {
         outcome.remarks.extend(words::ground(outcome));
     }

@@ -29,6 +29,8 @@ const OTHER_MASSES: f64 = 3.0;
 /// it is material.
 const CLEARLY: f64 = 4.0;
 const MATERIAL: f64 = 0.5;
+/// Joint whose angle is compared between recordings: offsets of arm and bucket take up errors of lengths and centres.
+const BOOM: usize = 0;
 /// Least reported slope [rad].
 const CLEAR_SLOPE: f64 = 0.01;
 
@@ -178,14 +180,10 @@ pub fn masses(
 /// Parts of recordings that are inconsistent with the whole: a fault where the difference is large relative to
 /// the description's tolerance, a remark where it is only clear.
 #[must_use]
-pub fn disagreement(
-    swings: &Swings,
-    found: &FitResult,
-    fixed: &[bool],
-) -> (Option<String>, Option<String>) {
+pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disagreement {
     if found.fit.interrupted {
         // The test holds at the maximum only.
-        return (None, None);
+        return Disagreement::default();
     }
     let mut parts = Vec::new();
     let mut names = Vec::new();
@@ -201,7 +199,10 @@ pub fn disagreement(
             names.push(format!("{name}{}", series.name));
         }
     }
-    let of_the_machine = |role: &Role| !role.is_load() && !role.is_nuisance() && !role.is_noise();
+    let of_the_machine = |role: &Role| {
+        let is_written = !role.is_nuisance() || matches!(role, Role::AngleOffset(BOOM));
+        is_written && !role.is_load() && !role.is_noise()
+    };
     // A parameter at its limit is not at a maximum either.
     let is_inside = |i: usize| {
         let p = &swings.parameters[i];
@@ -214,7 +215,7 @@ pub fn disagreement(
     let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
     let Some(worst) = all.iter().find(clear) else {
-        return (None, None);
+        return Disagreement::default();
     };
     let say = |d: &Difference| {
         let p = &swings.parameters[d.parameter];
@@ -232,19 +233,40 @@ pub fn disagreement(
         )
     };
     match all.iter().filter(clear).find(|d| d.by.abs() > MATERIAL) {
-        Some(d) => (Some(format!("{}; {OTHERWISE}", say(d))), None),
-        None => (
-            None,
-            Some(format!(
-                "{}; the intervals may be too narrow: {OTHERWISE}",
-                say(worst)
-            )),
-        ),
+        Some(d) => Disagreement {
+            fault: Some(format!("{}; {OTHERWISE}", say(d))),
+            ..Disagreement::default()
+        },
+        None => {
+            let largest = |i: usize| {
+                let of_it = all.iter().filter(clear).filter(|d| d.parameter == i);
+                of_it.map(|d| d.by.abs()).fold(0.0, f64::max)
+            };
+            Disagreement {
+                remark: Some(format!(
+                    "{}; its interval is as much wider: {OTHERWISE}",
+                    say(worst)
+                )),
+                widths: asked.iter().map(|&i| (i, largest(i))).collect(),
+                ..Disagreement::default()
+            }
+        }
     }
 }
 
+/// Disagreement between parts of the recordings.
+#[derive(Default)]
+pub struct Disagreement {
+    /// A material one.
+    pub fault: Option<String>,
+    /// One that is clear, and not material.
+    pub remark: Option<String>,
+    /// Parameters and the largest differences of the latter, in prior standard deviations.
+    pub widths: Vec<(usize, f64)>,
+}
+
 /// Possible causes of a disagreement, and the remedy.
-const OTHERWISE: &str = "another machine, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
+const OTHERWISE: &str = "another machine, a sensor that has moved, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
 
 /// Remark on inclined ground, which the fit compensates.
 #[must_use]

@@ -55,4 +55,14 @@ mod tests {
         assert_eq!(joint(-80.0), -80.0, "degrees stay, to be named");
         assert!(joint(f64::NAN).is_nan());
     }
+
+    #[test]
+    fn a_true_angle_is_the_measured_one_without_its_offset() {
+        let measured = [Some(0.63), None, Some(-1.4 + TAU)];
+        let [boom, arm, bucket] = true_posture(measured, [0.03, 0.1, -0.1]);
+        assert!((boom.expect("measured") - 0.6).abs() < 1e-12);
+        assert!((bucket.expect("measured") + 1.3).abs() < 1e-12);
+        assert_eq!(arm, None);
+        assert_eq!(true_posture(measured, [0.0; 3])[0], measured[0]);
+    }
 }
