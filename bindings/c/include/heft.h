@@ -513,6 +513,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
 #define HEFT_LOADER_FLAG_RESTARTED (1u << 14)
 #define HEFT_LOADER_FLAG_TRUSTED_PAYLOAD (1u << 15)
 #define HEFT_LOADER_FLAG_CHANGING (1u << 16)
+#define HEFT_LOADER_FLAG_OF_EMPTY (1u << 17)
 
 /* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
 #define HEFT_LOADER_ESTIMATED_STATE (1u << 0)

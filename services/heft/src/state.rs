@@ -1,8 +1,9 @@
 //! `--state FILE`: parameters that take long to identify and change slowly are remembered from run to run.
 //!
-//! Only trusted values are remembered, per parameter with standard deviation and time. They are the priors of the next
-//! run: widened for the pause, never narrower than a share of the described prior, and without a
-//! verdict. The description in a recording contains those priors, so a replay needs
+//! Only trusted values are remembered, per parameter with standard deviation and time, and a centre of gravity only where it is that
+//! of the empty machine. They are the priors of the next run: widened for the pause, never narrower than a share of the described prior
+//! nor than the run knew them, and without a verdict. A value that is no better known than the described prior, or contradicts it, is
+//! not used. The description in a recording contains those priors, so a replay needs
 //! nothing else.
 //!
 //! A state outlives versions of heft: it contains what its description stated beside the defaults, renamed keys are
@@ -124,14 +125,20 @@ impl Memory {
         if self.channel != Some(channel.name) {
             return;
         }
+        let flags = message.bits_of("flags");
         for (row, std, [key, _]) in slow(self.machine) {
             let (Some(value), Some(std)) = (message.number(row.name), message.number(std)) else {
                 continue;
             };
-            let trusted = message.bits_of("flags") & row.trusted != 0;
+            let trusted = flags & row.trusted != 0 && flags & row.kept_while == row.kept_while;
             if trusted && std > 0.0 && value.is_finite() && std.is_finite() {
                 let learnt = since_1970().as_secs();
-                let remembered = Remembered { value, std, learnt };
+                let remembered = Remembered {
+                    value,
+                    std,
+                    learnt,
+                    of_empty: row.kept_while != 0,
+                };
                 self.state.parameters.insert(key.into(), remembered);
             }
         }
@@ -225,7 +232,12 @@ fn restore(
         let Some(old) = parameters.get(keys[0]) else {
             continue;
         };
-        match restore_one(keys, *old, now, description) {
+        let restored = if row.kept_while != 0 && !old.of_empty {
+            Err("an older heft stored it, perhaps with a load".into())
+        } else {
+            restore_one(keys, *old, now, description)
+        };
+        match restored {
             Ok(std) => said.push(format!("{} {:.4} ± {std:.2}", row.name, old.value)),
             Err(why) => left.push(format!("{} ({why})", keys[0])),
         }
@@ -257,7 +269,11 @@ fn restore_one(
     // A time in the future: a clock was wrong by at least that much.
     let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
     let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
-    description.set_all(&set).map_err(|error| error.what)?;
+    let mut with = description.clone();
+    with.set_all(&set).map_err(|error| error.what)?;
+    let expected = description.number(key).unwrap_or(old.value);
+    config::serves([old.value, old.std], [expected, prior])?;
+    *description = with;
     Ok(std)
 }
 
@@ -273,6 +289,9 @@ mod tests {
     fn loader() -> Description {
         Description::default_of(Machine::Loader)
     }
+
+    /// Flags of a trusted ratio of the empty machine.
+    const EMPTY: u32 = loader_bits::TRUSTED_RATIO | loader_bits::OF_EMPTY;
 
     fn estimate(ratio: f64, flags: u32) -> LoaderEstimate {
         LoaderEstimate {
@@ -298,8 +317,11 @@ mod tests {
         let (mut memory, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
         assert!(said.contains("nothing to remember yet"), "{said}");
         memory.see(&LOADER_CG_UKF, &estimate(0.50, 0));
-        memory.see(&LOADER_CG_UKF, &estimate(0.47, loader_bits::TRUSTED_RATIO));
+        memory.see(&LOADER_CG_UKF, &estimate(0.47, EMPTY));
         memory.see(&LOADER_CG_UKF, &estimate(0.60, 0));
+        // With a load, or with the arm elsewhere.
+        memory.see(&LOADER_CG_UKF, &estimate(0.60, loader_bits::TRUSTED_RATIO));
+        memory.see(&LOADER_CG_UKF, &estimate(0.55, loader_bits::OF_EMPTY));
         memory.save();
         let text = fs::read_to_string(&file).unwrap();
         assert!(
@@ -538,11 +560,14 @@ mod tests {
             format!(
                 "{{\n  \"heft\": \"0.2.0 abc\",\n  \"machine\": \"loader\",\n  \"description_sha256\": \"{hash}\",\n  \
                  \"methods\": {{}},\n  \"parameters\": {{\n    \"prior.cg_ratio\": {{\n      \"value\": {value},\n      \
-                 \"std\": 0.01,\n      \"learnt\": 1700000000\n    }}\n  }}\n}}\n"
+                 \"std\": 0.01,\n      \"learnt\": 1700000000\n    }},\n    \"prior.slip_stiffness\": {{\n      \
+                 \"value\": 21.0,\n      \"std\": 0.5,\n      \"learnt\": 1700000000\n    }}\n  }}\n}}\n"
             )
         };
         let said = said_of(&first("0.47"), &loader());
-        assert!(said.contains("restored cg_ratio 0.4700"), "{said}");
+        assert!(said.contains("restored slip_stiffness 21.0000"), "{said}");
+        let loaded = "; not prior.cg_ratio (an older heft stored it, perhaps with a load)";
+        assert!(said.ends_with(loaded), "{said}");
         let mut changed = loader();
         changed.set("machine.mass=11000").unwrap();
         let said = said_of(&first("0.47"), &changed);
@@ -560,6 +585,7 @@ mod tests {
             value,
             std: 0.01,
             learnt,
+            of_empty: true,
         };
         let of = |pairs: &[(&str, f64)]| {
             let pairs = pairs.iter();

@@ -128,6 +128,8 @@ pub struct Quantity {
     pub frame: Option<Frame>,
     /// Keys of the description that value and standard deviation set in the next run; none if it is not stored.
     pub kept: Option<[&'static str; 2]>,
+    /// Bits of `flags` that are set while it is stored, beside `trusted`.
+    pub kept_while: u32,
 }
 
 impl Quantity {
@@ -149,6 +151,7 @@ impl Quantity {
         column: Column::Never,
         frame: None,
         kept: None,
+        kept_while: 0,
     };
 }
 

@@ -60,6 +60,7 @@ macro_rules! loader_flags {
                 13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound." { frame: Some(9) };
                 15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed." { column: true, frame: Some(11) };
                 16 CHANGING changing (changing) "The load may be changing, whatever else is the reason; a bucket on the ground does not count." {};
+                17 OF_EMPTY of_empty (of_empty) "Ratio and height are those of the empty machine with its arm at the reference: it is known that no load is in the bucket." {};
             }
             process {
                 14 RESTARTED restarted "The service was started again and has not been trusted since." {};
@@ -103,13 +104,13 @@ macro_rules! loader_quantities {
                     estimated: STATE, trusted: TRUSTED_HEIGHT, excited: EXCITED_HEIGHT, is_headline: true,
                     shown: 2, label: "Height of the centre of gravity", symbol: "h", range: POSITIVE,
                     column: Column::Always, frame: frame("height", 0xff21, 1e-5, 0.0),
-                    kept: Some(["prior.cg_height", "prior.cg_height_std"])
+                    kept: Some(["prior.cg_height", "prior.cg_height_std"]), kept_while: OF_EMPTY
                 };
                 cg_ratio (cg_ratio.value) [cg_ratio_std (cg_ratio.std)] "" "Share of the static weight on the front axle." {
                     estimated: STATE, trusted: TRUSTED_RATIO, is_headline: true,
                     shown: 1, label: "Front-axle load fraction", symbol: "λ", range: (0.0, 1.0),
                     column: Column::Always, frame: frame("ratio", 0xff20, 1e-6, 0.0),
-                    kept: Some(["prior.cg_ratio", "prior.cg_ratio_std"])
+                    kept: Some(["prior.cg_ratio", "prior.cg_ratio_std"]), kept_while: OF_EMPTY
                 };
                 cg_distance (cg_distance) [] "m" "Distance from the front axle to the centre of gravity." {
                     estimated: STATE, column: Column::Always

@@ -56,6 +56,8 @@ pub struct Estimate {
     pub trusted_payload: bool,
     /// The load may be changing, whatever `reason` names.
     pub changing: bool,
+    /// Ratio and height are those of the empty machine with its arm at the reference.
+    pub of_empty: bool,
     /// Bias of the slope sensor, true slope = measured - bias \[rad\].
     pub slope_bias: Option<f64>,
     /// Rolling radius of the front wheels over its nominal value, 1 + d_f.

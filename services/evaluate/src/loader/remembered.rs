@@ -5,6 +5,7 @@
 //!
 //! JSON: `[{"tyres", "prior", "ratio", "height", "diverged", "runs", "met"}]`; `met` is null without a target.
 
+use estimation::Quantity;
 use estimation::loader::{Estimate, Prior};
 use serde_json::{Value, json};
 use sim::loader::{Run, Scenario, Tier};
@@ -78,14 +79,9 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
         duration: Some(SHIFT),
         ..day(Scenario::WorkCycle, 1)
     };
-    let mut learnt = (None, None);
+    let mut learnt = Learnt::default();
     trial::each_row(&earlier, &[Candidate::COLD], |_, _, estimate| {
-        if estimate.trusted_ratio {
-            learnt.0 = Some(*estimate);
-        }
-        if estimate.trusted_height {
-            learnt.1 = Some(*estimate);
-        }
+        learnt.see(estimate);
     })?;
     let mut scores = Vec::new();
     for (tyres, is_restored, _) in LINES {
@@ -98,7 +94,7 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
             &[Candidate::COLD],
             |settings| {
                 if is_restored {
-                    restore(&mut settings.prior, &learnt);
+                    learnt.restore(&mut settings.prior, PAUSE);
                 }
             },
         )?);
@@ -106,21 +102,58 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
     Ok(scores)
 }
 
-/// The latest estimates with a trusted ratio, and with a trusted height.
-type Learnt = (Option<Estimate>, Option<Estimate>);
+/// What `heft run --state` stores: the latest trusted slip stiffness, and the latest trusted height and ratio of the empty machine.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Learnt {
+    slip_stiffness: Option<Quantity>,
+    cg_height: Option<Quantity>,
+    cg_ratio: Option<Quantity>,
+}
 
-/// Restores the prior as `heft run --state` does. The later run does not gain from rolling radii and slope bias, nor from a
-/// narrower floor, nor from the covariance between them (160 machines, floors of 0.4 to 0.2 of the prior: 2.3 to 2.4 % in the
-/// median). On other tyres, a smaller deviation of the radii increases the error.
-fn restore(prior: &mut Prior, learnt: &Learnt) {
-    let widened = |std, prior| config::widened(std, prior, PAUSE);
-    if let Some(e) = learnt.0 {
-        (prior.slip_stiffness, prior.cg_ratio) = (e.slip_stiffness.value, e.cg_ratio.value);
-        prior.slip_stiffness_std = widened(e.slip_stiffness.std, prior.slip_stiffness_std);
-        prior.cg_ratio_std = widened(e.cg_ratio.std, prior.cg_ratio_std);
+impl Learnt {
+    pub(super) fn see(&mut self, estimate: &Estimate) {
+        if estimate.trusted_ratio {
+            self.slip_stiffness = Some(estimate.slip_stiffness);
+        }
+        if estimate.trusted_ratio && estimate.of_empty {
+            self.cg_ratio = Some(estimate.cg_ratio);
+        }
+        if estimate.trusted_height && estimate.of_empty {
+            self.cg_height = Some(estimate.cg_height);
+        }
     }
-    if let Some(e) = learnt.1 {
-        prior.cg_height = e.cg_height.value;
-        prior.cg_height_std = widened(e.cg_height.std, prior.cg_height_std);
+
+    /// Restores the prior as `heft run --state` does, and returns how many parameters. The later run does not gain from rolling radii and
+    /// slope bias, nor from a narrower floor, nor from the covariance between them (160 machines, floors of 0.4 to 0.2 of the prior: 2.3 to
+    /// 2.4 % in the median). On other tyres, a smaller deviation of the radii increases the error.
+    pub(super) fn restore(&self, prior: &mut Prior, pause: f64) -> usize {
+        let restored = [
+            (
+                self.slip_stiffness,
+                &mut prior.slip_stiffness,
+                &mut prior.slip_stiffness_std,
+            ),
+            (
+                self.cg_height,
+                &mut prior.cg_height,
+                &mut prior.cg_height_std,
+            ),
+            (self.cg_ratio, &mut prior.cg_ratio, &mut prior.cg_ratio_std),
+        ];
+        let mut count = 0;
+        for (learnt, value, std) in restored {
+            let Some(Quantity {
+                value: own,
+                std: of,
+            }) = learnt
+            else {
+                continue;
+            };
+            if config::serves([own, of], [*value, *std]).is_ok() {
+                (*value, *std) = (own, config::widened(of, *std, pause));
+                count += 1;
+            }
+        }
+        count
     }
 }

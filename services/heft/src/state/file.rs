@@ -28,6 +28,9 @@ pub(super) struct Remembered {
     pub(super) std: f64,
     /// Time of that [s since 1970].
     pub(super) learnt: u64,
+    /// It is known to be of the empty machine. Files of before 0.4 lack it: they may hold the centre of gravity with a load.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) of_empty: bool,
 }
 
 /// The contents of the file.

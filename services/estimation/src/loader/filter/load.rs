@@ -1,6 +1,7 @@
 //! Load of the machine: a known payload, or a mass that steps and moves the centre of gravity.
 
 use super::{Belief, CgFilter};
+use crate::loader::keys::Machine;
 use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
 use crate::loader::lift_arm::Carried;
 use crate::loader::load::mass_step::Centre;
@@ -44,6 +45,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Whether the machine carries a load, by its mass.
     pub(super) fn is_loaded(&self) -> bool {
         self.load.share() > LEAST_LOAD
+    }
+
+    /// Whether a mass is stated, and is that of the empty machine.
+    pub(in crate::loader) fn is_told_empty(&self, machine: &Machine) -> bool {
+        let described = self.hold.mass <= (1.0 + LEAST_LOAD) * machine.mass;
+        self.disturbance.states_mass && described && self.load.is_empty()
     }
 
     /// Whether the machine is loaded, and no boom motion would be reported.

@@ -221,8 +221,10 @@ impl Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::loader::remembered::Learnt;
     use estimation::loader::Status;
     use sim::loader::CASES;
+    use statistics::judge::{is_covered, is_wrong};
 
     /// With 12 t and a full bucket the rear axle carries a tenth of the weight while the machine sets off in reverse.
     #[test]
@@ -278,5 +280,61 @@ mod tests {
             moving > 3000 && set_aside * 2 < moving && trusted == 0,
             "{set_aside} of {moving}, {trusted}"
         );
+    }
+
+    /// A working day: trusted and wrong rows of the ratio, the share of rows whose interval holds it, and what was restored.
+    fn day(number: u64, ratio_std: f64, learnt: Option<&mut Learnt>) -> [f64; 4] {
+        const MACHINE: u64 = 3;
+        let run = Run {
+            seed: MACHINE + number * LIFTS,
+            machine_seed: Some(MACHINE),
+            tier: Tier::B,
+            size: Size::REAL[1],
+            duration: Some(DURATION),
+            gauges: Some(Gauges::default()),
+            ..Run::new(Scenario::Loading)
+        };
+        let mut simulation = Simulation::new(&run).expect("a run");
+        let first = simulation.next().expect("a row");
+        let mut settings = settings(Knowledge::Drawing, &run, &simulation, &first);
+        let (machine, prior) = (*simulation.machine(), &mut settings.prior);
+        // The empty machine stood on scales once, and its result is the prior.
+        prior.cg_ratio = machine.cg_ratio + 0.5 * ratio_std;
+        prior.cg_ratio_std = ratio_std;
+        let mut learnt = learnt;
+        let restored = learnt.as_ref().map_or(0, |l| l.restore(prior, 0.0));
+        let columns = Columns { acceleration: true };
+        let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("settings");
+        let nominal = simulation.clone();
+        let (mut rows, mut covered, mut trusted, mut wrong) = (0.0, 0.0, 0.0, 0.0);
+        for row in simulation {
+            let estimate = estimator.step(&sample(Knowledge::Drawing, &nominal, &row));
+            let (truth, Quantity { value, std }) = (row.truth.cg_ratio, estimate.cg_ratio);
+            rows += 1.0;
+            covered += f64::from(u8::from(is_covered(value, std, truth)));
+            if estimate.trusted_ratio {
+                trusted += 1.0;
+                wrong += f64::from(u8::from(is_wrong(value, std, truth)));
+            }
+            if let Some(learnt) = &mut learnt {
+                learnt.see(&estimate);
+            }
+        }
+        [trusted / rows, wrong, covered / rows, restored as f64]
+    }
+
+    /// An earlier heft stored the ratio with its load: after four days all trusted rows were wrong.
+    #[test]
+    fn over_days_of_loading_what_is_remembered_makes_no_ratio_wrong() {
+        for ratio_std in [0.006, 0.06] {
+            let mut learnt = Learnt::default();
+            for number in 1..=5 {
+                let cold = day(number, ratio_std, None);
+                let warm = day(number, ratio_std, Some(&mut learnt));
+                println!("{ratio_std} {number}: {cold:?} {warm:?} {learnt:?}");
+                assert!(warm[1] <= cold[1], "{number}: {cold:?} {warm:?}");
+                assert!(warm[2] > 0.95, "{number}: {cold:?} {warm:?}");
+            }
+        }
     }
 }
