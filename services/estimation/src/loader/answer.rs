@@ -15,13 +15,13 @@ use crate::math::norm;
 /// empty machine. Stored from run to run it stays below .27 of that: of a trusted ratio the prior keeps at most a quarter (`verdict`).
 const NEAR: f64 = 0.2;
 
-/// Centre of gravity with its load, and the standard deviations of filter and report.
+/// Centre of gravity with its load, its shift from that of the states, and the standard deviations of filter and report.
 fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,
     learns: &Learns,
     doubt: &Doubt,
-) -> (Each<f64>, Intervals) {
+) -> (Each<f64>, Each<f64>, Intervals) {
     let x = filter.state();
     let own = Each::of(|i| x[i]);
     let std = Each {
@@ -29,6 +29,10 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         height: filter.std(CG_HEIGHT),
     };
     let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
+    let shift = Each {
+        ratio: centre.ratio - own.ratio,
+        height: centre.height - own.height,
+    };
     let doubted = |std: f64, beyond: f64, centre: f64| {
         norm(&[doubt.birge * std, beyond, doubt.wavering * centre])
     };
@@ -58,7 +62,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         reported,
         ratio: centre.ratio,
     };
-    (centre, intervals)
+    (centre, shift, intervals)
 }
 
 /// Whether the centre of gravity is that of the empty machine with its arm at the reference: a load is known to be absent, and what the
@@ -66,22 +70,15 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
 fn is_of_empty<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,
+    shift: Each<f64>,
     reported: Each<f64>,
 ) -> bool {
-    let machine = &settings.machine;
     if !filter.known_load.is_some() {
-        return filter.is_told_empty(machine);
+        return filter.is_told_empty(&settings.machine);
     }
-    let x = filter.state();
-    let own = Each::of(|i| x[i]);
-    let none = Each {
-        ratio: 0.0,
-        height: 0.0,
-    };
-    let (centre, _) = filter.known_load.loaded(machine, own, none);
-    let ratio = (centre.ratio - own.ratio).abs() <= NEAR * reported.ratio;
-    let height = (centre.height - own.height).abs() <= NEAR * reported.height;
-    !filter.known_load.is_open() && ratio && height
+    !filter.known_load.is_open()
+        && shift.ratio.abs() <= NEAR * reported.ratio
+        && shift.height.abs() <= NEAR * reported.height
 }
 
 /// Values, intervals and verdict after a row.
@@ -95,7 +92,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
     let layout = const { Layout::of(N) };
     let learns = filter.learns(settings);
     let doubt = filter.doubt(settings, &learns);
-    let (centre, intervals) = intervals(filter, settings, &learns, &doubt);
+    let (centre, shift, intervals) = intervals(filter, settings, &learns, &doubt);
     let reported = intervals.reported;
     let verdict = filter
         .evidence
@@ -132,7 +129,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
         payload: None,
         trusted_payload: false,
         changing: doubt.changing,
-        of_empty: is_of_empty(filter, settings, reported),
+        of_empty: is_of_empty(filter, settings, shift, reported),
         slope_bias: layout.slope_bias.map(|i| x[i]),
         front_radius_scale: scale(0),
         rear_radius_scale: scale(1),

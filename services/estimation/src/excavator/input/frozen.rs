@@ -13,7 +13,7 @@ const MEMORY: f64 = 0.02;
 /// A signal with more than `CHANGES` changes and never `LONGEST` repeats is noisy too, however it moves [samples].
 const CHANGES: u32 = 500;
 const LONGEST: u32 = 5;
-/// Largest increment, of the value and absolute, that is rounding and no noise: a joint angle may be the difference of two.
+/// Largest increment that is rounding and no noise \[rad\]: a joint angle may be the difference of two. Noise of any signal is larger.
 const ROUNDING: f64 = 1e-12;
 
 /// Detector of one signal.
@@ -35,7 +35,7 @@ impl Repetition {
     pub(in crate::excavator) fn pass(&mut self, value: Option<f64>) -> Option<f64> {
         let value = value?;
         let increment = value - self.last.replace(value).unwrap_or(value);
-        if increment.abs() <= ROUNDING * (1.0 + value.abs()) {
+        if increment.abs() <= ROUNDING {
             self.repeats = self.repeats.saturating_add(1);
             return (!self.is_frozen()).then_some(value);
         }
