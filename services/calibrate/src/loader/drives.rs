@@ -133,6 +133,7 @@ impl Drives {
     fn guess(&self, recording: usize, values: &[f64]) -> Guess {
         let mut g = self.fixed;
         let load = self.load_of[recording];
+        let mut pitch = 0.0;
         for (role, &value) in self.roles.iter().zip(values) {
             if *role == Role::Mass(0) {
                 g.empty_mass = value;
@@ -160,6 +161,8 @@ impl Drives {
                 Role::ForceScatter => g.scatter.force = value,
                 Role::MotionScatter => g.scatter.motion = value,
                 Role::PathScatter => g.scatter.path = value,
+                // Slope sensor and accelerometer pitch with the chassis.
+                Role::Pitch(l) if *l == load => pitch = value,
                 Role::Mass(l) if *l == load => g.mass = value,
                 Role::Ratio(l) if *l == load => g.ratio = value,
                 Role::Height(l) if *l == load => g.height = value,
@@ -171,9 +174,12 @@ impl Drives {
                 | Role::Height(_)
                 | Role::Reach(_)
                 | Role::Lift(_)
+                | Role::Pitch(_)
                 | Role::Mark(_) => {}
             }
         }
+        g.slope_bias += pitch;
+        g.acceleration_offset += super::GRAVITY * pitch;
         g
     }
 }

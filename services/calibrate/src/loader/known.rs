@@ -2,6 +2,7 @@
 
 use config::Loader as Description;
 use estimation::Quantity;
+use estimation::loader::Machine;
 
 use super::drive::Drive;
 use super::guess::{Guess, Scatter};
@@ -15,7 +16,12 @@ const SENSITIVITY_STD: f64 = 0.3;
 const ROLLING_STD: f64 = 0.3;
 const FRICTION_STD: f64 = 0.2;
 const TORQUE_DELAY_STD: f64 = 0.02;
-const RELAXATION_STD: f64 = 0.05;
+/// Usual relaxation length of a tyre, in radii, and its standard deviation: .3 to .7 of a radius, longer at low pressure (Pacejka, Tyre and
+/// Vehicle Dynamics, 2012, ch. 5 and 7).
+const RELAXATION: (f64, f64) = (0.5, 0.2);
+/// Standard deviation of the pitch of the chassis under a load [rad]. A quarter of the machine x = 2 m ahead of its middle, on tyres that a
+/// standing machine presses in by d = 40 mm, at a wheelbase of l = 3 m: m_p/m 4 d x/l^2 = 9 mrad; real loaders 10 to 20.
+const PITCH_STD: f64 = 0.015;
 /// Relative standard deviation of the described mass, and of a mass that was measured on board.
 pub const MASS_STD: f64 = 0.02;
 /// Value and tolerance of the position of a load ahead of the front axle, as a share of the distance to the bucket's tip. Value and
@@ -33,6 +39,15 @@ const SCATTER: Scatter = Scatter {
     motion: 5e-3,
     path: 1e-3,
 };
+
+/// The stated relaxation length, or that of a usual tyre [m]: the default of the key is for the noise of a row, not for a size.
+fn relaxation_length(m: &Machine) -> f64 {
+    if m.relaxation_length == Machine::DEFAULT.relaxation_length {
+        RELAXATION.0 * m.wheel_radius
+    } else {
+        m.relaxation_length
+    }
+}
 
 /// Values that no recording changes, and initial values of the others.
 pub fn described(d: &Description) -> Guess {
@@ -61,7 +76,7 @@ pub fn described(d: &Description) -> Guess {
         slope_sensitivity: d.sensors.slope_acceleration_sensitivity,
         speed_delay: d.sensors.speed_delay,
         torque_delay: 0.0,
-        relaxation_length: m.relaxation_length,
+        relaxation_length: relaxation_length(m),
         axle_inertia: m.axle_inertia,
         wheelbase: m.wheelbase,
         scatter: SCATTER,
@@ -110,7 +125,12 @@ pub fn parameters(
         });
     }
     let numbered = loads.iter().enumerate();
-    all.extend(numbered.flat_map(|(l, stated)| of_load(l, stated, d)));
+    all.extend(
+        numbered
+            .clone()
+            .flat_map(|(l, stated)| of_load(l, stated, d)),
+    );
+    all.extend(numbered.skip(1).map(|(l, _)| pitch(l)));
     all
 }
 
@@ -153,7 +173,7 @@ fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
         Role::TorqueDelay, "sensors.torque_delay", "the delay of the torques", "s",
             0.0, TORQUE_DELAY_STD, (-0.2, 0.2);
         Role::Relaxation, "machine.relaxation_length", "the relaxation length of the tyres", "m",
-            m.relaxation_length, RELAXATION_STD, (0.0, 2.0);
+            relaxation_length(m), RELAXATION.1 * m.wheel_radius, (0.0, 2.0);
     };
     rows.into()
 }
@@ -200,6 +220,16 @@ fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
             s.acceleration_offset, s.acceleration_offset_std, (-2.0, 2.0);
     });
     all
+}
+
+/// Pitch of the chassis on its tyres with load `l`.
+fn pitch(l: usize) -> (Role, Parameter) {
+    let (key, words) = (
+        format!("load {l}, pitch"),
+        format!("the pitch of the chassis under load {l}"),
+    );
+    let pitch = Parameter::described(&key, &words, "rad", 0.0, PITCH_STD, (-0.1, 0.1));
+    (Role::Pitch(l), pitch)
 }
 
 /// A parameter with its stated value, if there is one, which counts as data.

@@ -315,14 +315,9 @@ fn undetermined(task: &Task<'_, Drives>, fit: &Fit) -> (Vec<String>, Vec<String>
     (sentences(matters), sentences(others))
 }
 
-fn find(outcome: &mut Outcome, options: &Options<'_>) {
+/// The fit to all recordings, their stated paths matched.
+fn fitted(outcome: &mut Outcome, options: &Options<'_>) -> Fit {
     let drives = &outcome.drives;
-    let roles = drives.roles.iter().zip(&outcome.fixed);
-    let free: Vec<Role> = roles
-        .filter(|(_, fixed)| !**fixed)
-        .map(|(r, _)| *r)
-        .collect();
-    let mut faults = words::indistinguishable(drives, &free);
     // Residuals far too large for their scatter would all be weighted as outliers.
     let large = |role: &Role| f64::from(role.is_noise()) * LARGE_SCATTER;
     let begin: Vec<f64> = drives.roles.iter().map(large).collect();
@@ -330,15 +325,40 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
     // The sensitivity of the slope sensor must be known before its slopes are compared.
     let joined = join(outcome, &first.place, options.out_and_back);
     let drives = &outcome.drives;
-    let all = all(drives);
-    let task = whole(drives, &all, &outcome.fixed, options);
-    let fit = if joined {
+    let mut fit = if joined {
         let mut begin = first.place;
         begin.extend(drives.roles[begin.len()..].iter().map(large));
-        task.run(&begin)
+        whole(drives, &all(drives), &outcome.fixed, options).run(&begin)
     } else {
         first
     };
+    // A nuisance parameter far from its prior would pull the others with it.
+    let far = words::far_nuisances(drives, &fit.place, &outcome.fixed);
+    if far.is_empty() || fit.interrupted {
+        return fit;
+    }
+    for &i in &far {
+        let place = fit.place[i];
+        let sentence = words::widened(&outcome.drives, i, place);
+        outcome.remarks.push(sentence);
+        outcome.drives.parameters[i].std *= place.abs();
+        fit.place[i] = place.signum();
+    }
+    let drives = &outcome.drives;
+    whole(drives, &all(drives), &outcome.fixed, options).run(&fit.place)
+}
+
+fn find(outcome: &mut Outcome, options: &Options<'_>) {
+    let roles = outcome.drives.roles.iter().zip(&outcome.fixed);
+    let free: Vec<Role> = roles
+        .filter(|(_, fixed)| !**fixed)
+        .map(|(r, _)| *r)
+        .collect();
+    let mut faults = words::indistinguishable(&outcome.drives, &free);
+    let fit = fitted(outcome, options);
+    let drives = &outcome.drives;
+    let all = all(drives);
+    let task = whole(drives, &all, &outcome.fixed, options);
     if fit.interrupted {
         outcome.remarks.push(STOPPED.into());
     }

@@ -107,6 +107,7 @@ impl Outcome {
             Role::Friction
             | Role::TorqueDelay
             | Role::Relaxation
+            | Role::Pitch(_)
             | Role::WheelScatter
             | Role::SpeedScatter
             | Role::ForceScatter

@@ -287,3 +287,69 @@ fn what_is_held_with_a_tolerance_widens_what_is_found() {
     let error = few.quantity(Role::FrontRadius).expect("a fit").value - guess().radius_errors[0];
     assert!(error.abs() < 3.0 * std(&few), "{error} {}", std(&few));
 }
+
+/// Empty and loaded recordings of this machine, the second of a path out and back, and its faults and remarks.
+fn driven(g: guess::Guess, load: guess::Guess) -> (Outcome, [String; 2]) {
+    let inputs = [
+        input("flat", samples(&g, 0.2, 7), None),
+        input("back", made::turned(&g, 0.0, 8, Some(181.0)), None),
+        input("loaded", samples(&load, 0.2, 9), quantity(6200.0, 30.0)),
+    ];
+    let outcome = run_out_and_back(&inputs);
+    let said = [&outcome.faults, &outcome.remarks].map(|all| all.join("\n"));
+    (outcome, said)
+}
+
+#[test]
+fn a_chassis_that_pitches_on_its_tyres_is_found_with_its_load() {
+    let (pitch, g) = (-0.0124, guess());
+    let load = guess::Guess {
+        slope_bias: g.slope_bias + pitch,
+        acceleration_offset: g.acceleration_offset + GRAVITY * pitch,
+        ..loaded(g)
+    };
+    let (outcome, [faults, _]) = driven(g, load);
+    assert_eq!(faults, "");
+    for (role, truth, within) in [
+        (Role::Pitch(1), pitch, 2e-3),
+        (Role::Rolling, g.rolling_resistance, 2e-3),
+        (Role::Lift(1), 0.9, 0.5),
+    ] {
+        let found = outcome.quantity(role).expect("a fit");
+        let error = (found.value - truth).abs();
+        let most = f64::min(within, 3.0 * found.std);
+        assert!(error < most, "{role:?}: {found:?} {truth}");
+    }
+}
+
+#[test]
+fn what_is_not_written_refuses_nothing() {
+    let g = guess::Guess {
+        relaxation_length: 1.2,
+        ..guess()
+    };
+    let (outcome, [faults, remarks]) = driven(g, loaded(g));
+    assert_eq!(faults, "");
+    let said = "the relaxation length of the tyres would be";
+    assert!(remarks.contains(said), "{remarks}");
+    assert!(remarks.contains("it is not written"), "{remarks}");
+    let found = outcome.quantity(Role::Relaxation).expect("a fit");
+    assert!((found.value - 1.2).abs() < 3.0 * found.std, "{found:?}");
+    let ratio = outcome.quantity(Role::StiffnessRatio).expect("a fit");
+    assert!((ratio.value - g.stiffness_ratio).abs() < 3.0 * ratio.std);
+}
+
+#[test]
+fn an_accelerometer_that_is_far_off_is_named_with_its_key() {
+    let g = guess::Guess {
+        acceleration_offset: 0.3,
+        ..guess()
+    };
+    let (_, [faults, _]) = driven(g, loaded(g));
+    assert!(faults.contains("the zero of the accelerometer"), "{faults}");
+    let key = "sensors.acceleration_offset_std";
+    assert!(
+        faults.contains(key) && !faults.contains("locked"),
+        "{faults}"
+    );
+}

@@ -82,7 +82,7 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
         // Stated masses are checked one by one.
         let judged =
-            !model.roles[i].is_noise() && !matches!(model.roles[i], Role::Mass(l) if l > 0);
+            !model.roles[i].is_nuisance() && !matches!(model.roles[i], Role::Mass(l) if l > 0);
         judged && !fixed[i] && place[i].abs() > FAR
     };
     (0..place.len())
@@ -90,14 +90,67 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
         .map(|i| {
             let p = &model.parameters[i];
             format!(
-                "{} would be {:.4}, but {:.4} ± {:.4} was expected: the machine does what the model does not know (a locked centre drive, a friction brake, ground that gives way), or the machine file is wrong",
+                "{} would be {:.4}, but {:.4} ± {:.4} was expected: {}, or the machine file is wrong",
                 p.words,
                 p.value(place[i]),
                 p.mean,
-                p.std
+                p.std,
+                cause(model.roles[i])
             )
         })
         .collect()
+}
+
+/// What else makes a parameter leave its tolerance, and what to do.
+fn cause(role: Role) -> &'static str {
+    match role {
+        Role::FrontRadius | Role::RearRadius => {
+            "other tyres, tyre pressure or wear, or a speed or wheel speed with another scale (prior.radius_std)"
+        }
+        Role::FrontGain | Role::RearGain | Role::StiffnessRatio => {
+            "a locked centre drive, or torques with another range or gear (sensors.torque_gain_std)"
+        }
+        Role::Rolling => "a friction brake, or ground that gives way",
+        Role::Stiffness | Role::LoadSensitivity | Role::LoadExponent => {
+            "other tyres, ground that gives way, or a locked centre drive"
+        }
+        Role::SlopeBias => {
+            "the zero of the slope sensor, if it is mounted askew: state its tolerance (prior.slope_bias_std), or its value on level ground (prior.slope_bias)"
+        }
+        Role::AccelerationOffset => {
+            "the zero of the accelerometer, if it is mounted askew: state its tolerance (sensors.acceleration_offset_std), or its value (sensors.acceleration_offset)"
+        }
+        Role::SlopeDelay | Role::SlopeFollows => {
+            "a filter in the slope sensor (sensors.slope_delay_std, sensors.slope_acceleration_sensitivity_std)"
+        }
+        Role::SpeedDelay => "signals recorded with different delays (sensors.speed_delay_std)",
+        Role::Mass(_) | Role::Ratio(_) | Role::Height(_) => {
+            "another load in the recording than stated, or a scale that is off"
+        }
+        _ => "the machine does what the model does not know",
+    }
+}
+
+/// Nuisance parameters far from their priors: they are not written, so they refuse nothing.
+pub fn far_nuisances(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<usize> {
+    let is_far = |&i: &usize| {
+        let role = model.roles[i];
+        role.is_nuisance() && !role.is_noise() && !fixed[i] && place[i].abs() > FAR
+    };
+    (0..place.len()).filter(is_far).collect()
+}
+
+/// Text about such a parameter before its prior is widened.
+pub fn widened(model: &Drives, i: usize, place: f64) -> String {
+    let p = &model.parameters[i];
+    format!(
+        "{} would be {:.4}, but {:.4} ± {:.4} was expected: it is not written to the machine file, and the rest is fitted with ± {:.4} for it",
+        p.words,
+        p.value(place),
+        p.mean,
+        p.std,
+        p.std * place.abs()
+    )
 }
 
 /// Values at the limit of their range, where the interval is meaningless, and whether each is written.
