@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x3fc97e00u
+#define HEFT_ABI 0x979e148eu
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -288,6 +288,9 @@ typedef struct {
     double angle_std; /* Noise of the joint angles. [rad] */
     double pressure_offset_std; /* Standard deviation of the zero of a cylinder's pressure. White noise is negligible beside the friction of the seals. [Pa] */
     double angle_offset_std; /* Standard deviation of the zero of a joint angle. [rad] */
+    double boom_angle_offset; /* Boom angle that is measured where the true one is 0, as calibrated. [rad] */
+    double arm_angle_offset; /* The same of the arm angle. [rad] */
+    double bucket_angle_offset; /* The same of the bucket angle. [rad] */
     double swing_velocity_limit; /* A velocity of this size or more is taken as missing (end of the sensor's range). [rad/s] */
     double angle_limit; /* A joint angle of this size or more is taken as missing. [rad] */
     double swing_torque_gain; /* Measured over true swing torque, as calibrated. */
