@@ -180,16 +180,14 @@ fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
         let is_lever = |role: &Role| *role == Role::Lever;
         return Ok(swings.roles.iter().map(is_lever).collect());
     };
-    let of_the_machine =
-        |role: &Role| !role.is_load() && !role.is_nuisance() && *role != Role::Lever;
     let mut fixed: Vec<bool> = swings
         .roles
         .iter()
-        .map(|role| of_the_machine(role) || *role == Role::Lever)
+        .map(|role| role.is_described() || *role == Role::Lever)
         .collect();
     let all = swings.roles.iter().zip(&swings.parameters).enumerate();
     let named: Vec<(usize, &str)> = all
-        .filter(|(_, (role, _))| of_the_machine(role))
+        .filter(|(_, (role, _))| role.is_described())
         .map(|(i, (_, p))| (i, p.key.as_str()))
         .collect();
     for key in free {
@@ -335,7 +333,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
 fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     let d = options.description;
     let stated = |role: &Role, p: &Parameter| match role {
-        Role::Lever => p.std,
+        Role::Lever | Role::AngleOffset(_) => p.std,
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
         Role::Gain => d.number("sensors.swing_torque_gain_std").unwrap_or(0.0),
@@ -349,7 +347,6 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Payload(_)
         | Role::UpperMoment
         | Role::Swinging(_)
-        | Role::AngleOffset(_)
         | Role::Across(_)
         | Role::Along(_) => 0.0,
     };

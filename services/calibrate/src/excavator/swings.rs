@@ -42,7 +42,7 @@ pub enum Role {
     Lever,
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
-    /// Zero of a joint angle.
+    /// Offset of a joint angle: of boom, arm, bucket.
     AngleOffset(usize),
     /// First moment of the upper body.
     UpperMoment,
@@ -76,6 +76,13 @@ impl Role {
                 | Self::Across(_)
                 | Self::Along(_)
         )
+    }
+
+    /// Whether it is a parameter of the machine or its sensors, which the description holds.
+    #[must_use]
+    pub fn is_described(&self) -> bool {
+        let is_offset = matches!(self, Self::AngleOffset(_));
+        !self.is_load() && *self != Self::Lever && (is_offset || !self.is_nuisance())
     }
 }
 

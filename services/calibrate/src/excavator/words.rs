@@ -199,9 +199,9 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
             names.push(format!("{name}{}", series.name));
         }
     }
-    let of_the_machine = |role: &Role| {
-        let is_written = !role.is_nuisance() || matches!(role, Role::AngleOffset(BOOM));
-        is_written && !role.is_load() && !role.is_noise()
+    let is_compared = |role: &Role| {
+        let takes_up_errors = matches!(role, Role::AngleOffset(joint) if *joint != BOOM);
+        role.is_described() && !role.is_noise() && !takes_up_errors
     };
     // A parameter at its limit is not at a maximum either.
     let is_inside = |i: usize| {
@@ -210,7 +210,7 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
         p.range.0 < value && value < p.range.1
     };
     let asked: Vec<usize> = (0..fixed.len())
-        .filter(|&i| of_the_machine(&swings.roles[i]) && is_inside(i))
+        .filter(|&i| is_compared(&swings.roles[i]) && is_inside(i))
         .collect();
     let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
