@@ -27,6 +27,10 @@ const HOLE: f64 = 0.1;
 const DIGGING: f64 = 0.01;
 /// Articulation, or yaw per wheelbase, above which the machine drives a curve [rad].
 const BENT: f64 = 0.03;
+/// Slip, and slip speed [m/s], beyond which a wheel spins, as the estimator has them: its tyre has passed its proportional range. A wheel
+/// that seems to spin for more than a third of the driving time has another radius or unit than stated.
+const SPIN: (f64, f64) = (0.15, 0.3);
+const MOST_SPIN: f64 = 1.0 / 3.0;
 /// Duration at both ends of a recording that is left out, because delayed signals are read there [s].
 const ENDS: f64 = 0.5;
 
@@ -109,6 +113,38 @@ impl Drive {
         };
         drive.blocks = drive.stretches(&drives);
         drive
+    }
+
+    /// Leaves out the rows in which a wheel of this rolling radius \[m\] spins. Returns for how long one does \[s\].
+    pub fn leave_out_spin(&mut self, radius: f64) -> f64 {
+        let spins = |k: usize| {
+            let speed = self.speed[k];
+            self.wheels.iter().any(|wheel| {
+                let rim = radius * wheel[k];
+                let fastest = rim.abs().max(speed.abs());
+                (rim - speed).abs() > SPIN.1.max(SPIN.0 * fastest)
+            })
+        };
+        let before = self.driving_time();
+        let mut rolls = Vec::new();
+        let mut spun = 0.0;
+        for block in &self.blocks {
+            let rows: Vec<usize> = block.clone().collect();
+            for run in rows.chunk_by(|a, b| spins(*a) == spins(*b)) {
+                let run = run[0]..run[run.len() - 1] + 1;
+                let lasts = self.time[run.end.min(block.end - 1)] - self.time[run.start];
+                if spins(run.start) {
+                    spun += lasts;
+                } else if lasts > SHORTEST {
+                    rolls.push(run);
+                }
+            }
+        }
+        if spun > MOST_SPIN * before {
+            return 0.0;
+        }
+        self.blocks = rolls;
+        spun
     }
 
     /// Duration of driving \[s\].
@@ -303,6 +339,28 @@ mod tests {
         let holed = Drive::new("a", &there(lost), 4e4, 2.3);
         assert!((holed.driving_time() - 11.0).abs() < 0.3);
         assert!(Drive::new("a", &[], 4e4, 2.3).blocks.is_empty());
+    }
+
+    #[test]
+    fn wheels_that_spin_are_left_out_and_those_of_another_radius_are_not() {
+        let with = |until: f64| {
+            let mut rows = there(|_| Some(100.0));
+            for row in &mut rows {
+                let wheel = row.speed.map(|v| v / 0.5);
+                row.front_wheel_speed = wheel;
+                let spins = (6.0..until).contains(&row.time);
+                row.rear_wheel_speed = if spins { Some(16.0) } else { wheel };
+            }
+            let mut drive = Drive::new("a", &rows, 4e4, 2.3);
+            [drive.leave_out_spin(0.5), drive.driving_time()]
+        };
+        assert_eq!(with(6.0)[0], 0.0);
+        let [spun, rolls] = with(8.0);
+        assert!((spun - 2.0).abs() < 0.2, "{spun}");
+        assert!((9.0..10.1).contains(&rolls), "{rolls}");
+        let [spun, rolls] = with(14.0);
+        assert_eq!(spun, 0.0, "another radius");
+        assert!(rolls > 11.5, "{rolls}");
     }
 
     #[test]

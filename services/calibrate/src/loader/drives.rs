@@ -133,7 +133,6 @@ impl Drives {
     fn guess(&self, recording: usize, values: &[f64]) -> Guess {
         let mut g = self.fixed;
         let load = self.load_of[recording];
-        let mut pitch = 0.0;
         for (role, &value) in self.roles.iter().zip(values) {
             if *role == Role::Mass(0) {
                 g.empty_mass = value;
@@ -156,13 +155,12 @@ impl Drives {
                 Role::SpeedDelay => g.speed_delay = value,
                 Role::TorqueDelay => g.torque_delay = value,
                 Role::Relaxation => g.relaxation_length = value,
+                Role::Squat => g.squat = value,
                 Role::WheelScatter => g.scatter.wheels = value,
                 Role::SpeedScatter => g.scatter.speed = value,
                 Role::ForceScatter => g.scatter.force = value,
                 Role::MotionScatter => g.scatter.motion = value,
                 Role::PathScatter => g.scatter.path = value,
-                // Slope sensor and accelerometer pitch with the chassis.
-                Role::Pitch(l) if *l == load => pitch = value,
                 Role::Mass(l) if *l == load => g.mass = value,
                 Role::Ratio(l) if *l == load => g.ratio = value,
                 Role::Height(l) if *l == load => g.height = value,
@@ -174,13 +172,30 @@ impl Drives {
                 | Role::Height(_)
                 | Role::Reach(_)
                 | Role::Lift(_)
-                | Role::Pitch(_)
                 | Role::Mark(_) => {}
             }
         }
+        self.pitched(&mut g, values);
+        g
+    }
+
+    /// The chassis pitches on the springs of its tyres, k an axle, and slope sensor and accelerometer with it:
+    /// ```text
+    /// pitch = (F_zr - F_zf)/(k l) = q [m h/(m_0 h_0) a/g - (m (2 lam - 1) - m_0 (2 lam_0 - 1)) l/(2 m_0 h_0)],  q = 2 m_0 g h_0/(k l^2)
+    /// ```
+    /// against that of the empty machine, which the zeros of the sensors contain; q is the squat.
+    fn pitched(&self, g: &mut Guess, values: &[f64]) {
+        let empty = |role: Role, own: f64| self.index(role).map_or(own, |i| values[i]);
+        let (height, ratio) = (
+            empty(Role::Height(0), g.height),
+            empty(Role::Ratio(0), g.ratio),
+        );
+        let moment = g.empty_mass * height;
+        let ahead = g.mass * (2.0 * g.ratio - 1.0) - g.empty_mass * (2.0 * ratio - 1.0);
+        let pitch = -g.squat * ahead * g.wheelbase / (2.0 * moment);
+        g.squat *= g.mass * g.height / moment;
         g.slope_bias += pitch;
         g.acceleration_offset += super::GRAVITY * pitch;
-        g
     }
 }
 

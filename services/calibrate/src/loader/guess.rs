@@ -40,6 +40,8 @@ pub struct Guess {
     pub slope_delay: f64,
     /// Sensitivity of the slope sensor to acceleration.
     pub slope_sensitivity: f64,
+    /// Pitch of the chassis on its tyres by the specific force, with this load [rad per g].
+    pub squat: f64,
     /// Delay of the speed [s].
     pub speed_delay: f64,
     /// Delay of the torques [s].
@@ -55,16 +57,18 @@ pub struct Guess {
 }
 
 impl Guess {
-    /// Specific force from the accelerometer in row `k` [m/s^2]; not finite where it is missing.
+    /// Specific force from the accelerometer in row `k` [m/s^2]; not finite where it is missing. It pitches with the chassis, and so
+    /// shows a part of gravity.
     pub fn force(&self, drive: &Drive, k: usize) -> f64 {
-        drive.acceleration[k] - self.acceleration_offset
+        (drive.acceleration[k] - self.acceleration_offset) / (1.0 + self.squat)
     }
 
     /// Slope of the road from the reading of an inclinometer without delay, and the specific force.
     pub fn prompt_slope(&self, shown: f64, force: f64) -> f64 {
         let level = shown - self.slope_bias;
         if force.is_finite() {
-            (level - self.slope_sensitivity * force / GRAVITY) / (1.0 - self.slope_sensitivity)
+            let pulled = (self.slope_sensitivity + self.squat) * force / GRAVITY;
+            (level - pulled) / (1.0 - self.slope_sensitivity)
         } else {
             level
         }

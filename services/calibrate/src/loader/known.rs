@@ -19,15 +19,17 @@ const TORQUE_DELAY_STD: f64 = 0.02;
 /// Usual relaxation length of a tyre, in radii, and its standard deviation: .3 to .7 of a radius, longer at low pressure (Pacejka, Tyre and
 /// Vehicle Dynamics, 2012, ch. 5 and 7).
 const RELAXATION: (f64, f64) = (0.5, 0.2);
-/// Standard deviation of the pitch of the chassis under a load [rad]. A quarter of the machine x = 2 m ahead of its middle, on tyres that a
-/// standing machine presses in by d = 40 mm, at a wheelbase of l = 3 m: m_p/m 4 d x/l^2 = 9 mrad; real loaders 10 to 20.
-const PITCH_STD: f64 = 0.015;
+/// Standard deviation of the pitch of the chassis by the specific force [rad per g]: on tyres that a standing machine presses in by
+/// d = 40 mm, at a wheelbase of l = 3 m and a height of h = 1.1 m, 4 d h/l^2.
+const SQUAT_STD: f64 = 0.02;
 /// Relative standard deviation of the described mass, and of a mass that was measured on board.
 pub const MASS_STD: f64 = 0.02;
 /// Value and tolerance of the position of a load ahead of the front axle, as a share of the distance to the bucket's tip. Value and
 /// tolerance of its height, as a share of the height of the empty machine's centre of gravity.
 const REACH: (f64, f64) = (0.75, 0.2);
 const LIFT: (f64, f64) = (0.8, 0.5);
+/// Largest height of a load, as a share of the same: that of a full bucket lifted to the edge of a truck.
+const HIGHEST: f64 = 3.0;
 /// Standard deviation of the offset at which two drives match best [m].
 const MARK_STD: f64 = 0.5;
 /// Standard deviation of the logarithm of a scatter, and usual values.
@@ -74,6 +76,7 @@ pub fn described(d: &Description) -> Guess {
         acceleration_offset: d.sensors.acceleration_offset,
         slope_delay: d.sensors.slope_delay,
         slope_sensitivity: d.sensors.slope_acceleration_sensitivity,
+        squat: 0.0,
         speed_delay: d.sensors.speed_delay,
         torque_delay: 0.0,
         relaxation_length: relaxation_length(m),
@@ -130,7 +133,6 @@ pub fn parameters(
             .clone()
             .flat_map(|(l, stated)| of_load(l, stated, d)),
     );
-    all.extend(numbered.skip(1).map(|(l, _)| pitch(l)));
     all
 }
 
@@ -218,18 +220,10 @@ fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
             s.slope_acceleration_sensitivity, s.slope_acceleration_sensitivity_std, (-0.3, 0.9);
         Role::AccelerationOffset, "sensors.acceleration_offset", "the bias of the accelerometer", "m/s^2",
             s.acceleration_offset, s.acceleration_offset_std, (-2.0, 2.0);
+        Role::Squat, "squat", "the pitch of the chassis by the specific force", "rad/g",
+            0.0, SQUAT_STD, (-0.1, 0.2);
     });
     all
-}
-
-/// Pitch of the chassis on its tyres with load `l`.
-fn pitch(l: usize) -> (Role, Parameter) {
-    let (key, words) = (
-        format!("load {l}, pitch"),
-        format!("the pitch of the chassis under load {l}"),
-    );
-    let pitch = Parameter::described(&key, &words, "rad", 0.0, PITCH_STD, (-0.1, 0.1));
-    (Role::Pitch(l), pitch)
 }
 
 /// A parameter with its stated value, if there is one, which counts as data.
@@ -295,7 +289,7 @@ fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter)
                 "m",
                 mean,
                 std,
-                (0.0, 10.0),
+                (0.0, HIGHEST * p.cg_height),
             ),
         )
     };

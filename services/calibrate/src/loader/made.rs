@@ -25,6 +25,7 @@ pub fn guess() -> Guess {
         acceleration_offset: 0.0,
         slope_delay: 0.2,
         slope_sensitivity: 0.3,
+        squat: 0.0,
         speed_delay: 0.03,
         torque_delay: 0.01,
         relaxation_length: 0.1,
@@ -93,7 +94,8 @@ fn driven(g: &Guess, split: f64, seed: u64, turned: Option<f64>, gear: f64) -> V
                 (speed(t) * axle.faster + axle.wound) / axle.radius
             });
             let late = torque(t - g.torque_delay);
-            let seen = ground(t) + g.slope_sensitivity * rate(t) / GRAVITY;
+            let squat = g.squat * force(t);
+            let seen = ground(t) + (g.slope_sensitivity * rate(t) + squat) / GRAVITY;
             let weight = 0.02 / (0.02 + g.slope_delay);
             shown += weight * (seen + g.slope_bias - shown);
             Sample {
@@ -104,7 +106,9 @@ fn driven(g: &Guess, split: f64, seed: u64, turned: Option<f64>, gear: f64) -> V
                 front_torque: Some(g.torque_gains[0] * late[0]),
                 rear_torque: Some(g.torque_gains[1] * late[1]),
                 slope: Some(shown + 5e-4 * noise(&mut state)),
-                acceleration: Some(force(t) + g.acceleration_offset + 0.05 * noise(&mut state)),
+                acceleration: Some(
+                    force(t) + squat + g.acceleration_offset + 0.05 * noise(&mut state),
+                ),
                 ..Sample::default()
             }
         })

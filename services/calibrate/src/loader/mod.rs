@@ -167,8 +167,9 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .iter()
         .map(|(_, input, _)| lift::stated(options.description, input))
         .collect();
-    let (numbers, drives): (Vec<usize>, Vec<Drive>) =
+    let (numbers, mut drives): (Vec<usize>, Vec<Drive>) =
         driven.into_iter().map(|(i, _, drive)| (i, drive)).unzip();
+    let spun = words::spun(&mut drives, machine.wheel_radius);
     let drives = Drives::new(drives, &stated, options.weighed, options.description);
     let fixed = held(&drives, options.free)?;
     let faults = words::before(&drives);
@@ -185,7 +186,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         found: None,
         noises: noises.found,
         faults,
-        remarks: noises.remarks,
+        remarks: [noises.remarks, spun].concat(),
         lift: None,
         turn: lift::bucket_turn(options.description, inputs),
         lifting: lifting

@@ -107,7 +107,7 @@ impl Outcome {
             Role::Friction
             | Role::TorqueDelay
             | Role::Relaxation
-            | Role::Pitch(_)
+            | Role::Squat
             | Role::WheelScatter
             | Role::SpeedScatter
             | Role::ForceScatter

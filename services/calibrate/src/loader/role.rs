@@ -60,8 +60,8 @@ pub enum Role {
     Height(usize),
     /// Distance of a load ahead of the front axle, where no axle weights determine the share.
     Reach(usize),
-    /// Pitch of the chassis on its tyres under a load, against that of the empty machine.
-    Pitch(usize),
+    /// Pitch of the chassis on its tyres by the specific force, and under a load.
+    Squat,
     /// Height of a load, where no axle weights determine that of the centre of gravity.
     Lift(usize),
 }
@@ -74,7 +74,6 @@ impl Role {
             | Self::Ratio(load)
             | Self::Height(load)
             | Self::Reach(load)
-            | Self::Pitch(load)
             | Self::Lift(load) => Some(load),
             _ => None,
         }
@@ -91,20 +90,20 @@ impl Role {
 
     /// Whether it acts on the slope residuals of a path.
     pub(super) fn is_of_slope(self) -> bool {
-        use Role::{AccelerationOffset, PathScatter, Pitch, SlopeBias, SlopeDelay, SlopeFollows};
+        use Role::{AccelerationOffset, PathScatter, SlopeBias, SlopeDelay, SlopeFollows, Squat};
         matches!(
             self,
-            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | PathScatter | Pitch(_)
+            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | PathScatter | Squat
         )
     }
 
     /// Whether it is estimated only to propagate its tolerance to the others: lags and limits that
     /// means over half a second hardly determine, position of the load and pitch of the chassis, and the marks of a path.
     pub fn is_nuisance(self) -> bool {
-        use Role::{Friction, Lift, Mark, Pitch, Reach, Relaxation, TorqueDelay};
+        use Role::{Friction, Lift, Mark, Reach, Relaxation, Squat, TorqueDelay};
         matches!(
             self,
-            Friction | Relaxation | TorqueDelay | Mark(_) | Reach(_) | Pitch(_) | Lift(_)
+            Friction | Relaxation | TorqueDelay | Squat | Mark(_) | Reach(_) | Lift(_)
         ) || self.is_noise()
     }
 }

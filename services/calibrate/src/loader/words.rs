@@ -27,6 +27,21 @@ pub fn stands(drive: &Drive) -> bool {
     !has_wheels(drive) || drive.fastest() < STANDS
 }
 
+/// Leaves out the rows in which wheels spin, and returns a text for each recording with such rows.
+pub fn spun(drives: &mut [Drive], radius: f64) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for drive in drives {
+        let time = drive.leave_out_spin(radius);
+        if time > 0.0 {
+            remarks.push(format!(
+                "{}: a wheel spins for {time:.1} s, which are left out; pull less, or on firmer ground",
+                drive.name
+            ));
+        }
+    }
+    remarks
+}
+
 /// Faults of the recordings before any fit.
 pub fn before(model: &Drives) -> Vec<String> {
     let mut faults = Vec::new();
