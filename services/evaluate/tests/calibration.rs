@@ -300,6 +300,17 @@ fn the_offset_of_the_boom_angle_is_found_written_and_used() {
 }
 
 #[test]
+fn an_offset_far_beyond_its_tolerance_names_the_key() {
+    let truth = Truth::new(3);
+    let record = |name, payload, seed| {
+        let samples = with_boom_offset(truth.record(payload, seed), 0.1);
+        input(name, samples, payload)
+    };
+    let outcome = run(&[record("empty", 0.0, 1), record("loaded", 423.0, 2)], None);
+    says(&outcome, "sensors.angle_offset_std");
+}
+
+#[test]
 fn a_boom_sensor_that_moved_between_the_recordings_is_named() {
     let truth = Truth::new(3);
     let moved = with_boom_offset(truth.record(423.0, 2), 0.06);

@@ -136,8 +136,12 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     };
     let all = (0..place.len()).filter(is_far).map(|i| {
         let p = &swings.parameters[i];
+        let cause = match swings.roles[i] {
+            Role::AngleOffset(_) => "set the sensor, or state how well it is set (sensors.angle_offset_std)",
+            _ => "a column of another unit or sign, recordings of another machine or another load than stated, or the machine file is wrong",
+        };
         format!(
-            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the machine file is wrong",
+            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: {cause}",
             p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
         )
     });
