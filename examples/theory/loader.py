@@ -412,17 +412,18 @@ class Lag:
     def __init__(self, machine):
         self.machine, prior = machine, machine.prior
         k, lam = prior["slip_stiffness"], prior["cg_ratio"]
-        front, rear = 1 / (k * lam), 1 / (k * (1 - lam))
+        slip = 1 / k
         spread = [math.hypot(prior["slip_stiffness_std"] / k, prior["cg_ratio_std"] / x) for x in (lam, 1 - lam)]
-        std = math.sqrt(2) * prior["radius_std"], front * spread[0], rear * spread[1], 0.004, 0.01 / math.sqrt(6)
-        self.theta = [0.0, front, -rear, 0.0, 0.0]
+        std = math.sqrt(2) * prior["radius_std"], slip * spread[0], slip * spread[1], 0.004, 0.01 / math.sqrt(6)
+        self.theta = [0.0, slip, slip, 0.0, 0.0]
         self.p = [[std[i] ** 2 if i == j else 0.0 for j in range(5)] for i in range(5)]
         self.chi, self.time, self.value = 1.0, 0.0, 0.0
 
-    def step(self, difference, v, v_before, u, dt):
+    def step(self, difference, v, v_before, u, lam, dt):
         if self.time == 0:
             self.begin, self.rows, self.sums = v_before, 0, [0.0] * 4
-        self.sums = [s + a for s, a in zip(self.sums, (difference, v, u["T_f"], u["T_r"]))]
+        lam = min(max(lam, 0.1), 0.9)
+        self.sums = [s + a for s, a in zip(self.sums, (difference, v, u["T_f"] / lam, -u["T_r"] / (1 - lam)))]
         self.rows += 1
         self.time += dt
         if self.time >= 0.2 - dt / 2:
@@ -435,7 +436,7 @@ class Lag:
         r = self.machine.m["wheel_radius"]
         per = abs(v) / (r * self.machine.mass * G)
         x = [v, per * front, per * rear, v * a, a]
-        for i, walk in enumerate((0.001, 0.02, 0.02, 0.001, 0.001)):
+        for i, walk in enumerate((0.001, 0.01, 0.01, 0.001, 0.001)):
             self.p[i][i] += walk**2 / 60 * self.time
         column = [dot(row, x) for row in self.p]
         variance = dot(column, x) + 0.002**2
@@ -581,7 +582,7 @@ class Estimator:
             rims = [radius * innovation[i] for i in WHEELS]
             wheels.common.step(0.5 * (rims[0] + rims[1]) - innovation[V], dt)
             wheels.apart.step(rims[0] - rims[1], dt)
-            self.lag.step(measured[WF] - measured[WR], v, before[V], u, dt)
+            self.lag.step(measured[WF] - measured[WR], v, before[V], u, before[LAM], dt)
         else:
             self.lag.time = 0.0
             wheels.common.interrupt()
