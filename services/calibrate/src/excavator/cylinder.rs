@@ -11,7 +11,8 @@ use config::Excavator as Description;
 use estimation::Quantity;
 use estimation::excavator::keys::Attachment;
 use estimation::excavator::{
-    Cylinder, FADING, FULL_PRESSURE, GRAVITY, Geometry, Lifts, Moment, Settings,
+    Cylinder, FADING, FULL_PRESSURE, GRAVITY, Geometry, Lifts, Moment, Sample, Settings,
+    true_posture,
 };
 
 use super::Input;
@@ -55,6 +56,7 @@ pub struct CylinderFit {
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let cylinder = Cylinder::of_boom(d)?;
     let geometry = Geometry::of(d);
+    let offsets = Settings::of(d).sensors.angle_offsets;
     let keeping = Cylinder {
         kept: 1.0,
         ..cylinder
@@ -65,7 +67,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
         .collect();
     let runs: Vec<Vec<Moment>> = known
         .iter()
-        .map(|(input, payload)| moments(&geometry, keeping, input, *payload))
+        .map(|(input, payload)| moments(&geometry, (keeping, offsets), input, *payload))
         .collect();
     if runs.iter().all(Vec::is_empty) {
         return None;
@@ -89,9 +91,20 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
 }
 
 /// The moments of a recording while the bucket is in the air with its load. The seals are assumed to retain all of their friction at rest.
-fn moments(geometry: &Geometry, cylinder: Cylinder, input: &Input, load: Quantity) -> Vec<Moment> {
+/// With the offsets of the joint angles \[rad\].
+fn moments(
+    geometry: &Geometry,
+    (cylinder, offsets): (Cylinder, [f64; 3]),
+    input: &Input,
+    load: Quantity,
+) -> Vec<Moment> {
     let mut lifts = Lifts::new(*geometry, cylinder);
-    let moments = input.samples.iter().filter_map(|sample| lifts.step(sample));
+    let moments = input.samples.iter().filter_map(|sample| {
+        lifts.step(&Sample {
+            posture: true_posture(sample.posture, offsets),
+            ..*sample
+        })
+    });
     moments
         .filter(|m| {
             let friction = m.lever * m.direction * cylinder.friction[0];

@@ -15,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
-use estimation::excavator::{Geometry, Sample, Settings, true_posture};
+use estimation::excavator::{Geometry, Sample, Settings};
 
 pub use cylinder::CylinderFit;
 pub use loads::Doubt;
@@ -120,9 +120,10 @@ impl Outcome {
 /// A key of `free` that cannot be identified; the error names those that can.
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
     let geometry = Geometry::of(options.description);
-    let series: Vec<Series> = with_true_angles(inputs, options.description)
+    let offsets = Settings::of(options.description).sensors.angle_offsets;
+    let series: Vec<Series> = inputs
         .iter()
-        .map(|i| Series::new(&i.name, &i.samples, &geometry))
+        .map(|i| Series::new(&i.name, &i.samples, &geometry, offsets))
         .collect();
     let stated = inputs.iter().map(|i| i.payload).collect();
     let swings = Swings::new(series, stated, options.description);
@@ -151,7 +152,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     if options.free.is_none()
         && outcome.faults.is_empty()
         && let Some((found, _)) = outcome.description(options.description, &[])
-        && let Some(learnt) = cylinder::learn(&found, &with_true_angles(inputs, &found))
+        && let Some(learnt) = cylinder::learn(&found, inputs)
     {
         let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
         outcome.remarks.push(words);
@@ -162,16 +163,6 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.faults.push(words::GUESSED_PIN.into());
     }
     Ok(outcome)
-}
-
-/// The recordings with joint angles that are free of the described offsets.
-fn with_true_angles(inputs: &[Input], d: &Description) -> Vec<Input> {
-    let offsets = Settings::of(d).sensors.angle_offsets;
-    let mut inputs = inputs.to_vec();
-    for sample in inputs.iter_mut().flat_map(|input| &mut input.samples) {
-        sample.posture = true_posture(sample.posture, offsets);
-    }
-    inputs
 }
 
 /// Parameters that stay as described.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use estimation::excavator::{Geometry, Inertia, Sample, joint};
+use estimation::excavator::{Geometry, Inertia, Sample, true_posture};
 
 use super::swinging::{self, RATES};
 use super::torque::Torque;
@@ -137,9 +137,9 @@ fn per_angle(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[[f64; 2]; 3]
 }
 
 impl Series {
-    /// Prepares a recording. Rows whose time does not increase are left out.
+    /// Prepares a recording. Rows whose time does not increase are left out. `offsets`: described ones of the joint angles \[rad\].
     #[must_use]
-    pub fn new(name: &str, samples: &[Sample], geometry: &Geometry) -> Self {
+    pub fn new(name: &str, samples: &[Sample], geometry: &Geometry, offsets: [f64; 3]) -> Self {
         let rows = samples.len();
         let samples = increasing(samples, |s| s.time);
         let has = |f: &dyn Fn(&Sample) -> Option<f64>| {
@@ -164,7 +164,7 @@ impl Series {
         velocity.iter_mut().for_each(|v| *v -= bias);
         // Noise of an angle would become noise of the inertia, which the filter does not model.
         let postures: [Vec<f64>; 3] = std::array::from_fn(|i| {
-            let angle = filled(&time, &samples, |s| s.posture[i].map(joint));
+            let angle = filled(&time, &samples, |s| true_posture(s.posture, offsets)[i]);
             moving_mean(&time, &angle, WINDOW)
         });
         let inertias = if has_posture {
@@ -461,7 +461,7 @@ mod tests {
 
     #[test]
     fn swings_are_found_with_their_direction_and_the_bias_is_taken_off() {
-        let series = Series::new("a", &there_and_back(0.01), &Geometry::default());
+        let series = Series::new("a", &there_and_back(0.01), &Geometry::default(), [0.0; 3]);
         let directions: Vec<f64> = series.swings.iter().map(|s| s.direction).collect();
         assert_eq!(directions, [1.0, -1.0]);
         // The last hundredths of a second before a swing belong to the standstill.
@@ -476,11 +476,11 @@ mod tests {
         samples[3].time = f64::NAN;
         samples[9].time = -1.0;
         samples[10].torque = Some(f64::INFINITY);
-        let series = Series::new("a", &samples, &Geometry::default());
+        let series = Series::new("a", &samples, &Geometry::default(), [0.0; 3]);
         assert!(series.swings.is_empty());
         assert_eq!(series.time.len(), 1198);
         assert!(
-            Series::new("a", &[], &Geometry::default())
+            Series::new("a", &[], &Geometry::default(), [0.0; 3])
                 .swings
                 .is_empty()
         );
@@ -494,7 +494,7 @@ mod tests {
                 let sign = [1.0, -1.0][k % 2];
                 sample.posture = [0.6, -1.5, -0.6].map(|q| Some(q + sign * noise));
             }
-            let series = Series::new("a", &samples, &Geometry::default());
+            let series = Series::new("a", &samples, &Geometry::default(), [0.0; 3]);
             let steps = series.links.windows(2).map(|w| (w[1] - w[0]).abs());
             steps.fold(0.0, f64::max)
         };
@@ -510,7 +510,7 @@ mod tests {
             for sample in &mut samples {
                 sample.posture = std::array::from_fn(|i| Some([0.6, -1.5, -0.6][i] + off[i]));
             }
-            Series::new("a", &samples, &Geometry::default())
+            Series::new("a", &samples, &Geometry::default(), [0.0; 3])
         };
         let (measured, truth) = (series([0.0; 3]), series(off));
         let by = |part: usize| -> f64 {

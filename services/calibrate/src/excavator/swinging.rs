@@ -85,7 +85,7 @@ mod tests {
                 sample
             })
             .collect();
-        Series::new("a", &samples, &Geometry::default())
+        Series::new("a", &samples, &Geometry::default(), [0.0; 3])
     }
 
     /// Sum of the squared innovations with these swinging shares.

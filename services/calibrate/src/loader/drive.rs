@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use estimation::loader::Sample;
+use estimation::loader::{Sample, wheel_spins};
 
 use crate::column::{increasing, moving_mean, percentile};
 
@@ -27,9 +27,7 @@ const HOLE: f64 = 0.1;
 const DIGGING: f64 = 0.01;
 /// Articulation, or yaw per wheelbase, above which the machine drives a curve [rad].
 const BENT: f64 = 0.03;
-/// Slip, and slip speed [m/s], beyond which a wheel spins, as the estimator has them: its tyre has passed its proportional range. A wheel
-/// that seems to spin for more than a third of the driving time has another radius or unit than stated.
-const SPIN: (f64, f64) = (0.15, 0.3);
+/// Share of the driving time beyond which a wheel that seems to spin has another radius or unit than stated.
 const MOST_SPIN: f64 = 1.0 / 3.0;
 /// Duration at both ends of a recording that is left out, because delayed signals are read there [s].
 const ENDS: f64 = 0.5;
@@ -118,12 +116,8 @@ impl Drive {
     /// Leaves out the rows in which a wheel of this rolling radius \[m\] spins. Returns for how long one does \[s\].
     pub fn leave_out_spin(&mut self, radius: f64) -> f64 {
         let spins = |k: usize| {
-            let speed = self.speed[k];
-            self.wheels.iter().any(|wheel| {
-                let rim = radius * wheel[k];
-                let fastest = rim.abs().max(speed.abs());
-                (rim - speed).abs() > SPIN.1.max(SPIN.0 * fastest)
-            })
+            let mut wheels = self.wheels.iter();
+            wheels.any(|wheel| wheel_spins(radius * wheel[k], self.speed[k]))
         };
         let before = self.driving_time();
         let mut rolls = Vec::new();

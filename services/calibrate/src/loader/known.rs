@@ -128,11 +128,7 @@ pub fn parameters(
         });
     }
     let numbered = loads.iter().enumerate();
-    all.extend(
-        numbered
-            .clone()
-            .flat_map(|(l, stated)| of_load(l, stated, d)),
-    );
+    all.extend(numbered.flat_map(|(l, stated)| of_load(l, stated, d)));
     all
 }
 

@@ -169,7 +169,13 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .collect();
     let (numbers, mut drives): (Vec<usize>, Vec<Drive>) =
         driven.into_iter().map(|(i, _, drive)| (i, drive)).unzip();
-    let spun = words::spun(&mut drives, machine.wheel_radius);
+    let mut remarks = Vec::new();
+    for drive in &mut drives {
+        let time = drive.leave_out_spin(machine.wheel_radius);
+        if time > 0.0 {
+            remarks.push(words::spun(&drive.name, time));
+        }
+    }
     let drives = Drives::new(drives, &stated, options.weighed, options.description);
     let fixed = held(&drives, options.free)?;
     let faults = words::before(&drives);
@@ -180,13 +186,14 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         }
         Some(_) => Noises::default(),
     };
+    remarks.extend(noises.remarks);
     let mut outcome = Outcome {
         drives,
         fixed,
         found: None,
         noises: noises.found,
         faults,
-        remarks: [noises.remarks, spun].concat(),
+        remarks,
         lift: None,
         turn: lift::bucket_turn(options.description, inputs),
         lifting: lifting

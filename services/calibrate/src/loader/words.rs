@@ -27,19 +27,11 @@ pub fn stands(drive: &Drive) -> bool {
     !has_wheels(drive) || drive.fastest() < STANDS
 }
 
-/// Leaves out the rows in which wheels spin, and returns a text for each recording with such rows.
-pub fn spun(drives: &mut [Drive], radius: f64) -> Vec<String> {
-    let mut remarks = Vec::new();
-    for drive in drives {
-        let time = drive.leave_out_spin(radius);
-        if time > 0.0 {
-            remarks.push(format!(
-                "{}: a wheel spins for {time:.1} s, which are left out; pull less, or on firmer ground",
-                drive.name
-            ));
-        }
-    }
-    remarks
+/// Remark on the rows that were left out because a wheel spins.
+pub fn spun(name: &str, time: f64) -> String {
+    format!(
+        "{name}: a wheel spins for {time:.1} s, which are left out; pull less, or on firmer ground"
+    )
 }
 
 /// Faults of the recordings before any fit.
@@ -177,7 +169,7 @@ pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, b
             let value = p.value(place[i]);
             (value <= p.range.0 || value >= p.range.1).then(|| {
                 let sentence = format!(
-                    "{} is at the limit of what is possible, {value}: its interval means nothing, and another cause is likely",
+                    "{} is at the limit of what is possible, {value:.4}: its interval means nothing, and another cause is likely",
                     p.words
                 );
                 let is_written = !role.is_nuisance() && role.load().is_none_or(|load| load == 0);

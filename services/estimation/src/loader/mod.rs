@@ -44,6 +44,7 @@ pub mod weigh;
 
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
+pub use filter::wheel_spins;
 pub use input::carriage::Carriage;
 pub use input::plausible::{Mismatch, Plausible};
 pub use lift_arm::{LiftKnown, LiftMoment, Lifts};

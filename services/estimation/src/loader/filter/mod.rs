@@ -69,6 +69,7 @@ mod wheels;
 pub(super) use belief::Belief;
 pub(super) use report::RowReport;
 use spin::Spin;
+pub use spin::wheel_spins;
 
 /// Longest step between rows [s]. A longer one is a jump, whatever the stated gap.
 const LONGEST_STEP: f64 = 1.0;

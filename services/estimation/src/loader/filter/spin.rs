@@ -34,8 +34,9 @@ impl Spin {
     }
 }
 
-/// Whether a wheel slips by more than a rolling tyre; speeds of rim and body [m/s].
-fn slips_far(rim: f64, speed: f64) -> bool {
+/// Whether a wheel spins: it slips by more than a rolling tyre. Speeds of rim and body [m/s].
+#[must_use]
+pub fn wheel_spins(rim: f64, speed: f64) -> bool {
     let (slip, fastest) = ((rim - speed).abs(), rim.abs().max(speed.abs()));
     slip > SLIP_SPEED && slip > SLIP * fastest
 }
@@ -46,7 +47,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub(super) fn spins(&mut self, sample: &Sample, dt: f64) -> bool {
         let state = self.belief.state();
         let (speed, radius) = (state[SPEED], self.dynamics.wheel_radius);
-        let slips = |wheel: f64| slips_far(radius * wheel, speed);
+        let slips = |wheel: f64| wheel_spins(radius * wheel, speed);
         let own = slips(state[FRONT_WHEEL]) || slips(state[REAR_WHEEL]);
         let wheels = [sample.front_wheel_speed, sample.rear_wheel_speed];
         let seen = wheels.into_iter().flatten().any(slips);
