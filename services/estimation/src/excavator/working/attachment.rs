@@ -502,7 +502,7 @@ mod tests {
             working.weighs_less_than_nothing(1e9, &posture(), &mut None);
             return working.attachment.bare;
         }
-        let std = working.sticking();
+        let std = working.sticking;
         let emptied = Emptied {
             variance: std * std,
             tared: false,
