@@ -928,19 +928,29 @@ fn a_mass_of_the_data_is_no_pounds_where_only_the_size_is_unstated() {
     assert!(!said.contains("seems to be in pounds"), "{said}");
 }
 
-/// The golden excavator of 13 t, and the same a second time as another one, by a column that is called otherwise than `machine`.
+/// The golden excavator of 13 t, and one with half of its torques, by a column that is called otherwise than `machine`.
 fn two_machines(folder: &Path, are_in_turn: bool) -> String {
-    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
-    let (header, rows) = text.split_once('\n').expect("a header");
-    let of = |name: &str| rows.lines().map(|row| format!("{row},{name}\n")).collect();
-    let (first, second): (Vec<String>, Vec<String>) = (of("EX-01"), of("EX-02"));
+    let table = |factor: f64| {
+        let file = treated(folder, "swing_torque", |_, torque| {
+            (factor * torque).to_string()
+        });
+        fs::read_to_string(file).expect("the table")
+    };
+    let (first, second) = (table(1.0), table(0.5));
+    let header = first.lines().next().expect("a header");
+    let of = |table: &str, name: &str| {
+        let rows = table.lines().skip(1);
+        rows.map(|row| format!("{row},{name}\n"))
+            .collect::<Vec<_>>()
+    };
+    let (first, second) = (of(&first, "EX-01"), of(&second, "EX-02"));
     let both: String = match are_in_turn {
         true => first
-            .into_iter()
-            .zip(second)
-            .flat_map(<[_; 2]>::from)
+            .iter()
+            .zip(&second)
+            .flat_map(|(a, b)| [a.as_str(), b])
             .collect(),
-        false => first.into_iter().chain(second).collect(),
+        false => first.iter().chain(&second).map(String::as_str).collect(),
     };
     let file = path_in(folder, "fleet.csv");
     fs::write(&file, format!("{header},Serial No\n{both}")).expect("writable");

@@ -262,10 +262,11 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
     ))
 }
 
-/// Whether the bytes are text without control characters.
+/// Whether the bytes are text with separators and without control characters.
 fn is_plain(head: &[u8]) -> bool {
     let is_strange = |b: &u8| b.is_ascii_control() && !b.is_ascii_whitespace();
-    std::str::from_utf8(head).is_ok() && !head.iter().any(is_strange)
+    let is_text = std::str::from_utf8(head).is_ok() && !head.iter().any(is_strange);
+    is_text && head.iter().any(|b| b",;\t|".contains(b))
 }
 
 /// Whether a page holds a table, as programs write for a sheet (.xls).
@@ -428,7 +429,7 @@ mod tests {
                 "{name}"
             );
         }
-        for names in ["PAR1,PAR2", "LOGGER,t", "PKT,t", "ORC,t"] {
+        for names in ["PAR1,PAR2", "LOGGER 7\nt,a", "PKT,t", "ORC,t"] {
             let text = format!("{names}\n0,1\n");
             assert_eq!(of("a.csv", text.as_bytes()).ok(), Some(Kind::Table));
         }
