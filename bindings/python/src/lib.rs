@@ -51,6 +51,7 @@ fn _heft(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(label, m)?)?;
     m.add_function(wrap_pyfunction!(reasons, m)?)?;
     m.add_function(wrap_pyfunction!(description, m)?)?;
+    m.add_function(wrap_pyfunction!(undescribed, m)?)?;
     m.add_function(wrap_pyfunction!(read, m)?)?;
     m.add_function(wrap_pyfunction!(schema, m)?)
 }
@@ -91,6 +92,17 @@ fn described(machine: Machine, text: Option<&str>, settings: &[String]) -> PyRes
 #[pyfunction]
 fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyResult<String> {
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
+}
+
+/// What is said of a machine that neither a text nor keys describe; none of a described one.
+#[pyfunction]
+fn undescribed(
+    machine: &str,
+    text: Option<&str>,
+    settings: Vec<String>,
+) -> PyResult<Option<String>> {
+    let description = described(self::machine(machine)?, text, &settings)?;
+    Ok(reference(&description, text, &settings))
 }
 
 /// What is said where nobody describes the machine: its size decides what is trusted.

@@ -125,6 +125,11 @@ def test_a_machine_that_nobody_described_is_spoken_of(tmp_path):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             heft.estimate(data, "excavator", config={"sensors.rate": 100.0})
+    with pytest.warns(heft.HeftWarning, match=r"the loader is taken for the reference machine of 4.7 t"):
+        heft.Estimator("loader", signals=["speed", "front_wheel_speed", "rear_wheel_speed", "front_torque", "rear_torque", "slope"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.Estimator("excavator", signals=["swing_velocity"], config={"sensors.rate": 100.0})
 
 
 def test_data_in_other_units_are_spoken_of():
