@@ -36,6 +36,24 @@ fn a_command_of_another_name_is_refused_before_the_package_is_made() {
     );
 }
 
+#[cfg(debug_assertions)]
+#[test]
+fn a_debug_build_of_the_command_is_not_packaged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let built = Command::new(root.join("services/heft/debian/build"))
+        .arg(folder.path())
+        .env("HEFT", env!("CARGO_BIN_EXE_heft"))
+        .output();
+    let Ok(built) = built else {
+        let _ = writeln!(std::io::stderr(), "skipped: no python3");
+        return;
+    };
+    let said = String::from_utf8_lossy(&built.stderr);
+    assert_eq!(built.status.code(), Some(1), "{said}");
+    assert!(said.contains("is a debug build"), "{said}");
+}
+
 #[test]
 fn the_package_of_a_fleet_has_its_programs_units_and_defaults() {
     if output("dpkg-deb", &["--version"]).is_none() || output("python3", &["--version"]).is_none() {
