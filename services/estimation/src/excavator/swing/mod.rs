@@ -11,7 +11,7 @@ use self::method::check_method;
 use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
-use super::grid::{Grid, PERIOD, Tick};
+use super::grid::{Grid, LONG_GAP, PERIOD, Tick};
 use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
 use super::reason::Reason;
@@ -46,6 +46,8 @@ pub struct SwingEstimator {
     bias: f64,
     core: Core,
     elapsed: f64,
+    /// Time for which no sensor has sent a value [s].
+    silent: f64,
     /// Ticks of the grid per row of the source.
     slowness: f64,
     presence_checked: bool,
@@ -90,6 +92,7 @@ impl SwingEstimator {
             bias: 0.0,
             core: Core::new(settings, method, !columns.velocity, false),
             elapsed: 0.0,
+            silent: 0.0,
             slowness: 1.0,
             presence_checked: !auto,
             reading: None,
@@ -229,6 +232,15 @@ impl SwingEstimator {
             self.wait(tick);
             return reset;
         };
+        if self.is_silent(&tick) {
+            // As in a gap of rows, anything may have moved.
+            let begins = self.silent - tick.period <= LONG_GAP;
+            if begins {
+                self.restart(false);
+            }
+            self.wait(&tick);
+            return reset | begins;
+        }
         let needs_posture = self.needs().1;
         if self.calibrates(&tick, trail) || needs_posture && !self.grid.has_posture() {
             self.wait(&tick);
@@ -246,6 +258,16 @@ impl SwingEstimator {
             reset = true;
         }
         reset
+    }
+
+    /// Whether rows without values have come for longer than a gap that is filled.
+    fn is_silent(&mut self, tick: &Tick) -> bool {
+        if tick.velocity.is_some() || tick.torque_age.min(tick.posture_age) == 0.0 {
+            self.silent = 0.0;
+            return false;
+        }
+        self.silent += tick.period;
+        self.silent > LONG_GAP
     }
 
     /// Follows a change of the torque's hold. An interpolated torque is late by the hold, of which a stated delay includes half. Returns
