@@ -11,7 +11,7 @@ use self::method::check_method;
 use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
-use super::grid::{Grid, LONG_GAP, PERIOD, Tick};
+use super::grid::{Fill, Grid, LONG_GAP, PERIOD, Tick};
 use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
 use super::reason::Reason;
@@ -181,6 +181,9 @@ impl SwingEstimator {
             }
             if sample.velocity.or(sample.angle).is_some() {
                 self.slowness = fill.slowness();
+            } else if let Some(restarts) = self.wait_for_values(&fill) {
+                self.last = self.estimate(&sample, reset | restarts);
+                return self.last;
             }
             for tick in fill.ticks() {
                 let mut trail = None;
@@ -232,15 +235,6 @@ impl SwingEstimator {
             self.wait(tick);
             return reset;
         };
-        if self.is_silent(&tick) {
-            // As in a gap of rows, anything may have moved.
-            let begins = self.silent - tick.period <= LONG_GAP;
-            if begins {
-                self.restart(false);
-            }
-            self.wait(&tick);
-            return reset | begins;
-        }
         let needs_posture = self.needs().1;
         if self.calibrates(&tick, trail) || needs_posture && !self.grid.has_posture() {
             self.wait(&tick);
@@ -260,14 +254,30 @@ impl SwingEstimator {
         reset
     }
 
-    /// Whether rows without values have come for longer than a gap that is filled.
-    fn is_silent(&mut self, tick: &Tick) -> bool {
-        if tick.velocity.is_some() || tick.torque_age.min(tick.posture_age) == 0.0 {
-            self.silent = 0.0;
-            return false;
+    /// Handles a row without values. Once none has come for longer than a gap that is filled, the filter restarts and waits, since anything
+    /// may have moved. Returns whether it restarts; `None` while it goes on.
+    #[cold]
+    fn wait_for_values(&mut self, fill: &Fill) -> Option<bool> {
+        let tick = fill.now();
+        if !tick.is_empty() {
+            return None;
         }
-        self.silent += tick.period;
-        self.silent > LONG_GAP
+        let before = if fill.before().is_empty() {
+            self.silent
+        } else {
+            0.0
+        };
+        self.silent = before + tick.period;
+        if self.silent <= LONG_GAP {
+            return None;
+        }
+        let restarts = before <= LONG_GAP;
+        if restarts {
+            self.align.clear();
+            self.restart(false);
+        }
+        self.wait(tick);
+        Some(restarts)
     }
 
     /// Follows a change of the torque's hold. An interpolated torque is late by the hold, of which a stated delay includes half. Returns
