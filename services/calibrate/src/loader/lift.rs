@@ -225,7 +225,7 @@ fn place(d: &Description, input: &Input) -> Option<[Quantity; 2]> {
             .collect();
         (!all.is_empty()).then(|| percentile(all, 0.5))
     };
-    if !(arm.length > 0.0) {
+    if arm.length <= 0.0 {
         return None;
     }
     let lift = median(|s| s.lift_angle)?;

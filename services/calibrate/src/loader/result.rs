@@ -88,16 +88,7 @@ impl Outcome {
             Role::Stiffness => Some(("prior.slip_stiffness_std", q.std.max(GROUND * q.value))),
             // Loads in the bucket and on the machine change: only the spread between machines is removed from the prior.
             Role::Ratio(_) => {
-                if self.drives.loads[0].ratio.is_some() {
-                    let (arm, prior) = (&pen.description.lift_arm, &pen.description.prior);
-                    let stated = match arm.empty_ratio_std {
-                        0.0 => prior.cg_ratio_std,
-                        std => std,
-                    };
-                    // Fuel and driver move it from day to day, and hardly the height.
-                    let std = q.std.max(stated);
-                    write_empty(pen, "empty_ratio", Quantity { std, ..q });
-                }
+                self.write_empty_ratio(pen, q);
                 let left = LOADED * pen.description.prior.cg_ratio_std;
                 Some(("prior.cg_ratio_std", q.std.max(left)))
             }
@@ -161,6 +152,19 @@ impl Outcome {
         if let Some((key, std)) = std {
             pen.std(key, std);
         }
+    }
+
+    /// Writes a weighed load fraction to the lift arm, with no smaller deviation than stated: fuel and driver move it from day to day.
+    fn write_empty_ratio(&self, pen: &mut Pen<Description>, q: Quantity) {
+        if self.drives.loads[0].ratio.is_none() {
+            return;
+        }
+        let stated = match pen.description.lift_arm.empty_ratio_std {
+            0.0 => pen.description.prior.cg_ratio_std,
+            std => std,
+        };
+        let std = q.std.max(stated);
+        write_empty(pen, "empty_ratio", Quantity { std, ..q });
     }
 
     fn std(&self, role: Role) -> f64 {
