@@ -16,7 +16,7 @@ const DELAY_STD: f64 = 2e-3;
 /// The same of the slope's sensitivity: an error of the accelerometer's gain is indistinguishable from it.
 const FOLLOWS_STD: f64 = 0.01;
 /// Errors of the model that all rows share and no residual shows: relative ones of the load sensitivity of the radii, which follow errors
-/// of the load's mass and place, and ones of the load exponent. Rms over eight loaders of an independent plant, 30 November 2026.
+/// of the load's mass and place, and ones of the load exponent. Rms over seven loaders of an independent plant, 30 November 2026.
 const SENSITIVITY_SHARED: f64 = 0.08;
 const EXPONENT_SHARED: f64 = 0.06;
 /// Relative variation of the slip stiffness between grounds.
