@@ -15,6 +15,7 @@ use estimation::math::norm;
 use super::known::MASS_STD;
 use super::role::StatedLoad;
 use super::{GRAVITY, Input};
+use crate::column::percentile;
 use crate::cylinders::{
     self, CURVE, FRICTION, IDENTIFIED, LEAST_MOTION, LEAST_STD, LEVEL, SPAN, ZERO,
 };
@@ -34,6 +35,11 @@ const CENTRE_BESIDE: f64 = 0.1;
 const BUCKET_BESIDE: f64 = 0.3;
 /// Correlation time of the errors of friction and drawing \[s\].
 const FADING: f64 = 3.0;
+/// Distance of the load from the pin, as a share of the arm's length, and its tolerance, where the drawing has none: as in
+/// `machine.lift_arm`. Tolerance of its lengths, and least share of the load's tolerance that counts across its line.
+const LOAD_PLACE: (f64, f64) = (0.23, 0.2);
+const DRAWN_LENGTH: f64 = 0.01;
+const BESIDE: f64 = 0.5;
 /// Tolerances of a drawing: masses of arm and bucket, and their distances, as in `machine.lift_arm`.
 const DRAWN: [f64; 4] = [0.05, 0.2, 0.05, 0.1];
 
@@ -194,10 +200,62 @@ pub fn stated(d: &Description, input: &Input) -> StatedLoad {
         std: norm(&[load.std, empty(d).std]),
     };
     let loaded = input.payload.filter(|load| load.value > 0.0);
+    let mass = input.stated.mass.or_else(|| loaded.map(with));
+    let [reach, lift] = mass
+        .and_then(|_| place(d, input))
+        .map_or([None; 2], |at| at.map(Some));
     StatedLoad {
-        mass: input.stated.mass.or_else(|| loaded.map(with)),
+        mass,
+        reach,
+        lift,
         ..input.stated
     }
+}
+
+/// Distance of a load ahead of the front axle, and its height above the ground, by the drawing of the arm and its median angles; `None`
+/// without a drawing or an angle.
+fn place(d: &Description, input: &Input) -> Option<[Quantity; 2]> {
+    let arm = &d.lift_arm;
+    let median = |of: fn(&Sample) -> Option<f64>| {
+        let all: Vec<f64> = input
+            .samples
+            .iter()
+            .filter_map(of)
+            .filter(|a| a.is_finite())
+            .collect();
+        (!all.is_empty()).then(|| percentile(all, 0.5))
+    };
+    if arm.length <= 0.0 {
+        return None;
+    }
+    let lift = median(|s| s.lift_angle)?;
+    let turned = lift + median(|s| s.tilt_angle)?;
+    let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
+    let load = or(arm.payload_distance, LOAD_PLACE.0 * arm.length);
+    let load_std = or(arm.payload_distance_std, LOAD_PLACE.1 * load);
+    let offset = d.sensors.angle_offset_std;
+    let ([rise, along], [up, out]) = (lift.sin_cos().into(), turned.sin_cos().into());
+    let far = arm.length * along + load * out;
+    let high = arm.length * rise + load * up;
+    // Two zeros turn the load about the pivot and about the pin; it lies in the bucket to within the same.
+    let std = |pivot: f64, length: f64, turn: f64, share: f64| {
+        norm(&[
+            or(pivot, DRAWN_LENGTH * arm.length),
+            length * or(arm.length_std, DRAWN_LENGTH * arm.length),
+            offset * turn,
+            load_std * share.abs().max(BESIDE),
+        ])
+    };
+    Some([
+        Quantity {
+            value: arm.pivot_x + far,
+            std: std(arm.pivot_x_std, along, high, out),
+        },
+        Quantity {
+            value: arm.pivot_z + high,
+            std: std(arm.pivot_z_std, rise, far, up),
+        },
+    ])
 }
 
 fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderFit, String> {
