@@ -2,7 +2,6 @@
 
 use config::{Loader as Description, Tables};
 use estimation::Quantity;
-use estimation::math::norm;
 
 use super::{Outcome, Role, lift};
 use crate::output::Pen;
@@ -15,10 +14,6 @@ const OFFSET_STD: f64 = 0.01;
 const DELAY_STD: f64 = 2e-3;
 /// The same of the slope's sensitivity: an error of the accelerometer's gain is indistinguishable from it.
 const FOLLOWS_STD: f64 = 0.01;
-/// Errors of the model that all rows share and no residual shows: relative ones of the load sensitivity of the radii, which follow errors
-/// of the load's mass and place, and ones of the load exponent. Rms over seven loaders of an independent plant, 30 November 2026.
-const SENSITIVITY_SHARED: f64 = 0.08;
-const EXPONENT_SHARED: f64 = 0.06;
 /// Relative variation of the slip stiffness between grounds.
 const GROUND: f64 = 0.05;
 /// Ratio to the prior standard deviation above which a parameter stays as described.
@@ -98,11 +93,7 @@ impl Outcome {
             }
             Role::LoadSensitivity => {
                 pen.std("estimator.load_sensitivity_floor", 0.0);
-                let shared = SENSITIVITY_SHARED * q.value;
-                Some((
-                    "machine.radius_load_sensitivity_std",
-                    norm(&[q.std, shared]),
-                ))
+                Some(("machine.radius_load_sensitivity_std", q.std))
             }
             Role::FrontGain | Role::RearGain => {
                 let both = wider([Role::FrontGain, Role::RearGain]);
@@ -117,10 +108,7 @@ impl Outcome {
                 ];
                 Some(("machine.stiffness_ratio_std", self.mixed(&slip)))
             }
-            Role::LoadExponent => {
-                let std = norm(&[q.std, EXPONENT_SHARED]);
-                Some(("machine.stiffness_load_exponent_std", std))
-            }
+            Role::LoadExponent => Some(("machine.stiffness_load_exponent_std", q.std)),
             Role::SlopeBias => Some(("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD))),
             Role::AccelerationOffset => {
                 Some(("sensors.acceleration_offset_std", q.std.max(OFFSET_STD)))
