@@ -40,7 +40,7 @@ class Machine:
         # (2): what is known at the start, with standard deviations.
         bucket = stated(m["bucket_tolerance"], 11 * tolerance) * g["bucket_mass"]
         sticks, sticks_std = (prior[key] * self.rated for key in ("carry_back", "carry_back_std"))
-        self.sticking = 0.6 * sticks_std  # from load to load
+        self.sticking = 8 / 7 * sticks_std  # from load to load
         # Expected soil in the bucket, given the sum of bucket and soil; and the range of payloads.
         self.soil = lambda both: sticks + (sticks_std / math.hypot(bucket, sticks_std)) ** 2 * (both - sticks)
         most = prior["payload"] + 4 * prior["payload_std"]

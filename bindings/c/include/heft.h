@@ -302,7 +302,7 @@ typedef struct {
     double payload; /* Payload. [kg] */
     double payload_std; /* Its standard deviation. [kg] */
     double carry_back; /* Carry-back: soil that sticks in an emptied bucket, as a share of the rated payload. */
-    double carry_back_std; /* Its standard deviation. Three quarters of the machines dig soil that hardly sticks (.015), a quarter clay (.12 +- .06). From load to load the carry-back varies by .6 of it. */
+    double carry_back_std; /* Its standard deviation: nothing to 15 % sticks, mostly little (an exponential distribution). Clay keeps .12 +- .06. From load to load the carry-back varies by 8/7 of it. */
     double damping_std; /* Standard deviation of the damping about nominal_damping (s_b); 0 or the variant "known" say that it is calibrated. [N m s/rad] */
     double torque_offset_std; /* Standard deviation of the torque offset (s_d). [N m] */
     double known_torque_offset_std; /* The same for the variant "known". [N m] */

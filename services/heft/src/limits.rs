@@ -219,6 +219,6 @@ mod tests {
         is(of(excavator, "machine.mass_tolerance"), 0.00018);
         assert!(of(excavator, "sensors.swing_torque_gain_std").is_some());
         assert_eq!(of(excavator, "sensors.angle_std"), None, "noise");
-        is(of(excavator, "prior.carry_back_std"), 0.0006);
+        is(of(excavator, "prior.carry_back_std"), 0.00035);
     }
 }

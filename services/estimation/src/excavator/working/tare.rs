@@ -16,7 +16,7 @@ use crate::kalman::Innovation;
 use crate::math::ln;
 
 /// Standard deviation of sticking soil from load to load, as a share of that between machines.
-pub(super) const LOAD_TO_LOAD: f64 = 0.6;
+pub(super) const LOAD_TO_LOAD: f64 = 8.0 / 7.0;
 /// Standard deviation of its lasting change after each load, as a share of that from load to load.
 const LASTING: f64 = 0.125;
 /// Standard deviation of the payload below which motion distinguishes an empty bucket from a loaded one, as a share of the rated payload.
