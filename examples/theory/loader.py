@@ -268,8 +268,9 @@ class SlipNoise:
             self.square += (min(0.5 * (mean - last) ** 2, 9 * self.square) - self.square) / self.blocks
 
     def over(self, modelled, per, dt):
-        """(7): the larger of measured and modelled noise."""
-        return max(modelled, per * math.sqrt(self.square * max(0.25 / dt, 1.0)))
+        """(7): the measured noise, if it exceeds twice the modelled one."""
+        found = per * math.sqrt(self.square * max(0.25 / dt, 1.0))
+        return found if found > 2 * modelled else modelled
 
 
 class Forces:

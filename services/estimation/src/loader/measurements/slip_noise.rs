@@ -26,6 +26,8 @@ const EXPECTED: f64 = 0.004;
 const EXPECTED_BLOCKS: f64 = 1.0;
 /// Number of means in the memory: 20 s of driving.
 const MEMORY: f64 = 80.0;
+/// Ratio of measured to modelled noise up to which the modelled one is used, as with the accelerometer: chance explains the rest.
+const SAME: f64 = 2.0;
 /// Deviations to which a difference is limited: an outlier is no noise.
 const MOST: f64 = 3.0;
 
@@ -76,9 +78,14 @@ impl SlipNoise {
         sqrt(self.square)
     }
 
-    /// Noise of a measurement that moves by `per` with the slip speed: the measured one if it exceeds the modelled one.
+    /// Noise of a measurement that moves by `per` with the slip speed: the measured one if it exceeds twice the modelled one.
     pub fn or(&self, modelled: f64, per: f64, dt: f64) -> f64 {
-        modelled.max(per * self.std(dt))
+        let found = per * self.std(dt);
+        if found > SAME * modelled {
+            found
+        } else {
+            modelled
+        }
     }
 
     /// Standard deviation of a row, as white noise [m/s].
