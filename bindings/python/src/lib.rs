@@ -107,18 +107,12 @@ fn undescribed(
 
 /// What is said where nobody describes the machine: its size decides what is trusted.
 fn reference(description: &Description, text: Option<&str>, settings: &[String]) -> Option<String> {
-    let (machine, key) = (
-        description.machine(),
-        config::mass_key(description.machine()),
-    );
-    let kg = match machine {
-        Machine::Excavator => config::Excavator::REFERENCE_MASS,
-        Machine::Loader => config::Loader::REFERENCE_MASS,
-    };
-    let tonnes = kg / 1000.0;
+    let machine = description.machine();
     (text.is_none() && settings.is_empty()).then(|| {
         format!(
-            "the {machine} is taken for the reference machine of {tonnes} t; say what yours is: config=\"machine.toml\", or config={{\"{key}\": 21000}}"
+            "the {machine} is taken for the reference machine of {} t; say what yours is: config=\"machine.toml\", or config={{\"{}\": 21000}}",
+            config::reference_mass(machine) / 1000.0,
+            config::mass_key(machine)
         )
     })
 }

@@ -24,7 +24,7 @@ mod stated;
 mod tables;
 mod toml_error;
 
-pub use class::mass_key;
+pub use class::{mass_key, reference_mass};
 
 pub use description::*;
 pub use error::{Error, Errors};

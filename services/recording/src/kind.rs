@@ -33,6 +33,19 @@ macro_rules! rows {
     ($( $begin:expr, $what:expr, $remedy:expr; )*) => { [$( ($begin, $what, $remedy) ),*] };
 }
 
+/// The command of Python that writes a table as CSV, by what reads it and the packages that this needs.
+macro_rules! frame {
+    ($read:literal, $packages:literal) => {
+        concat!(
+            "write it as CSV: python3 -c \"",
+            $read,
+            ".to_csv('NEW.csv')\" (pip install ",
+            $packages,
+            "), or give that frame to heft.estimate"
+        )
+    };
+}
+
 /// Foreign formats: first bytes, name, and how to convert them to a table.
 const FOREIGN: [(&[u8], &str, &str); 49] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
@@ -104,12 +117,24 @@ const TO_UTF8: &str = "convert it: iconv -f UTF-32 -t UTF-8 FILE > NEW";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
-const PARQUET: &str = "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('NEW.csv')\" (pip install pandas pyarrow), or give that frame to heft.estimate";
-const FEATHER: &str = "write it as CSV: python3 -c \"import pandas; pandas.read_feather('FILE').to_csv('NEW.csv')\" (pip install pandas pyarrow), or give that frame to heft.estimate";
-const ORC: &str = "write it as CSV: python3 -c \"import pandas; pandas.read_orc('FILE').to_csv('NEW.csv')\" (pip install pandas pyarrow), or give that frame to heft.estimate";
-const STREAM: &str = "write it as CSV: python3 -c \"import pyarrow as p; p.ipc.open_stream('FILE').read_pandas().to_csv('NEW.csv')\" (pip install pandas pyarrow), or give that frame to heft.estimate";
-const LINES: &str = "write it as CSV: python3 -c \"import pandas; pandas.read_json('FILE', lines=True).to_csv('NEW.csv')\" (pip install pandas), or give that frame to heft.estimate";
-const JSON: &str = "write it as CSV: python3 -c \"import pandas; pandas.read_json('FILE').to_csv('NEW.csv')\" (pip install pandas), or give that frame to heft.estimate";
+const PARQUET: &str = frame!(
+    "import pandas; pandas.read_parquet('FILE')",
+    "pandas pyarrow"
+);
+const FEATHER: &str = frame!(
+    "import pandas; pandas.read_feather('FILE')",
+    "pandas pyarrow"
+);
+const ORC: &str = frame!("import pandas; pandas.read_orc('FILE')", "pandas pyarrow");
+const STREAM: &str = frame!(
+    "import pyarrow as p; p.ipc.open_stream('FILE').read_pandas()",
+    "pandas pyarrow"
+);
+const LINES: &str = frame!(
+    "import pandas; pandas.read_json('FILE', lines=True)",
+    "pandas"
+);
+const JSON: &str = frame!("import pandas; pandas.read_json('FILE')", "pandas");
 const SHEET: &str = "open it in a spreadsheet, and save the sheet as CSV";
 const ASC: &str =
     "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)";

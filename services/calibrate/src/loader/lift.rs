@@ -35,11 +35,6 @@ const CENTRE_BESIDE: f64 = 0.1;
 const BUCKET_BESIDE: f64 = 0.3;
 /// Correlation time of the errors of friction and drawing \[s\].
 const FADING: f64 = 3.0;
-/// Distance of the load from the pin, as a share of the arm's length, and its tolerance, where the drawing has none: as in
-/// `machine.lift_arm`. Tolerance of its lengths, and least share of the load's tolerance that counts across its line.
-const LOAD_PLACE: (f64, f64) = (0.23, 0.2);
-const DRAWN_LENGTH: f64 = 0.01;
-const BESIDE: f64 = 0.5;
 /// Tolerances of a drawing: masses of arm and bucket, and their distances, as in `machine.lift_arm`.
 const DRAWN: [f64; 4] = [0.05, 0.2, 0.05, 0.1];
 
@@ -215,47 +210,13 @@ pub fn stated(d: &Description, input: &Input) -> StatedLoad {
 /// Distance of a load ahead of the front axle, and its height above the ground, by the drawing of the arm and its median angles; `None`
 /// without a drawing or an angle.
 fn place(d: &Description, input: &Input) -> Option<[Quantity; 2]> {
-    let arm = &d.lift_arm;
     let median = |of: fn(&Sample) -> Option<f64>| {
-        let all: Vec<f64> = input
-            .samples
-            .iter()
-            .filter_map(of)
-            .filter(|a| a.is_finite())
-            .collect();
+        let all = input.samples.iter().filter_map(of);
+        let all: Vec<f64> = all.filter(|angle| angle.is_finite()).collect();
         (!all.is_empty()).then(|| percentile(all, 0.5))
     };
-    if arm.length <= 0.0 {
-        return None;
-    }
-    let lift = median(|s| s.lift_angle)?;
-    let turned = lift + median(|s| s.tilt_angle)?;
-    let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
-    let load = or(arm.payload_distance, LOAD_PLACE.0 * arm.length);
-    let load_std = or(arm.payload_distance_std, LOAD_PLACE.1 * load);
-    let offset = d.sensors.angle_offset_std;
-    let ([rise, along], [up, out]) = (lift.sin_cos().into(), turned.sin_cos().into());
-    let far = arm.length * along + load * out;
-    let high = arm.length * rise + load * up;
-    // Two zeros turn the load about the pivot and about the pin; it lies in the bucket to within the same.
-    let std = |pivot: f64, length: f64, turn: f64, share: f64| {
-        norm(&[
-            or(pivot, DRAWN_LENGTH * arm.length),
-            length * or(arm.length_std, DRAWN_LENGTH * arm.length),
-            offset * turn,
-            load_std * share.abs().max(BESIDE),
-        ])
-    };
-    Some([
-        Quantity {
-            value: arm.pivot_x + far,
-            std: std(arm.pivot_x_std, along, high, out),
-        },
-        Quantity {
-            value: arm.pivot_z + high,
-            std: std(arm.pivot_z_std, rise, far, up),
-        },
-    ])
+    let lifts = Lifts::new(&Settings::of(d, Method::Full))?;
+    Some(lifts.load_place(median(|s| s.lift_angle)?, median(|s| s.tilt_angle)?))
 }
 
 fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderFit, String> {

@@ -52,7 +52,6 @@ use self::scale::Scale;
 pub use self::smoother::{Smoothed, Smoother};
 use self::sway::Sway;
 use self::tail::Tail;
-use self::tare::LOAD_TO_LOAD;
 pub use self::trail::Trail;
 use self::weigh::Weigh;
 use super::doubts::Doubts;
@@ -125,9 +124,8 @@ pub(super) struct Working {
     true_mass: bool,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
-    /// Soil that sticks in the bucket, common to all contents; standard deviation of its mass from load to load [kg].
+    /// Soil that sticks in the bucket, common to all contents.
     sticks: Sticking,
-    sticking: f64,
     /// Content before the bucket was emptied [kg].
     carried: Option<f64>,
     /// Hypothesis that a sensor is wrong by a factor since the machine stood.
@@ -223,7 +221,6 @@ impl Working {
             true_mass: false,
             tared: false,
             sticks,
-            sticking: LOAD_TO_LOAD * sticking.std,
             carried: None,
             contradiction: Contradiction::new(),
             recall: Recall::default(),

@@ -16,7 +16,7 @@ use crate::kalman::Innovation;
 use crate::math::ln;
 
 /// Standard deviation of sticking soil from load to load, as a share of that between machines.
-pub(super) const LOAD_TO_LOAD: f64 = 8.0 / 7.0;
+const LOAD_TO_LOAD: f64 = 8.0 / 7.0;
 /// Standard deviation of its lasting change after each load, as a share of that from load to load.
 const LASTING: f64 = 0.125;
 /// Standard deviation of the payload below which motion distinguishes an empty bucket from a loaded one, as a share of the rated payload.
@@ -76,7 +76,7 @@ impl Working {
         }
         let (value, std) = match content {
             Content::Unchanged => return,
-            Content::Emptied => (0.0, self.sticking),
+            Content::Emptied => (0.0, self.sticking()),
             Content::Unknown => (p.payload, p.payload_std),
         };
         if self.scale.is_doubted() {
@@ -122,7 +122,7 @@ impl Working {
     /// Widens the bucket's mass: other soil may stick from now on.
     pub(super) fn is_emptied(&mut self) {
         self.tared = true;
-        let changes = LASTING * self.sticking;
+        let changes = LASTING * self.sticking();
         for filter in [
             &mut self.filter,
             &mut self.parallel.filter,
@@ -143,9 +143,14 @@ impl Working {
         limit * limit
     }
 
+    /// Standard deviation of what sticks, from load to load \[kg\].
+    pub(super) fn sticking(&self) -> f64 {
+        LOAD_TO_LOAD * self.attachment.sticking.std
+    }
+
     /// Returns whether an emptied bucket weighs something that may still be sliding out.
     pub(super) fn is_losing(&self) -> bool {
-        let (m, std) = (self.filter.x[M], self.sticking);
+        let (m, std) = (self.filter.x[M], self.sticking());
         self.bucket.may_slide()
             && self.content_variance() <= self.known_variance()
             && m > 0.0
@@ -170,7 +175,7 @@ impl Working {
             }
             return;
         }
-        let std = self.sticking;
+        let std = self.sticking();
         let variance = self.filter.p[M][M];
         let claimed = variance * self.contradiction.usual();
         let parallel = &self.parallel.filter;
