@@ -122,10 +122,7 @@ pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
             std: reported.ratio,
         },
         cg_distance: (1.0 - centre.ratio) * settings.machine.wheelbase,
-        spade_force_x: layout.spade_force.map(|i| Quantity {
-            value: filter.spade_force_x + x[i],
-            std: filter.std(i),
-        }),
+        spade_force_x: filter.digging_force(settings),
         payload: None,
         trusted_payload: false,
         changing: doubt.changing,

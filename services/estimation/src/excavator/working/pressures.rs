@@ -37,11 +37,13 @@ impl Working {
             self.fade_alone(settings, moment.period, trail);
         }
         let anything = self.anything();
-        if let Some(weigh) = &self.weigh {
-            let known = !self.attachment.may_be_another();
-            self.scale
-                .weigh(weigh, settings, &moment, (self.rated, known));
-        }
+        let Some(weigh) = &self.weigh else {
+            return false;
+        };
+        let known = !self.attachment.may_be_another();
+        let alone = self
+            .scale
+            .weigh(weigh, settings, &moment, (self.rated, known));
         if self.parallel.is_driven() {
             self.doubt_pressures();
         } else if self.scale.is_misled() {
@@ -55,6 +57,9 @@ impl Working {
         let innovation = weigh.measure(settings, &moment, (&mut self.filter, believes), trail);
         let other = weigh.measure(settings, &moment, (parallel, believes), &mut None);
         if !believes {
+            if moment.touches {
+                return weigh.sets_down(alone, (self.scale.filter.load(), self.rated));
+            }
             if self.carries() {
                 let load = (self.filter.load(), self.filter.p[M][M]);
                 self.scale.sees(load, anything);

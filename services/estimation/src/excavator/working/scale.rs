@@ -126,14 +126,15 @@ impl Scale {
         self.changed.forget();
     }
 
-    /// Updates with a block of the pressures. `rated`: payload \[kg\]; `known`: the bucket cannot have been exchanged.
+    /// Updates with a block of the pressures; returns its innovation. `rated`: payload \[kg\]; `known`: the bucket cannot have been
+    /// exchanged.
     pub(super) fn weigh(
         &mut self,
         weigh: &Weigh,
         settings: &Settings,
         moment: &Moment,
         (rated, known): (f64, bool),
-    ) {
+    ) -> Innovation {
         self.changed.wait(moment.period);
         let apart = if self.asked {
             let (_, row) = weigh.model(&self.filter, moment);
@@ -167,6 +168,7 @@ impl Scale {
             self.filter.p[M][M] += anything;
             self.strange = 0;
         }
+        innovation
     }
 
     /// Returns whether an emptied bucket has just shown that the pressures err, and resets that.

@@ -64,6 +64,8 @@ impl Peak {
 pub struct Disturbance {
     /// Time for which brakes still act [s].
     brake: f64,
+    /// Time for which reported brakes still act [s].
+    reported: f64,
     turn: Peak,
     force: Peak,
     /// Angle between the bodies, low-passed over [`BENDING`] [rad].
@@ -87,6 +89,8 @@ pub struct Disturbance {
 pub struct Effect {
     /// Brakes act: the wheel speeds carry no information.
     pub braking: bool,
+    /// Reported brakes act.
+    pub braked: bool,
     /// Standard deviation of both slips from steering.
     pub turn: f64,
     /// Speed at which the axles approach each other because the machine bends [m/s].
@@ -124,10 +128,12 @@ impl Disturbance {
         } else {
             self.brake - dt
         };
+        self.reported = if step.brake { HOLD } else { self.reported - dt };
         let braking = self.brake > 0.5 * dt;
         let force = FORCE_WEIGHT * self.force.update(excess, dt) / (machine.gravity * stiffness);
         Effect {
             braking,
+            braked: self.reported > 0.5 * dt,
             turn,
             closing,
             force,

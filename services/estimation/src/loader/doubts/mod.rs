@@ -2,6 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `digging_force` | other causes of the force on the bucket |
 //! | `disturbance` | brakes, steering, unmeasured forces |
 //! | `gain` | force on the body over the force of the reported torques |
 //! | `manoeuvres` | agreement of independent manoeuvres |
@@ -19,6 +20,7 @@ pub(super) mod axles;
 pub(super) mod constancy;
 pub(super) mod coupling;
 pub(super) mod curves;
+pub(super) mod digging_force;
 pub(super) mod directions;
 pub(super) mod disturbance;
 pub(super) mod gain;

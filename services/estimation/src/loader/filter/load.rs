@@ -53,6 +53,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.disturbance.states_mass && described && self.load.is_empty()
     }
 
+    /// Load that nothing reports, as a share of the machine: by the motion, or another one since.
+    pub(super) fn unreported_mass(&self) -> f64 {
+        if self.known_load.is_some() || self.disturbance.states_mass {
+            return 0.0;
+        }
+        let mass = &self.disturbance.mass;
+        mass.carried().max(mass.other_load())
+    }
+
     /// Whether the machine is loaded, and no boom motion would be reported.
     pub(in crate::loader) fn lifts_unreported(&self, settings: &Settings) -> bool {
         settings.at_work() && !self.boom_reported && self.is_loaded()

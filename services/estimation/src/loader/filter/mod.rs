@@ -22,6 +22,7 @@ use super::doubts::axles::Axles;
 use super::doubts::constancy::Constancy;
 use super::doubts::coupling::Coupling;
 use super::doubts::curves::Curves;
+use super::doubts::digging_force::Balance;
 use super::doubts::directions::Directions;
 use super::doubts::disturbance::{Disturbance, Effect};
 use super::doubts::manoeuvres::Manoeuvres;
@@ -32,7 +33,7 @@ use super::input::inclinometer::Inclinometer;
 use super::input::inputs::{InputHold, StepInputs};
 use super::input::steady::Steady;
 use super::input::stuck::Stuck;
-use super::layout::{CG_RATIO, SLIP_STIFFNESS, SPEED};
+use super::layout::{CG_RATIO, Layout, SLIP_STIFFNESS, SPEED};
 use super::load::known_load::KnownLoad;
 use super::load::mass_step::Load;
 use super::measurements::conditions::Digging;
@@ -121,6 +122,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     loosened: [f64; N],
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
+    /// Force of the torques on the road [N].
+    pull: f64,
     pub(in crate::loader) known_load: KnownLoad,
     spin: Spin,
     frozen: bool,
@@ -173,6 +176,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
             loosened: [0.0; N],
             spade_force_x: 0.0,
+            pull: 0.0,
             known_load: KnownLoad::default(),
             spin: Spin::default(),
             frozen: false,
@@ -211,6 +215,27 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let width = range.high - range.low;
         let std = self.shared_slip.std(own, expected, width, lag);
         quantity(own.value, std)
+    }
+
+    /// Force on the bucket along the road, with other causes of such a force in its deviation.
+    pub(in crate::loader) fn digging_force(&self, settings: &Settings) -> Option<Quantity> {
+        let i = const { Layout::of(N) }.spade_force?;
+        let (unknown, own) = (self.state()[i], self.std(i));
+        let balance = Balance {
+            machine: &self.dynamics,
+            reach: self.reach(settings),
+            speed: self.state()[SPEED],
+            pull: self.pull,
+            unreported: self.unreported_mass(),
+            braked: self.effect.braked,
+        };
+        let std = if settings.at_work() {
+            balance.std(unknown, own)
+        } else {
+            own
+        };
+        let value = self.spade_force_x + unknown;
+        Some(Quantity { value, std })
     }
 
     /// Standard deviation of the ratio: that of the filter, or a larger one where only one axle pulls.
@@ -293,8 +318,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Some(self.dynamics.free_acceleration(inputs, speed, step.sine))
         };
         self.evidence.advance(dt, torque, acceleration);
-        let force = torque / (self.dynamics.wheel_radius * self.dynamics.mass);
-        self.shared_slip.see(speed, force, dt);
+        self.pull = torque / self.dynamics.wheel_radius;
+        self.shared_slip
+            .see(speed, self.pull / self.dynamics.mass, dt);
         self.axles.see(self.pulled_slips(inputs), speed, dt);
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
