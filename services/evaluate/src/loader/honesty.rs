@@ -178,6 +178,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
 mod tests {
     use super::*;
     use sim::fault::Fault;
+    use statistics::judge::is_covered;
 
     fn effects(name: &str, severity: &str) -> Effects {
         let found = CASES.into_iter().find(|c| (c.0, c.1) == (name, severity));
@@ -250,6 +251,27 @@ mod tests {
                 assert!(ratio.wrong() <= 0.05, "{effect}: {}", ratio.wrong());
                 assert!(ratio.covered() > 0.93, "{effect}: {}", ratio.covered());
             }
+        }
+    }
+
+    #[test]
+    fn the_interval_of_the_digging_force_contains_what_else_acts_along_the_road() {
+        for (effect, severity, effects) in CASES {
+            let (mut rows, mut covered) = (0, 0);
+            let run = work(effects, true, 2);
+            drive(
+                &run,
+                |_| (),
+                |_, row, estimate| {
+                    let force = estimate.spade_force_x.expect("a state of both methods");
+                    rows += 1;
+                    covered +=
+                        u32::from(is_covered(force.value, force.std, row.truth.spade_force_x));
+                },
+            )
+            .unwrap();
+            let covered = f64::from(covered) / f64::from(rows);
+            assert!(covered > 0.95, "{effect} {severity}: {covered}");
         }
     }
 

@@ -306,7 +306,9 @@ mod tests {
             ..Moment::default()
         };
         let settings = Settings::of(&d);
-        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, (RATED, known)));
+        for _ in 0..blocks {
+            scale.weigh(&weigh, &settings, &moment, (RATED, known));
+        }
         scale.filter.x[M]
     }
 

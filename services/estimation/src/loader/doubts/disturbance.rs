@@ -21,12 +21,14 @@ use crate::loader::load::inertia::Push;
 use crate::loader::load::stated_mass::{Kind, StatedMass};
 use crate::loader::measurements::accelerometer::Shaking;
 use crate::loader::physics::wheel_dynamics::{ROLLING_WIDTH, WheelDynamics};
-use crate::math::tanh;
+use crate::math::{sqrt, tanh};
 
 /// Time by which brakes outlast their cause, and time constant with which other disturbances fade [s].
 const HOLD: f64 = 0.25;
 /// Averaging time of the unexplained specific force [s].
 const TIME: f64 = 0.05;
+/// Share by which a force in the pile varies from one correlation time to the next.
+const VARIES: f64 = 0.3;
 /// Specific force that noise and tolerances leave unexplained: for any acceleration [m/s^2], and as a share of the acceleration.
 const EXPLAINED: f64 = 0.05;
 const EXPLAINED_SHARE: f64 = 0.05;
@@ -97,17 +99,17 @@ pub struct Effect {
     pub closing: f64,
     /// Standard deviation of both slips from unexplained forces.
     pub force: f64,
-    /// Specific force beyond what noise and tolerances leave unexplained [m/s^2].
-    pub excess: f64,
+    /// Specific force by which an unmeasured force changes in the time of its correlation [m/s^2].
+    pub changes: f64,
 }
 
 impl Disturbance {
-    /// Updates the disturbances with a step of `dt`; `speed` and `stiffness` are the predicted ones.
+    /// Updates the disturbances with a step of `dt`; `speed`, `stiffness` and `force`, on the bucket, are the predicted ones.
     pub fn update(
         &mut self,
         machine: &WheelDynamics,
         step: &StepInputs,
-        [speed, stiffness]: [f64; 2],
+        [speed, stiffness, force]: [f64; 3],
         dt: f64,
     ) -> Effect {
         self.states_mass = step.states_mass;
@@ -118,10 +120,13 @@ impl Disturbance {
             by_turn += BENDING_LEFT * closing.abs() / speed.abs().max(LEAST_SPEED);
         }
         let turn = TURN_WEIGHT * self.turn.update(by_turn, dt);
-        let excess = step.acceleration.map_or(0.0, |a| {
+        let followed = force / machine.rolling_mass();
+        let [excess, unfollowed] = step.acceleration.map_or([0.0; 2], |a| {
             self.explain(machine, step, [speed, a], dt);
-            (self.fast.abs() - EXPLAINED - EXPLAINED_SHARE * a.abs()).max(0.0)
+            let explained = EXPLAINED + EXPLAINED_SHARE * a.abs();
+            [self.fast, self.fast + followed].map(|left| (left.abs() - explained).max(0.0))
         });
+        let varies = VARIES * excess;
         let unreported_braking = excess > UNREPORTED && self.fast * speed < 0.0;
         self.brake = if step.brake || unreported_braking {
             HOLD
@@ -137,7 +142,7 @@ impl Disturbance {
             turn,
             closing,
             force,
-            excess,
+            changes: sqrt(unfollowed * unfollowed + varies * varies),
         }
     }
 
@@ -220,7 +225,8 @@ mod tests {
             yaw_rate: None,
         };
         let mut disturbance = Disturbance::default();
-        let mut brakes = |step: &StepInputs| disturbance.update(&machine, step, [2.0, 19.0], 0.01);
+        let mut brakes =
+            |step: &StepInputs| disturbance.update(&machine, step, [2.0, 19.0, 0.0], 0.01);
         assert!(brakes(&step).braking);
         step.brake = false;
         let after = [0; 30].map(|_| brakes(&step).braking);

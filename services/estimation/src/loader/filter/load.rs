@@ -10,6 +10,8 @@ use crate::loader::settings::Settings;
 
 /// Share of the mass from which on the machine counts as loaded.
 const LEAST_LOAD: f64 = 0.04;
+/// Standard deviation of a load while it is filled in or emptied, over the machine's mass: anything up to a third of it.
+const FILLED: f64 = 0.2;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Sets the load that the lift pressure shows for the next row; `empty` is its estimate of the empty machine.
@@ -53,13 +55,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.disturbance.states_mass && described && self.load.is_empty()
     }
 
-    /// Load that nothing reports, as a share of the machine: by the motion, or another one since.
+    /// Standard deviation of the mass by a load that nothing states, as a share: one that is filled in, one by the motion, or another
+    /// one since. A wrong stated mass counts too, where the motion shows it.
     pub(super) fn unreported_mass(&self) -> f64 {
-        if self.known_load.is_some() || self.disturbance.states_mass {
-            return 0.0;
+        if self.known_load.is_open() {
+            return FILLED;
         }
         let mass = &self.disturbance.mass;
-        mass.carried().max(mass.other_load())
+        let off = if mass.lighter() == 0.0 {
+            0.0
+        } else {
+            mass.off()
+        };
+        if self.known_load.is_some() || self.disturbance.states_mass {
+            off
+        } else {
+            off.max(mass.carried()).max(mass.other_load())
+        }
     }
 
     /// Whether the machine is loaded, and no boom motion would be reported.

@@ -226,8 +226,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             reach: self.reach(settings),
             speed: self.state()[SPEED],
             pull: self.pull,
+            turn: self.effect.turn,
             unreported: self.unreported_mass(),
             braked: self.effect.braked,
+            brakes: self.effect.braking,
         };
         let std = if settings.at_work() {
             balance.std(unknown, own)
@@ -347,7 +349,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if at_work && !self.known_load.is_some() {
             self.weigh(settings, dt);
         }
-        let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
+        let state = self.belief.state();
+        let force = const { Layout::of(N) }
+            .spade_force
+            .map_or(0.0, |i| state[i]);
+        let at = [state[SPEED], state[SLIP_STIFFNESS], force];
         self.effect = self.disturbance.update(&self.dynamics, step, at, dt);
         let known = self.known_load.is_some() || !self.relearning.settled();
         if at_work && self.disturbance.mass.load_stepped() && !known {

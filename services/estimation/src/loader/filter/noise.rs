@@ -85,7 +85,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Lets the force on the bucket, or the speed where it is no state, follow a force that the torques do not explain.
     fn follow_force(&self, std: &mut [f64; N], dt: f64) {
-        let walk = self.effect.excess * sqrt(2.0 * dt / FORCE_TIME);
+        let walk = self.effect.changes * sqrt(2.0 * dt / FORCE_TIME);
         let (state, walk) = match const { Layout::of(N) }.spade_force {
             Some(force) => (force, self.dynamics.mass * walk),
             None => (SPEED, FORCE_TIME * walk),
@@ -217,4 +217,40 @@ fn ground_std<const N: usize>(
     let used = state[SLIP_STIFFNESS] * slip * radius / (fastest * machine.friction);
     let square = used * used;
     GROUND * slip * square * (2.0 / 3.0 + 2.0 / 15.0 * square) * sqrt((GROUND_TIME / dt).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Noise of a wheel with this slip at 2 m/s, over its slip.
+    fn ground(slip: f64) -> f64 {
+        let machine = WheelDynamics::of(&Settings::DEFAULT);
+        let mut state = [0.0; 8];
+        (state[SPEED], state[SLIP_STIFFNESS]) = (2.0, 19.0);
+        state[FRONT_WHEEL] = 2.0 * (1.0 + slip) / machine.wheel_radius;
+        ground_std(&machine, &state, FRONT_WHEEL, 1.0) / (2.0 * slip / machine.wheel_radius)
+    }
+
+    #[test]
+    fn near_its_limit_a_tyre_measures_the_ground() {
+        // (sinh 2x/2x - 1) dmu/mu with x = K s/mu.
+        let exact = |slip: f64| {
+            let x = 2.0 * 19.0 * slip / Settings::DEFAULT.machine.friction;
+            GROUND * (x.sinh() / x - 1.0)
+        };
+        for (slip, within) in [(0.005, 0.01), (0.02, 0.01), (0.04, 0.08)] {
+            let (found, exact) = (ground(slip), exact(slip));
+            assert!(
+                (found / exact - 1.0).abs() < within,
+                "{slip}: {found} {exact}"
+            );
+        }
+        assert!(ground(0.06) > 0.4 && ground(-0.06) > 0.4);
+        let machine = WheelDynamics {
+            friction: f64::INFINITY,
+            ..WheelDynamics::of(&Settings::DEFAULT)
+        };
+        assert_eq!(ground_std(&machine, &[1.0; 8], FRONT_WHEEL, 0.01), 0.0);
+    }
 }
