@@ -11,8 +11,10 @@ pub(in crate::excavator) struct State {
     /// Value and standard deviation.
     pub(in crate::excavator) payload: Option<(f64, f64)>,
     pub(in crate::excavator) damping: Option<(f64, f64)>,
-    /// Offset of the torque: true minus measured.
+    /// Offset of the torque: true minus measured, in units of the measured one.
     pub(in crate::excavator) offset: Option<(f64, f64)>,
+    /// Gain error of the torque: true over measured, minus 1; `None` where that is no state.
+    pub(in crate::excavator) gain: Option<(f64, f64)>,
     /// Unknown total torque.
     pub(in crate::excavator) total_torque: Option<(f64, f64)>,
     pub(in crate::excavator) velocity: f64,

@@ -75,13 +75,20 @@ impl SwingEstimator {
         }
     }
 
-    /// Measured torque, corrected by its offset.
+    /// Measured torque, corrected by its offset and gain.
     fn measured_torque(&self, reading: &Reading) -> Option<Quantity> {
         let torque = self.grid.torque()?;
         let (offset, offset_std) = reading.state.offset.unwrap_or((0.0, 0.0));
+        let (gain, gain_std) = reading
+            .state
+            .gain
+            .unwrap_or((0.0, self.settings.sensors.swing_torque_gain_std));
         let noise = self.settings.sensors.swing_torque_std;
+        let (measured, scale) = (torque + offset, 1.0 + gain);
         let variance = noise * noise * reading.tick.share + offset_std * offset_std;
-        Some(quantity((torque + offset, sqrt(variance))))
+        let by_gain = measured * gain_std;
+        let std = sqrt(scale * scale * variance + by_gain * by_gain);
+        Some(quantity((scale * measured, std)))
     }
 
     /// Factor of the standard deviation without torque. Those modes must detect changes of torque within 0.15 s. Rows slower

@@ -198,6 +198,16 @@ impl ParallelFilter {
         })
     }
 
+    /// The variance that it adds to that of this gain.
+    pub(super) fn gain_variance(&self, gain: f64) -> f64 {
+        if !self.driven || self.odds <= POSSIBLE {
+            return 0.0;
+        }
+        let own = sqrt(self.filter.p[GAIN][GAIN]);
+        let spread = spread(self.probability(), self.filter.x[GAIN] - gain, own);
+        spread * spread
+    }
+
     /// Returns whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         self.filter.is_finite() && self.odds.is_finite()

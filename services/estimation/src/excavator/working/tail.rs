@@ -110,6 +110,13 @@ impl Tail {
             inertia * inertia * per_inertia,
         ]
     }
+
+    /// The variance that it adds to that of the gain.
+    pub(super) fn gain_variance(&self, filter: &Filter) -> f64 {
+        let [one, other] = self.per_square;
+        let own = filter.p[GAIN][GAIN];
+        own * own * one.max(other)
+    }
 }
 
 /// Covariances of inertia and payload with the gain.
