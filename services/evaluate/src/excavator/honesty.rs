@@ -140,3 +140,48 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
         met: lines.iter().all(Line::met),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statistics::judge::is_covered;
+
+    /// Shares of rows whose intervals of damping and torque hold the truth.
+    fn covered(case: &Case) -> [f64; 2] {
+        let effects = case.effects.unwrap_or_else(|| Effects::by_chance(2));
+        let work = Work::new(Size::t22(), effects, 2);
+        let rows: Vec<Row> = work.clone().take(ROWS).collect();
+        let (name, method, _) = METHODS[0];
+        let setup = Setup::working(name, method, Settings::of(&described(&work)));
+        let points = setup.run(&rows).unwrap();
+        let mut covered = [0; 2];
+        for point in &points {
+            let (e, truth) = (&point.estimate, &point.truth);
+            let both = [(e.damping, truth.damping), (e.torque, truth.torque)];
+            for (count, (quantity, truth)) in covered.iter_mut().zip(both) {
+                let quantity = quantity.expect("the default method estimates both");
+                *count += i32::from(is_covered(quantity.value, quantity.std, truth));
+            }
+        }
+        covered.map(|count| f64::from(count) / points.len() as f64)
+    }
+
+    #[test]
+    fn the_intervals_of_damping_and_torque_hold() {
+        let cases = cases();
+        let mut sum = [0.0; 2];
+        for case in &cases {
+            let line = covered(case);
+            // Before it has turned, a machine with half as much damping again is one that nobody described.
+            assert!(
+                line[0] > 0.75 && line[1] > 0.85,
+                "{} {}: {line:?}",
+                case.effect,
+                case.severity
+            );
+            sum = [sum[0] + line[0], sum[1] + line[1]];
+        }
+        let mean = sum.map(|share| share / cases.len() as f64);
+        assert!(mean[0] > 0.97 && mean[1] > 0.98, "{mean:?}");
+    }
+}

@@ -12,6 +12,8 @@ use crate::excavator::settings::Settings;
 pub(in crate::excavator) const PERIOD: f64 = 0.01;
 /// Longest gap that is filled [s].
 pub(in crate::excavator) const LONG_GAP: f64 = 1.0;
+/// Smoothing of the torque's rate [s].
+const RATE: f64 = 0.05;
 /// Least distance of rows that are taken singly [s].
 const SINGLE: f64 = 0.51 * PERIOD;
 /// Duration over which faster rows are averaged [s].
@@ -198,6 +200,8 @@ pub(in crate::excavator) struct Grid {
     last: Option<Tick>,
     last_angle: Option<(f64, f64)>,
     torque: Option<f64>,
+    /// Rate of the torque, smoothed over [`RATE`] [N m/s].
+    torque_rate: f64,
     posture: [Option<f64>; 3],
     /// The rod pressure has been measured.
     rod: bool,
@@ -219,6 +223,7 @@ impl Grid {
             last: None,
             last_angle: None,
             torque: None,
+            torque_rate: 0.0,
             posture: [None; 3],
             rod: false,
         }
@@ -266,6 +271,11 @@ impl Grid {
         self.torque
     }
 
+    /// Smoothed rate of the torque [N m/s].
+    pub(in crate::excavator) fn torque_rate(&self) -> f64 {
+        self.torque_rate
+    }
+
     /// Whether all three joint angles have been measured.
     pub(in crate::excavator) fn has_posture(&self) -> bool {
         self.posture.iter().all(Option::is_some)
@@ -274,7 +284,14 @@ impl Grid {
     fn finish(&mut self, time: f64) -> Fill {
         let block = core::mem::take(&mut self.block);
         let period = core::mem::take(&mut self.since);
-        self.torque = block.torque.value().or(self.torque);
+        let mean = block.torque.value();
+        if let Some((mean, before)) = mean.zip(self.torque)
+            && period > 0.0
+        {
+            let rate = (mean - before) / period;
+            self.torque_rate += (period / RATE).min(1.0) * (rate - self.torque_rate);
+        }
+        self.torque = mean.or(self.torque);
         for (held, mean) in self.posture.iter_mut().zip(&block.posture) {
             *held = mean.value().or(*held);
         }

@@ -75,7 +75,7 @@ impl SwingEstimator {
         }
     }
 
-    /// Measured torque, corrected by its offset and gain.
+    /// Measured torque, corrected by its offset and gain. It is late by its delay, and differs by what it changes in that time.
     fn measured_torque(&self, reading: &Reading) -> Option<Quantity> {
         let torque = self.grid.torque()?;
         let (offset, offset_std) = reading.state.offset.unwrap_or((0.0, 0.0));
@@ -87,7 +87,13 @@ impl SwingEstimator {
         let (measured, scale) = (torque + offset, 1.0 + gain);
         let variance = noise * noise * reading.tick.share + offset_std * offset_std;
         let by_gain = measured * gain_std;
-        let std = sqrt(scale * scale * variance + by_gain * by_gain);
+        let (late, late_std) = (
+            self.delays[1],
+            self.settings.doubts.map_or(0.0, |d| d.delay_std),
+        );
+        let rate = self.grid.torque_rate();
+        let by_delay = rate * rate * (late * late + late_std * late_std);
+        let std = sqrt(scale * scale * variance + by_gain * by_gain + by_delay);
         Some(quantity((scale * measured, std)))
     }
 
