@@ -177,35 +177,27 @@ impl ParallelFilter {
         self.driven
     }
 
-    /// Variances that the mixture adds to those of the first filter: of payload [kg^2] and inertia [(kg m^2)^2].
+    /// Variances that the mixture adds to those of the first filter: of payload [kg^2], inertia [(kg m^2)^2] and gain.
     pub(super) fn variances(
         &self,
         sticks: &Sticking,
-        payload: f64,
-        inertia: f64,
+        [payload, inertia, gain]: [f64; 3],
         now: &Inertia,
-    ) -> [f64; 2] {
+    ) -> [f64; 3] {
         if !self.driven || self.odds <= POSSIBLE {
-            return [0.0; 2];
+            return [0.0; 3];
         }
         let [variance, own] = self.filter.variances(now, sticks);
         let weight = self.filter.payload(sticks);
         let heavier = self.filter.inertia(now, self.filter.load()) - inertia;
         let probability = self.probability();
-        [(weight - payload, variance), (heavier, own)].map(|(away, variance)| {
+        let more = self.filter.x[GAIN] - gain;
+        let gain = self.filter.p[GAIN][GAIN];
+        let all = [(weight - payload, variance), (heavier, own), (more, gain)];
+        all.map(|(away, variance)| {
             let spread = spread(probability, away, sqrt(variance));
             spread * spread
         })
-    }
-
-    /// The variance that it adds to that of this gain.
-    pub(super) fn gain_variance(&self, gain: f64) -> f64 {
-        if !self.driven || self.odds <= POSSIBLE {
-            return 0.0;
-        }
-        let own = sqrt(self.filter.p[GAIN][GAIN]);
-        let spread = spread(self.probability(), self.filter.x[GAIN] - gain, own);
-        spread * spread
     }
 
     /// Returns whether all numbers are finite.

@@ -78,9 +78,9 @@ impl Working {
         let inertia = self
             .filter
             .inertia(&drive.now, self.filter.load() + payload - weight);
-        let parallel = self
-            .parallel
-            .variances(&self.sticks, payload, inertia, &drive.now);
+        let parallel =
+            self.parallel
+                .variances(&self.sticks, [payload, inertia, x[GAIN]], &drive.now);
         let tail = self.tail.variances(&self.filter, &drive.now, &self.sticks);
         let other = self.attachment.variances();
         let form = self.drawn_wrong(settings, drive, payload, down);
@@ -103,10 +103,8 @@ impl Working {
         };
         // The damping is over 1 + k in the filter.
         let (b, scale) = (x[DAMPING], 1.0 + x[GAIN]);
-        let own = p[GAIN][GAIN] * factor;
-        let hypotheses =
-            self.tail.gain_variance(&self.filter) + self.parallel.gain_variance(x[GAIN]);
-        let gain_variance = own + hypotheses;
+        let hypotheses = self.tail.gain_variance(&self.filter) + parallel[2];
+        let gain_variance = factor * p[GAIN][GAIN] + hypotheses;
         let together = scale * p[DAMPING][DAMPING] + 2.0 * b * p[DAMPING][GAIN];
         let variance =
             factor * scale * together + b * b * (gain_variance + OTHER_LOSSES * OTHER_LOSSES);

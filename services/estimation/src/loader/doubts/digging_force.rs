@@ -55,7 +55,7 @@ pub struct Balance<'a> {
 }
 
 impl Balance<'_> {
-    /// Standard deviation of a force on the bucket that the filter knows to `own` \[N\].
+    /// Standard deviation of a force on the bucket whose variance in the filter is `own` [N^2], in N.
     pub fn std(&self, force: f64, own: f64) -> f64 {
         let m = self.machine;
         let weight = m.mass * m.gravity;
@@ -75,7 +75,7 @@ impl Balance<'_> {
             0.0
         };
         sqrt(
-            own * own
+            own.max(0.0)
                 + weight * weight * (pitch * pitch + ground * ground + scrub * scrub)
                 + torque * torque
                 + mass * mass * shares
@@ -110,7 +110,7 @@ mod tests {
             machine: &machine,
             ..balance
         }
-        .std(force, 100.0)
+        .std(force, 100.0 * 100.0)
     }
 
     #[test]

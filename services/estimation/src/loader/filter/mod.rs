@@ -49,6 +49,7 @@ use super::sample::Sample;
 use super::settings::{Inputs as Driven, Settings};
 use super::verdict::Evidence;
 use crate::Quantity;
+use crate::math::sqrt;
 use crate::sigma_points::Spread;
 use crate::time_base::{Tick, TimeBase};
 
@@ -220,7 +221,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Force on the bucket along the road, with other causes of such a force in its deviation.
     pub(in crate::loader) fn digging_force(&self, settings: &Settings) -> Option<Quantity> {
         let i = const { Layout::of(N) }.spade_force?;
-        let (unknown, own) = (self.state()[i], self.std(i));
+        let (unknown, own) = (self.state()[i], self.belief.variance(i));
         let balance = Balance {
             machine: &self.dynamics,
             reach: self.reach(settings),
@@ -234,7 +235,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let std = if settings.at_work() {
             balance.std(unknown, own)
         } else {
-            own
+            sqrt(own.max(0.0))
         };
         let value = self.spade_force_x + unknown;
         Some(Quantity { value, std })

@@ -184,9 +184,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             // Either wheel has half of the variance of their difference.
             let per_difference = FRAC_1_SQRT_2 / self.dynamics.wheel_radius;
             let disturbed = self.disturbed_slip(state[SPEED]);
-            for i in [FRONT_WHEEL, REAR_WHEEL] {
+            let ground = ground_std(&model.dynamics, state, model.dt);
+            for (i, ground) in [FRONT_WHEEL, REAR_WHEEL].into_iter().zip(ground) {
                 let own = apart.or(std[i], per_difference, model.dt);
-                let ground = ground_std(&model.dynamics, state, i, model.dt);
                 std[i] = sqrt(own * own + disturbed * disturbed + ground * ground);
             }
         }
@@ -201,22 +201,22 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 }
 
-/// Standard deviation of a wheel speed from the friction limit of the ground [rad/s], as white noise.
+/// Standard deviations of the wheel speeds from the friction limit of the ground [rad/s], as white noise.
 ///
 /// A tyre that saturates as s = mu/K artanh u, u = F/(mu F_z), slips by (sinh 2x/2x - 1) s dmu/mu more on ground with another mu,
 /// x = K s/mu: by 6 % of dmu/mu at a slip of 1 %, by twice dmu/mu at 6 %. Near its limit a tyre measures the ground.
-fn ground_std<const N: usize>(
-    machine: &WheelDynamics,
-    state: &[f64; N],
-    wheel: usize,
-    dt: f64,
-) -> f64 {
+fn ground_std<const N: usize>(machine: &WheelDynamics, state: &[f64; N], dt: f64) -> [f64; 2] {
     let (speed, radius) = (state[SPEED], machine.wheel_radius);
-    let slip = state[wheel] - speed / radius;
     let fastest = speed.abs().max(machine.minimum_speed);
-    let used = state[SLIP_STIFFNESS] * slip * radius / (fastest * machine.friction);
-    let square = used * used;
-    GROUND * slip * square * (2.0 / 3.0 + 2.0 / 15.0 * square) * sqrt((GROUND_TIME / dt).max(1.0))
+    let used_per_slip = state[SLIP_STIFFNESS] * radius / (fastest * machine.friction);
+    let white = GROUND * sqrt((GROUND_TIME / dt).max(1.0));
+    let rolling = speed / radius;
+    [FRONT_WHEEL, REAR_WHEEL].map(|wheel| {
+        let slip = state[wheel] - rolling;
+        let used = used_per_slip * slip;
+        let square = used * used;
+        white * slip * square * (2.0 / 3.0 + 2.0 / 15.0 * square)
+    })
 }
 
 #[cfg(test)]
@@ -229,7 +229,7 @@ mod tests {
         let mut state = [0.0; 8];
         (state[SPEED], state[SLIP_STIFFNESS]) = (2.0, 19.0);
         state[FRONT_WHEEL] = 2.0 * (1.0 + slip) / machine.wheel_radius;
-        ground_std(&machine, &state, FRONT_WHEEL, 1.0) / (2.0 * slip / machine.wheel_radius)
+        ground_std(&machine, &state, 1.0)[0] / (2.0 * slip / machine.wheel_radius)
     }
 
     #[test]
@@ -251,6 +251,6 @@ mod tests {
             friction: f64::INFINITY,
             ..WheelDynamics::of(&Settings::DEFAULT)
         };
-        assert_eq!(ground_std(&machine, &[1.0; 8], FRONT_WHEEL, 0.01), 0.0);
+        assert_eq!(ground_std(&machine, &[1.0; 8], 0.01), [0.0; 2]);
     }
 }

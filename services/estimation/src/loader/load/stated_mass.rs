@@ -20,6 +20,8 @@ pub struct StatedMass {
     inertia: Inertia,
     driven: Inertia,
     unreported_load: UnreportedLoad,
+    /// As [`Self::lighter`].
+    lighter: f64,
 }
 
 /// Conditions of a row.
@@ -51,8 +53,9 @@ impl StatedMass {
         }
         let drives = kind.tells && kind.drives;
         self.driven.see(row, drives, true, dt);
-        let lighter = self.driven.excess() > 0.0;
-        self.inertia.see(row, kind.tells, lighter, dt);
+        let lighter = self.driven.excess().max(0.0);
+        self.inertia.see(row, kind.tells, lighter > 0.0, dt);
+        self.lighter = self.inertia.excess().min(lighter);
         if self.is_weighed || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
@@ -80,8 +83,7 @@ impl StatedMass {
     /// Excess of kappa over 1 beyond tolerances and chance: the machine is lighter (or its torques larger) than stated. Negative where it
     /// is heavier.
     pub fn lighter(&self) -> f64 {
-        let all = self.inertia.excess();
-        all.min(self.driven.excess().max(0.0))
+        self.lighter
     }
 
     /// Difference of stated and true mass, as a share, without allowance for tolerances.
