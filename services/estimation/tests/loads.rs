@@ -249,6 +249,27 @@ fn a_load_that_nothing_weighs_counts_too_where_it_leaves_in_the_swing() {
 }
 
 #[test]
+fn a_vague_load_that_begins_to_leave_in_the_swing_weighs_what_it_did_before() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    swing_vaguely(&mut site, (560.0, 240.0));
+    // It leaves in the last half second of the swing, and while the machine stands.
+    for step in 0..=40 {
+        let left = f64::from(step) / 40.0;
+        let estimate = (560.0 - 360.0 * left, 240.0 - 110.0 * left);
+        site.row(estimate, 0.2, true);
+    }
+    for _ in 0..60 {
+        site.row((200.0, 130.0), 0.0, true);
+    }
+    site.stand(0.5, PRIOR);
+    swing_vaguely(&mut site, (30.0, 60.0));
+    let loads = site.loads();
+    assert_eq!(loads.len(), 1, "{loads:?}");
+    assert!((loads[0].weight.kg - 560.0).abs() < 1.0, "{loads:?}");
+}
+
+#[test]
 fn the_next_load_is_seen_beside_a_surer_empty_bucket() {
     let mut site = Site::new(None);
     for _ in 0..3 {

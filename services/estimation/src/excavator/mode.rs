@@ -95,6 +95,26 @@ impl Core {
         }
     }
 
+    /// Goes on after a gap. The default estimator with torque and posture knows what it has learnt of the machine; any other mode begins
+    /// from its prior.
+    #[cold]
+    pub(super) fn goes_on(&mut self, settings: &Settings, method: Method, angle: bool) {
+        let mut new = Self::new(settings, method, angle, false);
+        if let Some(working) = self.working() {
+            working.goes_on(settings);
+            core::mem::swap(&mut new.mode, &mut self.mode);
+        }
+        *self = new;
+    }
+
+    /// Ages what is known by `period` of a gap that has lasted for `silent` so far \[s\].
+    #[cold]
+    pub(super) fn waits(&mut self, settings: &Settings, period: f64, silent: f64) {
+        if let Some(working) = self.working() {
+            working.waits(settings, period, silent);
+        }
+    }
+
     /// Inertia at a posture; stored, so that [`Self::step`] does not compute it again.
     pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> &Inertia {
         self.driver.inertia(&settings.geometry, posture)

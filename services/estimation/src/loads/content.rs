@@ -245,11 +245,15 @@ impl Content {
 
     /// Takes a content that is not weighed, while the machine moves: improves the estimate of a load that leaves later.
     pub fn notice(&mut self, row: &Row, value: Quantity) {
-        let opened =
-            |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
         if self.begins_to_change {
             self.unchanged = self.rough;
         }
+        if row.changing && self.open.is_some_and(|open| open.is_of_a_known_content()) {
+            // A weighed content is leaving: less and less of it is seen.
+            return;
+        }
+        let opened =
+            |best: Level| value.std * value.std > OPENED * best.weight.std * best.weight.std;
         // The machine has stood since then, and moves again.
         let is_old = |best: &Level| best.is_over && self.moving_since.is_some_and(|t| t > best.to);
         self.rough = self.rough.filter(|best| !is_old(best));

@@ -58,6 +58,11 @@ impl Open {
         self.back = [self.back[0].max(back[0]), self.back[1].max(back[1])];
     }
 
+    /// Whether the content was known until the estimator detected a change.
+    pub fn is_of_a_known_content(&self) -> bool {
+        self.changed.is_some_and(|changed| changed <= self.since)
+    }
+
     /// Whether the estimator has detected a change.
     pub fn has_changed(&self) -> bool {
         self.changing >= CHANGING

@@ -175,8 +175,7 @@ impl SwingEstimator {
         reset |= self.hold(row.period);
         if let Some(fill) = self.grid.push(&sample, row.period) {
             if fill.restart {
-                self.align.clear();
-                self.restart(false);
+                self.goes_on(row.period);
                 reset = true;
             }
             if sample.velocity.or(sample.angle).is_some() {
@@ -254,8 +253,8 @@ impl SwingEstimator {
         reset
     }
 
-    /// Handles a row without values. Once none has come for longer than a gap that is filled, the filter restarts and waits, since anything
-    /// may have moved. Returns whether it restarts; `None` while it goes on.
+    /// Handles a row without values. Once none has come for longer than a gap that is filled, the filter waits. Returns whether that begins;
+    /// `None` while it goes on.
     #[cold]
     fn wait_for_values(&mut self, fill: &Fill) -> Option<bool> {
         let tick = fill.now();
@@ -271,13 +270,26 @@ impl SwingEstimator {
         if self.silent <= LONG_GAP {
             return None;
         }
-        let restarts = before <= LONG_GAP;
-        if restarts {
-            self.align.clear();
-            self.restart(false);
+        let begins = before <= LONG_GAP;
+        if begins {
+            self.goes_on(self.silent);
+        } else {
+            self.core.waits(&self.settings, tick.period, self.silent);
         }
         self.wait(tick);
-        Some(restarts)
+        Some(begins)
+    }
+
+    /// Goes on after a gap of this length \[s\], in which anything may have moved.
+    #[cold]
+    fn goes_on(&mut self, silent: f64) {
+        self.align.clear();
+        self.screen.refuse_jumps();
+        self.tests_jumps = false;
+        let angle = !self.columns.velocity;
+        self.core.goes_on(&self.settings, self.method, angle);
+        self.core.waits(&self.settings, silent, silent);
+        self.reading = None;
     }
 
     /// Follows a change of the torque's hold. An interpolated torque is late by the hold, of which a stated delay includes half. Returns

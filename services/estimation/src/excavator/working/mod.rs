@@ -17,6 +17,7 @@ mod contradiction;
 mod correlations;
 mod fading;
 mod filter;
+mod gap;
 mod motion;
 mod moved;
 mod noise;
@@ -116,6 +117,8 @@ pub(super) struct Working {
     pushed: bool,
     /// Tracks turn the machine while no swing torque acts: this motion carries no information about the inertia.
     rides: bool,
+    /// The start of this motion was not seen: booms and oil may swing already, and the motion carries no information about the inertia.
+    joined: bool,
     /// Log likelihood ratio of another gain, from an emptied bucket that seems to weigh something.
     weighed_something: f64,
     /// The content still includes the prior of an unknown content, which must be removed when the content is over.
@@ -216,6 +219,7 @@ impl Working {
             changed: false,
             pushed: false,
             rides: false,
+            joined: false,
             weighed_something: 0.0,
             expected: true,
             true_mass: false,

@@ -19,7 +19,7 @@ use crate::math::exp;
 /// Upper limit of the time in motion for which a broken sensor goes unnoticed \[s\].
 const UNNOTICED: f64 = 60.0;
 /// Time constant of the stored knowledge, in motion \[s\]: while the machine is contradicted, no swing confirms it.
-const LASTS: f64 = 3600.0;
+pub(super) const LASTS: f64 = 3600.0;
 
 /// Knowledge that an emptied bucket has confirmed.
 #[derive(Debug, Clone, Default)]
@@ -60,6 +60,11 @@ impl Recall {
     /// Returns whether any knowledge has been confirmed.
     pub(super) fn is_there(&self) -> bool {
         self.confirmed.is_some()
+    }
+
+    /// The stored knowledge.
+    pub(super) fn stored(&mut self) -> impl Iterator<Item = &mut Filter> {
+        self.confirmed.iter_mut().chain(&mut self.candidate)
     }
 
     /// Discards the stored knowledge: the filters now hold information that is not from motion.

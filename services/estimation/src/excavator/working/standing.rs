@@ -1,8 +1,8 @@
 //! The standing upper body: its velocity and slope are known, the swing is over, and the machine may travel. Tracks may turn it too.
 
-use super::Working;
 use super::filter::{SLOPE, W};
 use super::trail::Trail;
+use super::{CREPT, Working};
 use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 use crate::excavator::standstill::released_variance;
@@ -27,7 +27,7 @@ impl Working {
         self.rides = false;
         if self.slow_for > TRAVEL {
             self.attachment.stands(self.slow_for);
-            self.travel(TRAVELS * period);
+            self.travels(period);
         }
         self.rest(0.0, 1e-6, trail)
     }
@@ -66,7 +66,8 @@ impl Working {
         settings: &Settings,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        self.rides = is_quiet(settings, drive.torque);
+        self.joined &= self.slow_for <= CREPT;
+        self.rides = self.joined || is_quiet(settings, drive.torque);
         if self.rides {
             self.torque = drive.torque;
         }
@@ -81,14 +82,19 @@ impl Working {
         innovation
     }
 
-    /// Returns whether tracks still turn the upper body: as long as no torque acts.
+    /// Returns whether tracks still turn the upper body: as long as no torque acts. A motion whose start was not seen counts as such.
     pub(super) fn is_riding(&mut self, s: &Settings, drive: &Drive, share: f64) -> bool {
-        if self.rides {
+        if self.rides && !self.joined {
             self.torque += share * (drive.torque - self.torque);
             self.rides = is_quiet(s, self.torque);
             self.travel(drive.period / UNDER_WAY);
         }
         self.rides
+    }
+
+    /// Adds the variance of another slope, as the machine may have travelled in this time \[s\].
+    pub(super) fn travels(&mut self, time: f64) {
+        self.travel((TRAVELS * time).min(1.0));
     }
 
     /// Adds the variance of another slope, as the machine may have travelled with this probability.

@@ -133,6 +133,18 @@ impl Weigh {
         Some([c.span_std, c.zero_std])
     }
 
+    /// Forgets what a gap may have changed: the cylinders may have moved, so that the rest of their friction is another.
+    pub(super) fn goes_on(&mut self, filters: [&mut Filter; 3]) {
+        (self.moments, self.age) = (BoomMoment::new(), f64::INFINITY);
+        (self.wavering, self.frozen) = (0.0, false);
+        if self.begun {
+            let std = self.cylinder.friction[0];
+            for filter in filters {
+                filter.set(REST, 0.0, std * std, &mut None);
+            }
+        }
+    }
+
     /// Correlates span and zero as a calibration has found their errors.
     pub(super) fn correlate(&self, filter: &mut Filter) {
         let c = &self.cylinder;
