@@ -222,6 +222,9 @@ typedef struct {
     double links_gain_correlation; /* Correlation of the errors of the masses of boom and arm with that of sensors.swing_torque_gain, where `heft calibrate` has found them together; "none": nobody has, and what the lengths do to the inertia comes on top of mass_tolerance. */
     double upper_gain_correlation; /* The same of the upper body's inertia with that gain. */
     double upper_links_correlation; /* The same of the upper body's inertia with the masses of boom and arm. */
+    double bucket_gain_correlation; /* Correlation of the error of the bucket's mass with that of sensors.swing_torque_gain; "none": the calibration scaled the bucket by the factor of boom and arm. */
+    double upper_bucket_correlation; /* The same of the upper body's inertia with the bucket's mass. */
+    double links_bucket_correlation; /* The same of the masses of boom and arm with the bucket's mass. */
     double geometry_tolerance; /* Relative standard deviation of the described lengths. */
     double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
     double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */

@@ -114,7 +114,9 @@ fn still_posture(swings: &Swings) -> bool {
     let mut inertia: Vec<f64> = Vec::new();
     for block in 0..swings.blocks() {
         let (series, swing) = swings.swing(block);
-        inertia.extend(&series.links[swing.rows.clone()]);
+        let rows = swing.rows.clone();
+        let parts = series.links[rows.clone()].iter().zip(&series.bucket[rows]);
+        inertia.extend(parts.map(|(links, bucket)| links + bucket));
     }
     let low = crate::column::percentile(inertia.clone(), 0.05);
     let high = crate::column::percentile(inertia, 0.95);
@@ -189,22 +191,13 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
         // The test holds at the maximum only.
         return Disagreement::default();
     }
-    let mut parts = Vec::new();
-    let mut names = Vec::new();
-    for (r, series) in swings.series.iter().enumerate() {
-        let blocks = swings.blocks_of(r);
-        let (first, second) = blocks.split_at(blocks.len() / 2);
-        for (part, name) in [
-            (&blocks[..], String::new()),
-            (first, "the first half of ".into()),
-            (second, "the second half of ".into()),
-        ] {
-            parts.push(part.to_vec());
-            names.push(format!("{name}{}", series.name));
-        }
-    }
+    let (parts, names) = parts(swings);
     let is_compared = |role: &Role| {
-        let takes_up_errors = matches!(role, Role::AngleOffset(joint) if *joint != BOOM);
+        let takes_up_errors = match role {
+            Role::AngleOffset(joint) => *joint != BOOM,
+            Role::Bucket | Role::Centre(_) => true,
+            _ => false,
+        };
         role.is_described() && !role.is_noise() && !takes_up_errors
     };
     // A parameter at its limit is not at a maximum either.
@@ -238,7 +231,11 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
     };
     match all.iter().filter(clear).find(|d| d.by.abs() > MATERIAL) {
         Some(d) => Disagreement {
-            fault: Some(format!("{}; {OTHERWISE}", say(d))),
+            fault: Some(format!(
+                "{}; {}",
+                say(d),
+                otherwise(swings.roles[d.parameter])
+            )),
             ..Disagreement::default()
         },
         None => {
@@ -248,14 +245,34 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
             };
             Disagreement {
                 remark: Some(format!(
-                    "{}; its interval is as much wider: {OTHERWISE}",
-                    say(worst)
+                    "{}; its interval is as much wider: {}",
+                    say(worst),
+                    otherwise(swings.roles[worst.parameter])
                 )),
                 widths: asked.iter().map(|&i| (i, largest(i))).collect(),
                 ..Disagreement::default()
             }
         }
     }
+}
+
+/// Recordings and their halves, as sets of blocks, with their names.
+fn parts(swings: &Swings) -> (Vec<Vec<usize>>, Vec<String>) {
+    let mut parts = Vec::new();
+    let mut names = Vec::new();
+    for (r, series) in swings.series.iter().enumerate() {
+        let blocks = swings.blocks_of(r);
+        let (first, second) = blocks.split_at(blocks.len() / 2);
+        for (part, name) in [
+            (&blocks[..], String::new()),
+            (first, "the first half of ".into()),
+            (second, "the second half of ".into()),
+        ] {
+            parts.push(part.to_vec());
+            names.push(format!("{name}{}", series.name));
+        }
+    }
+    (parts, names)
 }
 
 /// Disagreement between parts of the recordings.
@@ -269,8 +286,35 @@ pub struct Disagreement {
     pub widths: Vec<(usize, f64)>,
 }
 
-/// Possible causes of a disagreement, and the remedy.
-const OTHERWISE: &str = "another machine, a sensor that has moved, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
+/// Possible causes of a disagreement in a parameter, the likeliest first, and the remedy.
+fn otherwise(role: Role) -> &'static str {
+    match role {
+        Role::Damping | Role::Friction | Role::Efficiency => {
+            "oil that was cold, or another machine; work for twenty minutes, then record both on the same day"
+        }
+        Role::AngleOffset(_) => {
+            "a sensor that has moved, or another machine; fasten it, then record both again"
+        }
+        Role::Gain | Role::Links | Role::Inertia => {
+            "a load that spills or was stated wrong, another machine, oil that was cold; weigh the load again, and record both on the same day with the machine warm"
+        }
+        _ => {
+            "another machine, a sensor that has moved, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm"
+        }
+    }
+}
+
+/// Fault: the swings of a recording do not carry one load.
+pub fn changing_load(name: &str, [low, high]: [f64; 2], has_empty: bool) -> String {
+    let remedy = if has_empty {
+        "record one weighed load in every swing"
+    } else {
+        "no recording with an empty bucket shows which swings carry it: add one, with --payload FILE=0, or record one weighed load in every swing"
+    };
+    format!(
+        "the load of {name} changes from swing to swing, about {low:.0} to {high:.0} kg; {remedy}"
+    )
+}
 
 /// Remark on inclined ground, which the fit compensates.
 #[must_use]
@@ -300,9 +344,42 @@ pub const ONE_LOAD: &str = "no two recordings have different stated loads: torqu
 
 /// Fault: a stated load contradicts the machine file.
 pub fn misstated_load(d: &Doubt) -> String {
+    let tolerances = match d.by_pressures {
+        Some(_) => {
+            "sensors.swing_torque_gain_std, machine.mass_tolerance, machine.boom_cylinder.span_std"
+        }
+        None => "sensors.swing_torque_gain_std, machine.mass_tolerance",
+    };
     format!(
-        "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
-        d.name, d.stated.value, d.found.value, d.found.std
+        "the load of {} was stated as {:.0} kg, but {}; weigh it again, or check which recording is which; if it is right, state larger tolerances ({tolerances})",
+        d.name,
+        d.stated.value,
+        weighed(d)
+    )
+}
+
+/// What the machine weighs.
+fn weighed(d: &Doubt) -> String {
+    let [motion, std] = [d.by_motion.value, d.by_motion.std];
+    let motion = format!(
+        "with the masses and the torque gain of the machine file it weighs {motion:.0} ± {std:.0} kg"
+    );
+    d.by_pressures.map_or(motion.clone(), |p| {
+        format!(
+            "{motion}, and by the boom's cylinders {:.0} ± {:.0} kg",
+            p.value, p.std
+        )
+    })
+}
+
+/// Remark: the machine doubts a stated load.
+pub fn doubtful_load(d: &Doubt) -> String {
+    format!(
+        "the load of {} was stated as {:.0} ± {:.0} kg, but {}; the intervals are wider by this doubt: weigh it again",
+        d.name,
+        d.stated.value,
+        d.stated.std,
+        weighed(d)
     )
 }
 

@@ -55,6 +55,13 @@ table! {
         upper_gain_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// The same of the upper body's inertia with the masses of boom and arm.
         upper_links_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// Correlation of the error of the bucket's mass with that of sensors.swing_torque_gain; "none": the calibration scaled the bucket by
+        /// the factor of boom and arm.
+        bucket_gain_correlation: Option<f64> = None, "", -1.0 to 1.0;
+        /// The same of the upper body's inertia with the bucket's mass.
+        upper_bucket_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// The same of the masses of boom and arm with the bucket's mass.
+        links_bucket_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// Relative standard deviation of the described lengths.
         geometry_tolerance: f64 = 0.008, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).

@@ -197,6 +197,12 @@ impl Description {
         }
     }
 
+    /// Standard deviation of a guessed distance of the load's centre from the bucket's pin \[m\]; 0 as [`Self::guessed_centre_std`].
+    #[must_use]
+    pub fn guessed_centre_spread(&self) -> f64 {
+        self.guessed_centre_std() * LOAD_RADIUS * self.geometry.boom_length
+    }
+
     /// Standard deviation of the empty attachment's weight by guessed centres of boom and bucket \[kg\].
     #[must_use]
     pub fn guessed_form_std(&self) -> f64 {
