@@ -285,11 +285,13 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     let held = tolerances(swings, options);
     // Faults that have been reported are not repeated as undetermined directions.
     let mut faults = outcome.faults.clone();
+    let mut open = Vec::new();
     if faults.is_empty() {
         if free.contains(&Role::Gain) && !fit.interrupted {
             outcome.doubts = loads::doubts(&whole, &held);
         }
         faults = contradictions(&whole, &fit, &outcome.doubts);
+        open = undetermined(&whole, &fit);
     }
     let minor: Vec<bool> = swings
         .roles
@@ -309,8 +311,12 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     for (i, difference) in disagreement.widths {
         found.uncertainty.widen(i, difference);
     }
+    // Recordings that contradict each other look like noise, which leaves little determined.
     if faults.is_empty() {
         faults.extend(disagreement.fault);
+    }
+    if faults.is_empty() {
+        faults = open;
     }
     if faults.is_empty() && !found.fit.interrupted {
         let tolerance = options.description.machine.mass_tolerance;
@@ -324,23 +330,27 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     }
 }
 
-/// Contradictions between fit and description, or directions that the recordings leave undetermined.
+/// Contradictions between fit and description.
 fn contradictions(task: &Task<'_, Swings>, fit: &Fit, doubts: &[Doubt]) -> Vec<String> {
-    let swings = task.model;
-    let mut faults = words::far(swings, &fit.place, task.fixed);
-    if faults.is_empty() {
-        let mut open = honesty::undetermined(&fit.information, &swings.parameters, task.fixed);
-        open.retain(|d| !words::is_nuisance(swings, d));
-        faults.extend(open.iter().map(|d| words::undetermined(swings, d)));
-    }
+    let mut faults = words::far(task.model, &fit.place, task.fixed);
     if let Some(doubt) = loads::misstated(doubts) {
         faults.insert(0, words::misstated_load(doubt));
     }
     faults
 }
 
+/// Directions that the recordings leave undetermined.
+fn undetermined(task: &Task<'_, Swings>, fit: &Fit) -> Vec<String> {
+    let swings = task.model;
+    let mut open = honesty::undetermined(&fit.information, &swings.parameters, task.fixed);
+    open.retain(|d| !words::is_nuisance(swings, d));
+    let open = open.iter();
+    open.map(|d| words::undetermined(swings, d)).collect()
+}
+
 /// Sorts the swings of loaded recordings into loaded and empty ones, from a first fit of the recordings with an empty bucket, or of all
-/// with their stated loads where there is none. This fit is not stopped: a part of it would sort wrongly. Offsets of angles are held: they would absorb faults of a torque.
+/// with their stated loads where there is none. This fit is not stopped: a part of it would sort wrongly. Offsets of angles are held: they
+/// would absorb faults of a torque.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
     if !swings.stated.iter().flatten().any(|load| load.value > 0.0) {
         return None;
