@@ -92,6 +92,7 @@ impl Inertias<'_> {
         let s = self.series;
         let g = self.guess;
         let [mut links, mut leverage] = [s.links[k], self.leverage(k)];
+        // What the offsets do to the bucket is scaled as boom and arm: an error of second order.
         for (offset, [of_links, of_load]) in g.angle_offsets.iter().zip(s.per_angle[k]) {
             links -= offset * of_links;
             leverage -= offset * of_load;

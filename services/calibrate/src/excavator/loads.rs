@@ -400,12 +400,13 @@ mod tests {
         let motion = kg(740.0, 30.0);
         let alone = doubt(motion, None);
         assert!(!alone.contradicts());
-        // The interval covers both.
+        // The interval covers the load as stated, and as it is if the statement is 10 % off.
         let believed = alone.believed();
-        assert!(
-            (believed.value - 740.0).abs() < 1.96 * believed.std,
-            "{believed:?}"
-        );
+        let misstated = combined(kg(800.0, 80.0), motion).value;
+        for load in [800.0, misstated] {
+            let error = (believed.value - load).abs();
+            assert!(error < 1.96 * believed.std, "{believed:?} {load}");
+        }
         assert!(doubt(motion, Some(kg(742.0, 11.0))).contradicts());
     }
 

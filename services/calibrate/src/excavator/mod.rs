@@ -15,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
-use estimation::excavator::{Geometry, Sample, Settings};
+use estimation::excavator::{Doubts, Geometry, Sample, Settings};
 
 pub use cylinder::CylinderFit;
 pub use loads::Doubt;
@@ -319,8 +319,9 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         faults = open;
     }
     if faults.is_empty() && !found.fit.interrupted {
-        let tolerance = options.description.machine.mass_tolerance;
-        faults.extend(words::masses(swings, &found, &outcome.fixed, tolerance));
+        let d = options.description;
+        let tolerances = [d.machine.mass_tolerance, Doubts::of(d).bucket_share];
+        faults.extend(words::masses(swings, &found, &outcome.fixed, tolerances));
     }
     outcome.faults = faults;
     outcome.found = Some(found);

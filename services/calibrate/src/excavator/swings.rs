@@ -276,6 +276,8 @@ const GAIN_STD: f64 = 0.05;
 const EFFICIENCY_STD: f64 = 0.05;
 const UPPER_INERTIA_STD: f64 = 0.15;
 const LINKS_STD: f64 = 0.05;
+/// The same of a bucket on a weighbridge.
+const BUCKET_WEIGHED: f64 = 0.005;
 const DELAY_STD: f64 = 0.03;
 const DELAY_MAX: f64 = 0.2;
 const DAMPING_STD: f64 = 0.3;
@@ -363,7 +365,7 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
         Role::Links, "machine.geometry.*_mass", "the masses of boom and arm over those of the machine file", "",
             1.0, LINKS_STD, (0.2, 5.0);
         Role::Bucket, "machine.geometry.bucket_mass", "the mass of the bucket over that of the machine file", "",
-            1.0, Doubts::of(d).bucket_share.max(LINKS_STD), (0.2, 5.0);
+            1.0, bucket_std(d), (0.2, 5.0);
     };
     // Swings hardly distinguish the bucket: what is stated of it counts.
     let rows = rows.into_iter().map(|(role, parameter)| match role {
@@ -371,6 +373,13 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
         _ => (role, parameter),
     });
     rows.collect()
+}
+
+/// Relative standard deviation of the bucket's mass: as stated, for a bucket is easily weighed.
+fn bucket_std(d: &Description) -> f64 {
+    let stated = d.machine.bucket_tolerance.is_some();
+    let least = if stated { BUCKET_WEIGHED } else { LINKS_STD };
+    Doubts::of(d).bucket_share.max(least)
 }
 
 /// One constant inertia: no known mass is moved, so the torque is taken as measured.
@@ -435,7 +444,8 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
     all
 }
 
-/// Standard deviation of the centre of a load in the bucket, as a share of its distance from the bucket's pin: loads lie differently.
+/// Standard deviation of the centre of a load in the bucket where none is stated, as a share of its distance from the bucket's pin: loads
+/// lie differently.
 const LIES: f64 = 0.05;
 
 /// Centre of the load in the bucket: reaches, and what is known of gain and masses, tell of it.
@@ -446,7 +456,9 @@ fn centre(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
         true => LIES * g.payload_centre.abs(),
         false => 0.0,
     };
-    let std = lies.max(d.guessed_centre_spread());
+    let std = g
+        .payload_centre_std
+        .unwrap_or_else(|| lies.max(d.load_centre_std()));
     let rows = rows! {
         Role::Centre(0), "machine.geometry.payload_centre", "the distance of the load from the bucket's pin", "m",
             g.payload_centre, std, (0.0, 10.0);

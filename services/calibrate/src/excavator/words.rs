@@ -1,12 +1,14 @@
 //! Texts about faults of an excavator's recordings, with what to record instead.
 
 use estimation::Quantity;
+use faer::Mat;
 
 use super::Outcome;
 use super::loads::Doubt;
 use super::series::Series;
 use super::swings::{Role, SWINGING_STD, Swings};
 use crate::agreement::{Difference, differences};
+use crate::algebra;
 use crate::honesty::Direction;
 use crate::model::Model;
 use crate::outcome::FitResult;
@@ -22,9 +24,9 @@ const LEAST_POSTURE: f64 = 0.04;
 const MANY_REFUSED: f64 = 0.1;
 /// Distance from the description above which a value is implausible, in prior standard deviations.
 const FAR: f64 = 4.0;
-/// Distance of the masses from their description, in standard deviations, above which they are others, or another load was in the
-/// bucket than stated.
-const OTHER_MASSES: f64 = 3.0;
+/// Sum of the squared deviations of one mass, and of two, in standard deviations, above which they are others, or another load was in the
+/// bucket than stated: quantiles of chi-square with as many degrees of freedom, exceeded by chance once in 370.
+const OTHER_MASSES: [f64; 2] = [9.0, 11.829];
 /// Standard deviations above which a difference between recordings is clear, and share of the description's tolerance above which
 /// it is material.
 const CLEARLY: f64 = 4.0;
@@ -159,28 +161,53 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     all.chain(hangs).collect()
 }
 
-/// Fault of masses far from the description, whose relative standard deviation is `tolerance`: the gain of the torque and
-/// the masses absorb a misstated load.
+/// Fault of masses far from the description: the gain of the torque and the masses absorb a misstated load. `tolerances` are the relative
+/// standard deviations of the described masses of boom and arm, and of the bucket. The swings tell their sum better than their
+/// difference, so they are judged together.
 #[must_use]
 pub fn masses(
     swings: &Swings,
     found: &FitResult,
     fixed: &[bool],
-    tolerance: f64,
+    tolerances: [f64; 2],
 ) -> Option<String> {
-    let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
-    let (p, place) = (&swings.parameters[i], found.fit.place[i]);
-    let own = p.value_std(place, found.uncertainty.std(i));
-    let std = (tolerance * tolerance + own * own).sqrt();
-    let by = p.value(place) / p.mean - 1.0;
-    (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
+    let names = ["the masses of boom and arm", "that of the bucket"];
+    let each = [Role::Links, Role::Bucket].into_iter().zip(names);
+    let free: Vec<_> = each
+        .zip(tolerances)
+        .filter_map(|((role, name), tolerance)| {
+            let i = swings.index(role).filter(|&i| !fixed[i])?;
+            let p = &swings.parameters[i];
+            let by = p.value(found.fit.place[i]) / p.mean - 1.0;
+            Some((i, name, tolerance, by))
+        })
+        .collect();
+    let by: Vec<f64> = free.iter().map(|(.., by)| *by).collect();
+    let covariance = Mat::from_fn(free.len(), free.len(), |a, b| {
+        let ((i, _, tolerance, _), j) = (free[a], free[b].0);
+        let scales = [i, j].map(|i| swings.parameters[i].std / swings.parameters[i].mean);
+        let own = scales[0] * scales[1] * found.uncertainty.covariance[(i, j)];
+        own + f64::from(a == b) * tolerance * tolerance
+    });
+    (tolerances[0] > 0.0 && are_others(&by, &covariance)).then(|| {
+        let each = free.iter().map(|(_, name, tolerance, by)| {
+            let [by, within] = [100.0 * by, 100.0 * tolerance];
+            format!("{name} by {by:+.1} % (stated within {within:.1} %)")
+        });
         format!(
-            "{} would be {:+.1} % from those of the machine file, which are stated within {:.1} %: another load was in the bucket than stated, or the machine file is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
-            p.words,
-            100.0 * by,
-            100.0 * tolerance
+            "the machine would differ from the machine file, {}: another load was in the bucket than stated, or the machine file is of another machine; weigh the load again, or state a larger machine.mass_tolerance or machine.bucket_tolerance",
+            each.collect::<Vec<_>>().join(" and ")
         )
     })
+}
+
+/// Whether relative deviations of one or two masses with this covariance are larger than by chance.
+fn are_others(by: &[f64], covariance: &Mat<f64>) -> bool {
+    let right = Mat::from_fn(by.len(), 1, |i, _| by[i]);
+    let Some(white) = algebra::whitened(covariance, &right) else {
+        return false;
+    };
+    white.squared_norm_l2() > OTHER_MASSES[by.len().clamp(1, 2) - 1]
 }
 
 /// Parts of recordings that are inconsistent with the whole: a fault where the difference is large relative to
@@ -423,6 +450,22 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn masses_are_others_where_both_together_are_beyond_chance() {
+        // Exceeded by chance as often as three deviations of one.
+        let chance = (-0.5 * OTHER_MASSES[1]).exp();
+        assert!((chance - 0.002_700).abs() < 1e-6, "{chance}");
+        let are_others = |by: &[f64], correlation: f64| {
+            let of = |i, j| if i == j { 1.0 } else { correlation };
+            super::are_others(by, &Mat::from_fn(by.len(), by.len(), of))
+        };
+        assert!(are_others(&[3.1], 0.0) && !are_others(&[2.9], 0.0));
+        assert!(are_others(&[2.9, 2.9], 0.0) && !are_others(&[3.1, 0.0], 0.0));
+        // One is heavier by as much as the other is lighter, which swings hardly tell.
+        assert!(!are_others(&[2.9, -2.9], -0.9) && are_others(&[2.9, 2.9], -0.9));
+        assert!(!are_others(&[], 0.0));
+    }
 
     #[test]
     fn one_share_of_a_load_may_be_all_that_swings_and_most_of_it_may_not() {

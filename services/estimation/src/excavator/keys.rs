@@ -90,6 +90,9 @@ table! {
         bucket_centre: f64 = 0.42, "m", 0.0 to 50.0;
         /// Bucket pin to the payload's centre of mass (cp).
         payload_centre: f64 = 0.48, "m", 0.0 to 50.0;
+        /// Standard deviation of that centre, along the bucket and across; "none" takes 5 % of payload_centre in `heft calibrate`, and
+        /// the spread among machines where payload_centre is guessed.
+        payload_centre_std: Option<f64> = None, "m", 0.0 to 10.0;
         /// Height of the boom's centre of mass above the line of its pins: goosenecks have some .085 of its length (n1).
         boom_rise: f64 = 0.0, "m", -5.0 to 5.0;
         /// The bucket's centre of mass beside the line from its pin to its tip, on the side of its back (n3).
