@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x979e148eu
+#define HEFT_ABI 0x6648a77eu
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -238,6 +238,7 @@ typedef struct {
     double arm_centre; /* Arm pin to the arm's centre of mass (c2). [m] */
     double bucket_centre; /* Bucket pin to the bucket's centre of mass (c3). [m] */
     double payload_centre; /* Bucket pin to the payload's centre of mass (cp). [m] */
+    double payload_centre_std; /* Standard deviation of that centre, along the bucket and across; "none" takes 5 % of payload_centre in `heft calibrate`, and the spread among machines where payload_centre is guessed. [m] */
     double boom_rise; /* Height of the boom's centre of mass above the line of its pins: goosenecks have some .085 of its length (n1). [m] */
     double bucket_rise; /* The bucket's centre of mass beside the line from its pin to its tip, on the side of its back (n3). [m] */
     double payload_rise; /* The same of the payload's (np). [m] */
