@@ -70,7 +70,7 @@ impl Parameter {
     }
 
     /// The same parameter, whose prior counts as data.
-    pub(crate) fn as_data(self) -> Self {
+    pub(crate) fn into_data(self) -> Self {
         Self {
             source: Source::Measured,
             ..self

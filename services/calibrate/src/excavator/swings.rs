@@ -369,7 +369,7 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
     };
     // Swings hardly distinguish the bucket: what is stated of it counts.
     let rows = rows.into_iter().map(|(role, parameter)| match role {
-        Role::Bucket => (role, parameter.as_data()),
+        Role::Bucket => (role, parameter.into_data()),
         _ => (role, parameter),
     });
     rows.collect()
@@ -468,7 +468,7 @@ fn centre(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
     // They look like gain and masses together: what is known of them counts.
     let rows = rows
         .into_iter()
-        .map(|(role, parameter)| (role, parameter.as_data()));
+        .map(|(role, parameter)| (role, parameter.into_data()));
     rows.filter(move |_| std > 0.0)
 }
 
