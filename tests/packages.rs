@@ -16,24 +16,39 @@ fn output(program: &str, arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-#[test]
-fn a_command_of_another_name_is_refused_before_the_package_is_made() {
+/// Standard error of a packaging that is refused; `None` without Python.
+fn refused(command: &str) -> Option<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let built = Command::new(root.join("services/heft/debian/build"))
         .arg(folder.path())
-        .env("HEFT", "/bin/true")
+        .env("HEFT", command)
         .output();
     let Ok(built) = built else {
         let _ = writeln!(std::io::stderr(), "skipped: no python3");
-        return;
+        return None;
     };
-    let said = String::from_utf8_lossy(&built.stderr);
+    let said = String::from_utf8_lossy(&built.stderr).into_owned();
     assert_eq!(built.status.code(), Some(1), "{said}");
-    assert!(
-        said.starts_with("HEFT=/") && said.lines().count() == 1,
-        "{said}"
-    );
+    Some(said)
+}
+
+#[test]
+fn a_command_of_another_name_is_refused_before_the_package_is_made() {
+    if let Some(said) = refused("/bin/true") {
+        assert!(
+            said.starts_with("HEFT=/") && said.lines().count() == 1,
+            "{said}"
+        );
+    }
+}
+
+#[cfg(debug_assertions)]
+#[test]
+fn a_debug_build_of_the_command_is_not_packaged() {
+    if let Some(said) = refused(env!("CARGO_BIN_EXE_heft")) {
+        assert!(said.contains("is a debug build"), "{said}");
+    }
 }
 
 #[test]

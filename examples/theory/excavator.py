@@ -39,9 +39,10 @@ class Machine:
         tolerance = m["mass_tolerance"]
         # (2): what is known at the start, with standard deviations.
         bucket = stated(m["bucket_tolerance"], 11 * tolerance) * g["bucket_mass"]
-        sticks = 0.035 * self.rated
+        sticks, sticks_std = (prior[key] * self.rated for key in ("carry_back", "carry_back_std"))
+        self.sticking = 8 / 7 * sticks_std  # from load to load
         # Expected soil in the bucket, given the sum of bucket and soil; and the range of payloads.
-        self.soil = lambda both: sticks + (sticks / math.hypot(bucket, sticks)) ** 2 * (both - sticks)
+        self.soil = lambda both: sticks + (sticks_std / math.hypot(bucket, sticks_std)) ** 2 * (both - sticks)
         most = prior["payload"] + 4 * prior["payload_std"]
         self.range = e["payload_min"], max(e["payload_max"], most)
         first = stated(m["upper_first_moment"], -1.15 * balance)
@@ -57,7 +58,7 @@ class Machine:
             Q: (0.0, m["slope_std"]),
             S: (first, stated(m["upper_first_moment_std"], 0.4 * balance)),
             JU: (0.0, stated(m["upper_tolerance"], 7 * tolerance) * self.upper),
-            MB: (sticks, math.hypot(bucket, sticks)),
+            MB: (sticks, math.hypot(bucket, sticks_std)),
             E: (0.0, math.hypot(tolerance, 2 * m["geometry_tolerance"])),
             TAU: (0.0, math.hypot(s["swing_velocity_delay_std"], s["swing_torque_delay_std"])),
         }
@@ -414,18 +415,17 @@ class Estimator:
 
     def is_losing(self):
         """(6): whether what an emptied bucket weighs may still slide out."""
-        m, variance = self.filter.x[M], self.filter.p[M][M] + (0.04 * self.machine.rated) ** 2
+        m, variance = self.filter.x[M], self.filter.p[M][M] + self.machine.sticking**2
         return self.weighs_empty() and self.bucket.closed < 200 and m > 0 and m * m > variance
 
     def tare(self):
         """(6): an emptied bucket weighs nothing beside what sticks."""
-        f, rated = self.filter, self.machine.rated
+        f, own = self.filter, self.machine.sticking**2
         if self.tared or not self.weighs_empty() or self.is_losing():
             return
-        own = (0.04 * rated) ** 2
         if f.x[M] ** 2 < 4 * (f.p[M][M] + own):
             self.tared = True
-            f.p[MB][MB] += (0.005 * rated) ** 2
+            f.p[MB][MB] += own / 64
             f.measure({M: 1.0}, -f.x[M], own, self.machine.e["gate"])
 
 

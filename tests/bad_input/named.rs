@@ -927,3 +927,79 @@ fn a_mass_of_the_data_is_no_pounds_where_only_the_size_is_unstated() {
     );
     assert!(!said.contains("seems to be in pounds"), "{said}");
 }
+
+/// The golden excavator of 13 t, and one with half of its torques, by a column that is called otherwise than `machine`.
+fn two_machines(folder: &Path, are_in_turn: bool) -> String {
+    let table = |factor: f64| {
+        let file = treated(folder, "swing_torque", |_, torque| {
+            (factor * torque).to_string()
+        });
+        fs::read_to_string(file).expect("the table")
+    };
+    let (first, second) = (table(1.0), table(0.5));
+    let header = first.lines().next().expect("a header");
+    let of = |table: &str, name: &str| {
+        let rows = table.lines().skip(1);
+        rows.map(|row| format!("{row},{name}\n"))
+            .collect::<Vec<_>>()
+    };
+    let (first, second) = (of(&first, "EX-01"), of(&second, "EX-02"));
+    let both: String = match are_in_turn {
+        true => first
+            .iter()
+            .zip(&second)
+            .flat_map(|(a, b)| [a.as_str(), b])
+            .collect(),
+        false => first.iter().chain(&second).map(String::as_str).collect(),
+    };
+    let file = path_in(folder, "fleet.csv");
+    fs::write(&file, format!("{header},Serial No\n{both}")).expect("writable");
+    file
+}
+
+#[test]
+fn a_table_of_two_machines_is_named_by_the_column_that_parts_it() {
+    for are_in_turn in [true, false] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let output = estimate(&two_machines(folder.path(), are_in_turn), folder.path());
+        assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+        says(
+            &output,
+            "several machines or recordings, by the column Serial No: EX-01, EX-02",
+        );
+        says(&output, "heft serve");
+    }
+}
+
+#[test]
+fn rows_in_the_reverse_order_are_called_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(golden("machines/excavator_1_13t_level.csv")).expect("golden");
+    let (header, rows) = text.split_once('\n').expect("a header");
+    let turned: String = rows.lines().rev().map(|row| format!("{row}\n")).collect();
+    let file = path_in(folder.path(), "day.csv");
+    fs::write(&file, format!("{header}\n{turned}")).expect("writable");
+    let output = estimate(&file, folder.path());
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    says(&output, "they stand in the reverse order");
+}
+
+#[test]
+fn files_of_a_folder_in_formats_that_are_not_read_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| path_in(folder.path(), name);
+    fs::copy(golden("machines/excavator_1_13t_level.csv"), at("a.csv")).expect("copied");
+    fs::write(at("b.parquet"), b"PAR1\x15\x04\0\0").expect("writable");
+    fs::write(at("page.html"), b"<!DOCTYPE html><html>").expect("writable");
+    let output = run(&[
+        "estimate",
+        &at(""),
+        "--machine",
+        "excavator",
+        "--class",
+        "13t",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", both(&output));
+    says(&output, "b.parquet: a Parquet file");
+    assert!(!both(&output).contains("page.html"), "{}", both(&output));
+}

@@ -51,6 +51,7 @@ fn _heft(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(label, m)?)?;
     m.add_function(wrap_pyfunction!(reasons, m)?)?;
     m.add_function(wrap_pyfunction!(description, m)?)?;
+    m.add_function(wrap_pyfunction!(undescribed, m)?)?;
     m.add_function(wrap_pyfunction!(read, m)?)?;
     m.add_function(wrap_pyfunction!(schema, m)?)
 }
@@ -93,6 +94,29 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
 }
 
+/// What is said of a machine that neither a text nor keys describe; none of a described one.
+#[pyfunction]
+fn undescribed(
+    machine: &str,
+    text: Option<&str>,
+    settings: Vec<String>,
+) -> PyResult<Option<String>> {
+    let description = described(self::machine(machine)?, text, &settings)?;
+    Ok(reference(&description, text, &settings))
+}
+
+/// What is said where nobody describes the machine: its size decides what is trusted.
+fn reference(description: &Description, text: Option<&str>, settings: &[String]) -> Option<String> {
+    let machine = description.machine();
+    (text.is_none() && settings.is_empty()).then(|| {
+        format!(
+            "the {machine} is taken for the reference machine of {} t; say what yours is: config=\"machine.toml\", or config={{\"{}\": 21000}}",
+            config::reference_mass(machine) / 1000.0,
+            config::mass_key(machine)
+        )
+    })
+}
+
 /// Columns of the estimates, indices of the refused rows, number of rows, missing and damaged parts of the file,
 /// and warnings on the data.
 type EstimateColumns<'py> = (
@@ -120,7 +144,9 @@ fn estimate<'py>(
     let length = columns.first().map_or(0, |(_, values)| values.len());
     let result =
         py.detach(|| kind(&description).of_columns(&description, method, &columns, length));
-    estimated(py, result?)
+    let mut found = result?;
+    found.hints.extend(reference(&description, text, &settings));
+    estimated(py, found)
 }
 
 /// The estimates of a file: a table, a recording, or a CAN log with its map.
@@ -148,7 +174,11 @@ fn estimate_file<'py>(
             .map_err(refused)?;
         kind(&description).of_file(&description, method, Path::new(path), map.as_ref())
     });
-    estimated(py, result?)
+    let mut found = result?;
+    found
+        .hints
+        .extend(reference(&description, text.or(own.as_deref()), &settings));
+    estimated(py, found)
 }
 
 /// The description in a recording of heft: a file of any name, or the folder of a run.

@@ -1,5 +1,6 @@
 """The installed package gives the numbers of the command line, bit for bit."""
 
+import contextlib
 import datetime
 import os
 import pickle
@@ -30,6 +31,15 @@ def command_line(machine, file, method, folder, *more):
     arguments = [heft.command(), "estimate", str(GOLDEN / file), "--machine", machine, "-o", str(out), *more]
     subprocess.run(arguments + (["--method", method] if method else []), check=True, capture_output=True)
     return pandas.read_csv(out, float_precision="round_trip")
+
+
+@contextlib.contextmanager
+def no_warnings():
+    """Every warning is an error, but that nobody described the machine: the tests use the reference machine."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", message=".* is taken for the reference machine", category=heft.HeftWarning)
+        yield
 
 
 def bits(column):
@@ -107,10 +117,24 @@ def test_rows_that_are_too_far_apart_are_spoken_of():
         heft.estimate(data.iloc[::100], "excavator")
 
 
-def test_data_in_other_units_are_spoken_of():
-    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+def test_a_machine_that_nobody_described_is_spoken_of(tmp_path):
+    table = GOLDEN / "excavator_input_two_swings.csv"
+    for data in (table, pandas.read_csv(table)):
+        with pytest.warns(heft.HeftWarning, match=r"the excavator is taken for the reference machine of 5.5 t; say .*config="):
+            heft.estimate(data, "excavator")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            heft.estimate(data, "excavator", config={"sensors.rate": 100.0})
+    with pytest.warns(heft.HeftWarning, match=r"the loader is taken for the reference machine of 4.7 t"):
+        heft.Estimator("loader", signals=["speed", "front_wheel_speed", "rear_wheel_speed", "front_torque", "rear_torque", "slope"])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        heft.Estimator("excavator", signals=["swing_velocity"], config={"sensors.rate": 100.0})
+
+
+def test_data_in_other_units_are_spoken_of():
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    with no_warnings():
         heft.estimate(data, "excavator")
     with pytest.warns(heft.HeftWarning, match="is the time in ms"):
         heft.estimate(data.assign(t=1000 * data["t"]), "excavator")
@@ -118,8 +142,7 @@ def test_data_in_other_units_are_spoken_of():
     with pytest.warns(heft.HeftWarning, match="swing_velocity seems to be in deg/s"):
         heft.estimate(data.assign(swing_velocity=np.degrees(data["swing_velocity"])), "excavator")
     data = pandas.read_csv(GOLDEN / "loader_input_S4_tierB.csv")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with no_warnings():
         heft.estimate(data, "loader")
     with pytest.warns(heft.HeftWarning, match="in km/h"):
         heft.estimate(data.assign(speed=3.6 * data["speed"]), "loader")
@@ -130,8 +153,7 @@ def test_signs_are_checked_as_the_command_checks_them():
     velocity, acceleration = 0.8 * np.sin(t), 0.8 * np.cos(t)
     data = {"t": t, "swing_velocity": velocity, "swing_torque": 7000 * acceleration + 600 * velocity}
     data |= {name: np.full(len(t), x) for name, x in [("boom_angle", 0.8), ("arm_angle", -1.4), ("bucket_angle", -0.6)]}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with no_warnings():
         heft.estimate(data, "excavator")
     turned = {**data, "swing_velocity": np.where(t < 50, velocity, -velocity)}
     with pytest.warns(heft.HeftWarning, match="changes its sign at about t = 60 s(.|\n)*a frame has no signal map"):
@@ -167,8 +189,7 @@ def test_an_error_passes_from_one_process_to_another_and_notes_are_no_warnings()
     table = GOLDEN / "machines" / "excavator_8_13t_good.csv"
     with pytest.raises(heft.HeftError, match="^the machine is not known"):
         heft.loads(table)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with no_warnings():
         heft.loads(table, "excavator", config={"machine.operating_mass": 13000})
 
 
@@ -248,8 +269,7 @@ def test_what_a_recording_lacks_is_said(tmp_path):
     run = ["run", "excavator", "--duration", "20", "--pace", "max", "--out", str(tmp_path / "run")]
     subprocess.run([heft.command(), *run], check=True, capture_output=True)
     (whole,) = (tmp_path / "run").rglob("*.mcap")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with no_warnings():
         complete = heft.read(whole)
         assert complete.attrs["damage"] == []
         everything = len(heft.estimate(whole, "excavator"))
@@ -388,8 +408,7 @@ def test_a_truck_may_be_a_word_as_in_a_table():
     column = ["TRK-%d" % (row // 500) for row in range(len(swings))]
     plain = heft.estimate(swings, "excavator")
     for frame in (swings.assign(truck=column), polars.from_pandas(swings).with_columns(truck=polars.Series(column))):
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
+        with no_warnings():
             named = heft.estimate(frame, "excavator")
         assert len(named) == len(plain)
     with pytest.raises(heft.HeftError, match="boom_angle is not of numbers"):

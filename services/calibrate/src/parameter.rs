@@ -14,7 +14,7 @@ pub enum Law {
 pub enum Source {
     /// The description with its tolerances, which calibration is to improve.
     Description,
-    /// A measurement that belongs to the recordings, such as a weighed load, or a tolerance that need not be improved: it counts as data.
+    /// A measurement that belongs to the recordings, such as a weighed load: it counts as data.
     Measured,
 }
 
@@ -66,14 +66,6 @@ impl Parameter {
         Self {
             law: Law::Logarithmic,
             ..Self::described(key, words, unit, mean, std, (1e-3 * mean, 1e3 * mean))
-        }
-    }
-
-    /// The same parameter, whose prior counts as data.
-    pub(crate) fn into_data(self) -> Self {
-        Self {
-            source: Source::Measured,
-            ..self
         }
     }
 

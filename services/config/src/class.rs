@@ -9,3 +9,11 @@ pub fn mass_key(machine: Machine) -> &'static str {
         Machine::Loader => "machine.mass",
     }
 }
+
+/// Mass of the reference machine \[kg\].
+pub fn reference_mass(machine: Machine) -> f64 {
+    match machine {
+        Machine::Excavator => crate::Excavator::REFERENCE_MASS,
+        Machine::Loader => crate::Loader::REFERENCE_MASS,
+    }
+}

@@ -24,7 +24,7 @@ mod stated;
 mod tables;
 mod toml_error;
 
-pub use class::mass_key;
+pub use class::{mass_key, reference_mass};
 
 pub use description::*;
 pub use error::{Error, Errors};
@@ -34,7 +34,7 @@ pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
 pub use keyed::Keyed;
 pub use known::keys;
 pub use nearest::nearest;
-pub use remembered::{LEAST_SHARE, serves, widened};
+pub use remembered::{CORRELATION, recalled, serves};
 pub use renamed::{is_retired, old_names, renamed};
 pub use tables::Tables;
 pub use toml_error::{toml_error, toml_remedy};

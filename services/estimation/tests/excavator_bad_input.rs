@@ -448,6 +448,36 @@ fn a_gap_of_any_length_leaves_numbers() {
 }
 
 #[test]
+fn a_source_that_sends_nothing_for_three_seconds_is_as_one_without_rows() {
+    let settings = Settings::of(&Description::default());
+    // A swing, rows without values from 9.9 to 12.8 s, and the swing again.
+    let silence = (99..129).map(|tenth| Sample {
+        time: f64::from(tenth) / 10.0,
+        ..Sample::default()
+    });
+    let again = base().into_iter().map(|row| Sample {
+        time: row.time + 8.0,
+        ..row
+    });
+    let after = |silence: Vec<Sample>| {
+        let mut estimator = SwingEstimator::new(&settings, Method::Auto, COLUMNS).unwrap();
+        base().iter().for_each(|row| {
+            estimator.step(row);
+        });
+        for row in &silence {
+            let e = estimator.step(row);
+            let unknown = e.payload.expect("a payload").std >= settings.prior.payload_std;
+            assert!(!e.flags.trusted() && (unknown || row.time < 11.0), "{e:?}");
+        }
+        again.clone().map(|row| estimator.step(&row)).last()
+    };
+    let [silent, absent] = [silence.collect(), Vec::new()].map(|rows| after(rows).expect("rows"));
+    let apart = (silent.inertia - absent.inertia).abs();
+    assert!(apart < 0.02 * absent.inertia_std, "{silent:?} {absent:?}");
+    assert!((silent.inertia_std / absent.inertia_std - 1.0).abs() < 0.02);
+}
+
+#[test]
 fn a_missing_column_is_an_error_that_names_it() {
     let columns = Columns {
         torque: false,

@@ -23,6 +23,8 @@ pub struct Doubts<L: Look> {
     rate: f64,
     times: Vec<f64>,
     gaps: Gaps,
+    /// What parts an input whose times are out of order into several.
+    several: Option<Finding>,
     rows: usize,
     refused: usize,
     /// The previous row, and the number of refused rows that repeat the row before them.
@@ -125,6 +127,7 @@ impl<L: Look> Doubts<L> {
             rate: description.rate(),
             times: Vec::new(),
             gaps: Gaps::default(),
+            several: None,
             rows: 0,
             refused: 0,
             before: None,
@@ -292,6 +295,16 @@ impl<L: Look> Doubts<L> {
         })
     }
 
+    /// Whether the times are out of order: they go back, or many rows were refused.
+    pub fn is_out_of_order(&self) -> bool {
+        self.gaps.goes_back() || refused_often(self.refused, self.rows).is_some()
+    }
+
+    /// What parts an input whose times are out of order.
+    pub fn parted(&mut self, several: Option<Finding>) {
+        self.several = several;
+    }
+
     /// Checks whether the rows can give a result: at least half were accepted, and a signal has a value.
     pub fn has_rows(&self) -> Result<(), Failure> {
         if self.rows == 0 {
@@ -301,7 +314,18 @@ impl<L: Look> Doubts<L> {
                 "give a longer recording, or check the rate and the master of the signal map",
             ));
         }
-        most_rows_were_taken(self.refused, self.rows)?;
+        most_rows_were_taken(self.refused, self.rows).map_err(|failure| match &self.several {
+            Some(found) => Failure::input(&found.what, TIME, &found.remedy),
+            None if falls(&self.times) => Failure::input(
+                format!(
+                    "{} of {} rows were refused: they stand in the reverse order, each time before that of the row above it",
+                    self.refused, self.rows
+                ),
+                TIME,
+                "sort the rows by time",
+            ),
+            None => failure,
+        })?;
         if !self.is_measured {
             return Err(Failure::input(
                 "nothing was measured: no row has a value beside the time",
@@ -318,6 +342,7 @@ impl<L: Look> Doubts<L> {
         lacks.remarks().for_each(|remark| eprintln!("{remark}"));
         parts::check_undamaged(lacks)?;
         let fault = time_fault(&self.times, self.rate)
+            .or_else(|| self.several.clone())
             .or_else(|| self.gaps.fault())
             .or_else(|| refused_often(self.refused, self.rows))
             .or_else(|| self.look.as_ref().and_then(L::fault))
@@ -332,6 +357,14 @@ impl<L: Look> Doubts<L> {
     }
 }
 
+/// Where a fault of the times is.
+const TIME: &str = "the time `t`";
+
+/// Whether each time is before the previous one.
+fn falls(times: &[f64]) -> bool {
+    times.len() > 2 && times.is_sorted_by(|before, time| time < before)
+}
+
 /// Sampling periods of any sensor \[s\].
 const STEPS: RangeInclusive<f64> = 1e-6..=10.0;
 
@@ -341,7 +374,11 @@ fn time_fault(times: &[f64], rate: f64) -> Option<Finding> {
         Some((step, unit)) => (
             step,
             format!(
-                "is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map; else state sensors.rate"
+                "is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map; else state sensors.rate{}",
+                match 1.0 / step {
+                    rate @ 1.0.. => format!(" = {rate:.0} in the machine file"),
+                    _ => String::new(),
+                }
             ),
         ),
         None => (
@@ -387,7 +424,7 @@ pub fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> 
         format!(
             "{refused} of {rows} rows were refused: their time is missing or does not increase"
         ),
-        "the time `t`",
+        TIME,
         "give the times with more digits if several rows have one (rows at even steps need none: t = { column = \"row\", scale = 0.01 } in a signal map), sort the rows by time, or map `t` to the column that increases",
     ))
 }

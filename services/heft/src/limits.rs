@@ -25,6 +25,8 @@ const EXACT: f64 = 0.01;
 const EXACT_NUMBER: f64 = 1e-4;
 /// Endings of the keys that state a doubt about a sensor. Others are noise, which is no statement about the machine.
 const OF_SENSORS: [&str; 4] = ["_gain_std", "_offset_std", "_delay_std", "_sensitivity_std"];
+/// Key that states a doubt about the soil.
+const OF_SOIL: &str = "carry_back_std";
 /// Keys by which a calibration is stated: `heft calibrate` writes them.
 const CALIBRATED: [&str; 2] = ["span_std", "force_offset_std"];
 
@@ -149,6 +151,7 @@ fn exact(description: &Description, key: &str) -> Option<f64> {
     let is_doubt = match key.split('.').next()? {
         "machine" => name.ends_with("_std") || name.ends_with("_tolerance"),
         "sensors" => OF_SENSORS.iter().any(|end| name.ends_with(end)),
+        "prior" => name == OF_SOIL,
         _ => false,
     };
     if !is_doubt || CALIBRATED.contains(&name) {
@@ -216,5 +219,6 @@ mod tests {
         is(of(excavator, "machine.mass_tolerance"), 0.00018);
         assert!(of(excavator, "sensors.swing_torque_gain_std").is_some());
         assert_eq!(of(excavator, "sensors.angle_std"), None, "noise");
+        is(of(excavator, "prior.carry_back_std"), 0.00035);
     }
 }

@@ -82,7 +82,7 @@ pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
 /// # Errors
 /// There is no such file, a folder cannot be read, or nothing is found.
 pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> {
-    let mut found = Vec::new();
+    let (mut found, mut left_out) = (Vec::new(), Vec::new());
     for path in paths {
         // A name like an option would be parsed as one by the process that reads it.
         let path = &match path.as_os_str().as_encoded_bytes() {
@@ -90,7 +90,10 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
             _ => path.clone(),
         };
         if path.is_dir() {
-            walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
+            let mut unread = Vec::new();
+            walk(path, tables, &mut found, &mut unread)
+                .map_err(|e| Failure::file("read", path, &e))?;
+            left_out.append(&mut unread);
         } else if recording::exists(path) {
             // `*.csv` also matches earlier results.
             found.extend((!is_ours(path)).then(|| path.clone()));
@@ -121,10 +124,37 @@ pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> 
             remedy,
         ));
     }
+    tell_unread(&left_out);
     Ok(found)
 }
 
-fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+/// Most files of other formats that are named.
+const NAMED: usize = 10;
+
+/// Names the files of folders that may hold samples in a format that heft does not read.
+fn tell_unread(files: &[(PathBuf, &str)]) {
+    for (file, what) in files.iter().take(NAMED) {
+        eprintln!("left out: {}: {what}", OneLine(file.display()));
+    }
+    match files.len().saturating_sub(NAMED) {
+        0 => {}
+        more => eprintln!("left out: {more} more of other formats"),
+    }
+    if let [(file, _), ..] = files {
+        eprintln!(
+            "heft reads .csv, .log and .mcap of a folder; `heft map {}` says how to convert it",
+            OneLine(file.display())
+        );
+    }
+}
+
+/// The inputs of a folder, and the files that may be some in another format.
+fn walk(
+    folder: &Path,
+    tables: bool,
+    found: &mut Vec<PathBuf>,
+    unread: &mut Vec<(PathBuf, &'static str)>,
+) -> std::io::Result<()> {
     let mut recordings = recording::recordings(folder);
     let mut folders = Vec::new();
     for entry in std::fs::read_dir(folder)? {
@@ -139,12 +169,17 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
             folders.push(path);
         } else if tables && (path.is_file() || is_dangling(&path)) && is_table(&path) {
             recordings.push(path);
+        } else if tables && path.is_file() {
+            let what = recording::unread(&path);
+            unread.extend(what.map(|what| (path, what)));
         }
     }
     recordings.sort();
     found.append(&mut recordings);
     folders.sort();
-    folders.iter().try_for_each(|f| walk(f, tables, found))
+    unread.sort();
+    let mut each = folders.iter();
+    each.try_for_each(|f| walk(f, tables, found, unread))
 }
 
 /// Whether it is a link to a file that is not there: such data are missing, and named as an input that failed.

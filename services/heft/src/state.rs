@@ -1,10 +1,10 @@
 //! `--state FILE`: parameters that take long to identify and change slowly are remembered from run to run.
 //!
-//! Only trusted values are remembered, per parameter with standard deviation and time, and a centre of gravity only where it is that
-//! of the empty machine. They are the priors of the next run: widened for the pause, never narrower than a share of the described prior
-//! nor than the run knew them, and without a verdict. A value that is no better known than the described prior, or contradicts it, is
-//! not used. The description in a recording contains those priors, so a replay needs
-//! nothing else.
+//! Only what was trusted is remembered, per parameter with standard deviation and time, and a centre of gravity only where it is that
+//! of the empty machine. A constant of the machine is followed to the end of the run: its last posterior contains all rows. That of the
+//! last trusted row would be selected by the verdict, which depends on the estimate. They are the priors of the next run, without a
+//! verdict ([`config::recalled`]). A value that is no better known than the described prior, or contradicts it, is not used. The
+//! description in a recording contains those priors, so a replay needs nothing else.
 //!
 //! A state outlives versions of heft: it contains what its description stated beside the defaults, renamed keys are
 //! accepted, and unknown fields are ignored. Its last line is the checksum of all lines before it.
@@ -12,16 +12,16 @@
 mod file;
 mod lock;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use config::{Description, widened};
+use config::{Description, recalled};
 use messages::channels::Channel;
-use messages::{Machine, Message};
+use messages::{Machine, Message, excavator_bits, loader_bits};
 use runtime::since_1970;
 use steps::stages::Pipeline;
 
@@ -40,6 +40,14 @@ fn slow(machine: Machine) -> impl Iterator<Item = Slow> {
     rows.filter_map(|row| Some((row, row.std?, row.kept?)))
 }
 
+/// Flags of a row whose inputs are recent and whose innovations have their predicted size.
+fn sound(machine: Machine) -> u32 {
+    match machine {
+        Machine::Excavator => excavator_bits::CONSISTENT | excavator_bits::FRESH,
+        Machine::Loader => loader_bits::CONSISTENT | loader_bits::FRESH,
+    }
+}
+
 /// The memory of a run.
 #[derive(Debug)]
 pub struct Memory {
@@ -48,6 +56,8 @@ pub struct Memory {
     channel: Option<&'static str>,
     file: PathBuf,
     state: State,
+    /// Keys of the constants of the machine that this run has trusted.
+    trusted: BTreeSet<&'static str>,
     written: Instant,
     /// Why the last write failed. Reported once until a write succeeds again.
     failed: Option<String>,
@@ -110,6 +120,7 @@ impl Memory {
                 .map(|c| c.name),
             file: file.to_owned(),
             state,
+            trusted: BTreeSet::new(),
             written: Instant::now(),
             failed: None,
             // Without a file to lock, the first write refuses one that another run has made meanwhile.
@@ -120,18 +131,23 @@ impl Memory {
         Ok((memory, line))
     }
 
-    /// Remembers the trusted parameters of an estimate.
+    /// Remembers the trusted parameters of an estimate; a constant of the machine also later, in rows with sound inputs.
     pub fn see<M: Message>(&mut self, channel: &Channel, message: &M) {
         if self.channel != Some(channel.name) {
             return;
         }
         let flags = message.bits_of("flags");
+        let sound = sound(self.machine);
         for (row, std, [key, _]) in slow(self.machine) {
             let (Some(value), Some(std)) = (message.number(row.name), message.number(std)) else {
                 continue;
             };
             let trusted = flags & row.trusted != 0 && flags & row.kept_while == row.kept_while;
-            if trusted && std > 0.0 && value.is_finite() && std.is_finite() {
+            if trusted && row.is_of_machine {
+                self.trusted.insert(key);
+            }
+            let follows = flags & sound == sound && self.trusted.contains(key);
+            if (trusted || follows) && std > 0.0 && value.is_finite() && std.is_finite() {
                 let learnt = since_1970().as_secs();
                 let remembered = Remembered {
                     value,
@@ -238,7 +254,7 @@ fn restore(
             restore_one(keys, *old, now, description)
         };
         match restored {
-            Ok(std) => said.push(format!("{} {:.4} ± {std:.2}", row.name, old.value)),
+            Ok([value, std]) => said.push(format!("{} {value:.4} ± {std:.2}", row.name)),
             Err(why) => left.push(format!("{} ({why})", keys[0])),
         }
     }
@@ -253,35 +269,40 @@ fn restore(
     }
 }
 
-/// Puts a remembered parameter under its key, and its widened standard deviation under that key. Returns that standard deviation, or
-/// why the description's own prior stays.
+/// Puts the prior from a remembered parameter under its key, and its standard deviation under that key. Returns both, or why the
+/// description's own prior stays.
 fn restore_one(
     [key, std_key]: [&str; 2],
     old: Remembered,
     now: u64,
     description: &mut Description,
-) -> Result<f64, String> {
+) -> Result<[f64; 2], String> {
     let prior = description.number(std_key).unwrap_or(0.0);
     // Standard deviation 0: stated as exactly known.
     if prior <= 0.0 {
         return Err(format!("{std_key} is 0: it is known exactly"));
     }
     // A time in the future: a clock was wrong by at least that much.
-    let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
-    let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
+    let pause = now.abs_diff(old.learnt) as f64;
     let mut with = description.clone();
+    // A value outside its range is named as such.
+    with.set(&format!("{key}={}", old.value))
+        .map_err(|error| error.what)?;
+    let stated = [description.number(key).unwrap_or(old.value), prior];
+    let found = [old.value, old.std];
+    config::serves(found, stated)?;
+    let [value, std] = recalled(found, stated, pause);
+    let set = [format!("{key}={value}"), format!("{std_key}={std}")];
     with.set_all(&set).map_err(|error| error.what)?;
-    let expected = description.number(key).unwrap_or(old.value);
-    config::serves([old.value, old.std], [expected, prior])?;
     *description = with;
-    Ok(std)
+    Ok([value, std])
 }
 
 #[cfg(test)]
 mod tests {
-    use config::LEAST_SHARE;
+    use config::recalled;
     use messages::channels::LOADER_CG_UKF;
-    use messages::{LoaderEstimate, Machine, loader_bits};
+    use messages::{LoaderEstimate, Machine};
 
     use super::file::SEAL;
     use super::*;
@@ -331,21 +352,46 @@ mod tests {
         drop(memory);
         let mut next = loader();
         let (_, said) = Memory::open(&file, &mut next, &methods).unwrap();
-        assert!(said.contains("restored slip_stiffness 24"), "{said}");
         let (before, after) = (loader(), next);
-        assert_eq!(after.number("prior.cg_ratio"), Some(0.47));
+        let prior = |d: &Description, name: &str| {
+            ["", "_std"].map(|of| d.number(&format!("prior.{name}{of}")).unwrap())
+        };
+        let found = [("slip_stiffness", [24.0, 0.5]), ("cg_ratio", [0.47, 0.01])];
+        for (name, found) in found {
+            assert!(said.contains(name), "{said}");
+            let expected = recalled(found, prior(&before, name), 0.0);
+            let off = [0, 1].map(|i| prior(&after, name)[i] / expected[i] - 1.0);
+            assert!(off.iter().all(|o| o.abs() < 1e-6), "{name}: {off:?}");
+        }
         assert_eq!(
             after.number("prior.cg_height"),
             before.number("prior.cg_height")
         );
-        let std = |d: &Description| d.number("prior.cg_ratio_std").unwrap();
-        assert!(
-            (std(&after) / std(&before) - LEAST_SHARE).abs() < 1e-9,
-            "floored"
-        );
         // The same description again: restored values do not count as a change of it.
         let (_, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
         assert!(said.contains("restored"), "{said}");
+    }
+
+    #[test]
+    fn a_constant_of_the_machine_is_followed_once_trusted_while_inputs_are_sound() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let (mut memory, _) = Memory::open(&file, &mut loader(), &BTreeMap::new()).unwrap();
+        let sound = loader_bits::CONSISTENT | loader_bits::FRESH;
+        let of = |slip_stiffness, flags| LoaderEstimate {
+            slip_stiffness,
+            ..estimate(0.47, flags)
+        };
+        let mut stored = |slip_stiffness, flags| {
+            memory.see(&LOADER_CG_UKF, &of(slip_stiffness, flags));
+            let found = memory.state.parameters.get("prior.slip_stiffness");
+            found.map(|found| found.value)
+        };
+        assert_eq!(stored(21.0, sound), None);
+        assert_eq!(stored(22.0, sound | loader_bits::TRUSTED_RATIO), Some(22.0));
+        assert_eq!(stored(23.0, sound), Some(23.0));
+        assert_eq!(stored(29.0, loader_bits::FRESH), Some(23.0));
+        assert!(!memory.state.parameters.contains_key("prior.cg_ratio"));
     }
 
     #[test]
@@ -565,7 +611,8 @@ mod tests {
             )
         };
         let said = said_of(&first("0.47"), &loader());
-        assert!(said.contains("restored slip_stiffness 21.0000"), "{said}");
+        // It is years old, and so the stated value.
+        assert!(said.contains("restored slip_stiffness 19.0000"), "{said}");
         let loaded = "; not prior.cg_ratio (an older heft stored it, perhaps with a load)";
         assert!(said.ends_with(loaded), "{said}");
         let mut changed = loader();
@@ -603,7 +650,7 @@ mod tests {
         let more = of(&[&outside[..], &[("prior.slip_stiffness", 24.0)]].concat());
         let said = restore(&more, learnt, &mut description);
         assert!(
-            said.starts_with("restored slip_stiffness 24.0000"),
+            said.starts_with("restored slip_stiffness 23.0000"),
             "{said}"
         );
         assert!(said.contains("; not prior.cg_ratio ("), "{said}");

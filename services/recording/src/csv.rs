@@ -12,6 +12,7 @@ mod header;
 mod marks;
 mod no_number;
 mod read;
+mod several;
 
 pub(crate) use absent::{listed, misread};
 pub(crate) use cells::Cells;
@@ -25,8 +26,10 @@ pub use export::{export, is_export};
 pub(crate) use front::{Front, Line, Lines, MOST_ABOVE, comment, is_by_blanks};
 pub(crate) use header::{check_units, header};
 pub(crate) use no_number::ZEROS;
+pub(crate) use read::several;
 pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
+pub(crate) use several::By;
 
 /// A cell of a CSV, in quotes where it must be.
 pub fn quoted(cell: &str) -> String {

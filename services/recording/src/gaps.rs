@@ -113,6 +113,11 @@ impl Gaps {
         self.misplaced.or(latest)
     }
 
+    /// Whether the times go back.
+    pub fn goes_back(&self) -> bool {
+        self.back > 0
+    }
+
     /// Message on gaps and steps back.
     pub fn words(&self) -> Option<String> {
         let (longest, at) = (self.longest, self.at);

@@ -33,13 +33,28 @@ macro_rules! rows {
     ($( $begin:expr, $what:expr, $remedy:expr; )*) => { [$( ($begin, $what, $remedy) ),*] };
 }
 
+/// The command of Python that writes a table as CSV, by what reads it and the packages that this needs.
+macro_rules! frame {
+    ($read:literal, $packages:literal) => {
+        concat!(
+            "write it as CSV: python3 -c \"",
+            $read,
+            ".to_csv('NEW.csv')\" (pip install ",
+            $packages,
+            "), or give that frame to heft.estimate"
+        )
+    };
+}
+
 /// Foreign formats: first bytes, name, and how to convert them to a table.
-const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
+const FOREIGN: [(&[u8], &str, &str); 49] = rows! {
     b"PK", "a spreadsheet or a zip archive", "save the sheet as CSV, or unpack the archive";
     b"\xd0\xcf\x11\xe0", "a spreadsheet of old Excel", "save the sheet as CSV";
-    b"PAR1", "a Parquet file", PYTHON;
-    b"ARROW1", "an Arrow file", PYTHON;
-    b"FEA1", "a Feather file", PYTHON;
+    b"PAR1", "a Parquet file", PARQUET;
+    b"ARROW1", "an Arrow file", FEATHER;
+    b"\xff\xff\xff\xff", "a stream of Arrow", STREAM;
+    b"FEA1", "a Feather file", FEATHER;
+    b"ORC", "an ORC file", ORC;
     b"Obj\x01", "an Avro file", PYTHON;
     b"\x93NUMPY", "an array of NumPy", PYTHON;
     b"\x80\x04\x95", "a pickle of Python", PYTHON;
@@ -52,7 +67,7 @@ const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
     b"TDSm", "a TDMS file of LabVIEW", EXPORT;
     b"ULog", "a log of PX4 (ULog)", EXPORT;
     b"MDF ", "an MDF file",
-        "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: export them as CSV";
+        "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: `python3 -c \"import asammdf; asammdf.MDF('FILE').to_dataframe(raster=0.01).to_csv('NEW.csv')\"` (pip install asammdf)";
     b"UnFinMF", "an MDF file that was not finished", EXPORT;
     b"LOGG", "a CAN log of Vector (BLF)", CAN;
     DATE, "a CAN log of Vector (ASC)", CAN;
@@ -68,7 +83,8 @@ const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
     b"#ROSBAG", "a bag of ROS 1", BAG;
     b"rosbag2_bagfile", "the contents of a bag of ROS 2",
         "give the .mcap file beside it; a bag of .db3 files, or a packed one, becomes one by `rosbags-convert --src BAG --dst NEW --dst-storage mcap` (pip install rosbags)";
-    b"SQLite", "a database, perhaps a bag of ROS 2", BAG;
+    b"SQLite", "a database (SQLite)",
+        "a bag of ROS 2: `rosbags-convert --src FOLDER --dst NEW --dst-storage mcap` (pip install rosbags); another: `sqlite3 -header -csv FILE 'select * from TABLE' > NEW.csv`";
     b"version https://git-lfs", "the name of a file in Git LFS, not the file", "fetch it: git lfs pull";
     b"%PDF", "a PDF", EXPORT;
     b"{\\rtf", "a text of a word processor", EXPORT;
@@ -85,6 +101,8 @@ const FOREIGN: [(&[u8], &str, &str); 47] = rows! {
     b"7z\xbc\xaf", "packed by 7-Zip", "unpack it: 7z x FILE";
     b"Rar!", "packed by RAR", "unpack it: unrar x FILE";
 };
+/// First bytes of binary formats that may also begin the names of a table: `PAR1,PAR2`, `LOGGER 7`.
+const LETTERS: [&[u8]; 6] = [b"PK", b"PAR1", b"FEA1", b"ORC", b"ULog", b"LOGG"];
 /// First bytes of zstd.
 pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 const MATLAB: &[u8] = b"MATLAB";
@@ -99,6 +117,25 @@ const TO_UTF8: &str = "convert it: iconv -f UTF-32 -t UTF-8 FILE > NEW";
 const DOWNLOAD: &str = "download the file itself";
 const EXPORT: &str = "export it as CSV with the tool that wrote it";
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
+const PARQUET: &str = frame!(
+    "import pandas; pandas.read_parquet('FILE')",
+    "pandas pyarrow"
+);
+const FEATHER: &str = frame!(
+    "import pandas; pandas.read_feather('FILE')",
+    "pandas pyarrow"
+);
+const ORC: &str = frame!("import pandas; pandas.read_orc('FILE')", "pandas pyarrow");
+const STREAM: &str = frame!(
+    "import pyarrow as p; p.ipc.open_stream('FILE').read_pandas()",
+    "pandas pyarrow"
+);
+const LINES: &str = frame!(
+    "import pandas; pandas.read_json('FILE', lines=True)",
+    "pandas"
+);
+const JSON: &str = frame!("import pandas; pandas.read_json('FILE')", "pandas");
+const SHEET: &str = "open it in a spreadsheet, and save the sheet as CSV";
 const ASC: &str =
     "export it as ASC, then `can_logconvert FILE.asc OUT.log` (pip install python-can)";
 const CAN: &str =
@@ -173,7 +210,11 @@ impl Kind {
             return Err(Error::new(
                 "this is JSON, which heft does not read",
                 place(),
-                PYTHON,
+                if has_objects_by_line(text) {
+                    LINES
+                } else {
+                    JSON
+                },
             ));
         }
         if path.extension().is_some_and(|ending| ending == "toml") {
@@ -224,21 +265,75 @@ fn of_others(head: &[u8], path: &Path) -> Option<Error> {
     let is_matlab = path.extension().is_some_and(|ending| ending == "mat");
     let is_foreign = |(magic, ..): &&(&[u8], _, _)| {
         let is_so = head.starts_with(magic) || begin.starts_with(magic);
-        // A table may also begin with a date.
-        is_so && !(*magic == DATE && is_parted(begin)) || is_matlab && *magic == MATLAB
+        // A table may also begin with a date, or with a name of these letters.
+        let is_name =
+            *magic == DATE && is_parted(begin) || LETTERS.contains(magic) && is_plain(head);
+        is_so && !is_name || is_matlab && *magic == MATLAB
     };
     let known = FOREIGN.iter().find(is_foreign);
     let row_of = |begin: &[u8]| FOREIGN.iter().find(|row| row.0 == begin);
     let known = known
         .or_else(|| row_of(HDF).filter(|_| is_hdf_behind(head)))
         .or_else(|| row_of(DATE).filter(|_| is_asc(begin)));
-    let known = known.map(|(_, what, remedy)| (*what, *remedy));
+    let known = known.map(|(_, what, remedy)| match *what {
+        PAGE if has_table(head) => ("a table in a page (HTML)", SHEET),
+        what => (what, *remedy),
+    });
     let (what, remedy) = known.or_else(|| of_tar(head))?;
     Some(Error::new(
         format!("this is {what}, which heft does not read as data"),
         path.display().to_string(),
         remedy,
     ))
+}
+
+/// Whether the bytes are text with separators and without control characters.
+fn is_plain(head: &[u8]) -> bool {
+    let is_strange = |b: &u8| b.is_ascii_control() && !b.is_ascii_whitespace();
+    let is_text = std::str::from_utf8(head).is_ok() && !head.iter().any(is_strange);
+    is_text && head.iter().any(|b| b",;\t|".contains(b))
+}
+
+/// Whether a page holds a table, as programs write for a sheet (.xls).
+fn has_table(page: &[u8]) -> bool {
+    const TABLE: &[u8] = b"<table";
+    page.windows(TABLE.len())
+        .any(|part| part.eq_ignore_ascii_case(TABLE))
+}
+
+/// Whether each line of JSON is an object (JSON lines).
+fn has_objects_by_line(text: &[u8]) -> bool {
+    let mut lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
+    let is_object = |line: Option<&[u8]>| line.is_some_and(|line| line.starts_with(b"{\""));
+    lines
+        .next()
+        .is_some_and(|line| is_object(Some(line)) && line.ends_with(b"}"))
+        && is_object(lines.next())
+}
+
+/// Formats of [`FOREIGN`] that hold no samples.
+const NO_DATA: [&[u8]; 8] = [
+    b"VERSION \"",
+    b"rosbag2_bagfile",
+    b"%PDF",
+    b"{\\rtf",
+    b"<!DOCTYPE",
+    b"<!doctype",
+    b"<html",
+    b"<?xml",
+];
+
+/// What a file is that may hold samples in a format that heft does not read, by its first bytes.
+#[must_use]
+pub fn unread(path: &Path) -> Option<&'static str> {
+    let head = begin_of(path).ok()?;
+    let is_text = is_plain(&head);
+    let mut rows = FOREIGN
+        .iter()
+        .filter(|(magic, ..)| !(is_text && LETTERS.contains(magic)));
+    let row = rows.find(|(magic, ..)| head.starts_with(magic));
+    let known = row.filter(|(magic, ..)| !NO_DATA.contains(magic));
+    known.map(|(_, what, _)| *what)
 }
 
 /// Whether the text is of frames as Vector writes them, without the header above them: `0.0104 1 18FF0100x Rx d 8 01 02 ...`.
@@ -359,6 +454,10 @@ mod tests {
                 "{name}"
             );
         }
+        for names in ["PAR1,PAR2", "LOGGER 7\nt,a", "PKT,t", "ORC,t"] {
+            let text = format!("{names}\n0,1\n");
+            assert_eq!(of("a.csv", text.as_bytes()).ok(), Some(Kind::Table));
+        }
         assert_eq!(of("a.csv.gz", &GZIP).ok(), Some(Kind::Table));
         assert_eq!(of("a.log", b"t,speed\n0,1\n").ok(), Some(Kind::Table));
         assert_eq!(of("a.log", b"t speed\n0 1\n").ok(), Some(Kind::Table));
@@ -400,7 +499,15 @@ mod tests {
     fn what_heft_does_not_read_is_named_with_the_way_to_convert_it() {
         for (content, what, remedy) in [
             (&b"PK\x03\x04"[..], "spreadsheet", "save the sheet as CSV"),
-            (b"PAR1\0", "Parquet", "Python"),
+            (b"PAR1\0", "Parquet", "read_parquet"),
+            (
+                b"\xff\xff\xff\xff\x08\x03",
+                "stream of Arrow",
+                "open_stream",
+            ),
+            (b"SQLite format 3\0", "SQLite", "sqlite3 -header"),
+            (b"<html><TABLE><tr>", "a table in a page", "save the sheet"),
+            (b"{\"t\":0,\"a\":1}\n{\"t\":1}\n", "JSON", "lines=True"),
             (b"MDF     4.10", "MDF", "can_logconvert"),
             (b"LOGG\x90", "Vector", "can_logconvert"),
             (

@@ -55,7 +55,7 @@ pub use csv::EstimateWriter;
 pub use error::Error;
 pub use finding::Finding;
 pub use gaps::Gaps;
-pub use kind::{Kind, foreign};
+pub use kind::{Kind, foreign, unread};
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn, NamedLine};
 pub use load::{Samples, load, open};
 pub use map::Map;

@@ -6,7 +6,7 @@ use messages::Message;
 
 use crate::signal::{Row, Sensors};
 use crate::topics::TopicRows;
-use crate::{Error, Kind, Lacks, Map, Quoted, Reader, can, csv, kind};
+use crate::{Error, Finding, Kind, Lacks, Map, Quoted, Reader, can, csv, kind};
 
 /// Reads the samples of a machine from a table, a recording or a CAN log, which needs a map.
 ///
@@ -40,6 +40,8 @@ pub struct Samples<S, T> {
     progress: Option<Box<dyn Fn(f64)>>,
     /// Missing and damaged contents of a file; of a table they are known at its end.
     lacks: Noted,
+    /// Reads a table again, in search of a column by which it is of several machines or recordings.
+    several: Option<Box<dyn Fn() -> Option<Finding>>>,
 }
 
 type Noted = Rc<RefCell<Lacks>>;
@@ -52,6 +54,9 @@ enum Source<S, T> {
 /// Returns the next row of a file, with the number of bytes read.
 type FileRows<S, T> = Box<dyn FnMut() -> Result<Option<((S, T), u64)>, Error>>;
 
+/// Rows at the begin of a table in which one of several machines is searched: 40 s at 100 Hz.
+const LOOKED_AT: usize = 1 << 12;
+
 /// Rows between two reports of progress.
 const PROGRESS_EVERY: u64 = 1 << 12;
 
@@ -62,6 +67,7 @@ impl<S: Message, T: Message> Samples<S, T> {
             error: RefCell::default(),
             progress: None,
             lacks: Rc::default(),
+            several: None,
         }
     }
 
@@ -120,6 +126,11 @@ impl<S: Message, T: Message> Samples<S, T> {
             .map_or_else(|| self.lacks.borrow().clone(), Reader::lacks)
     }
 
+    /// What parts a table whose times are out of order into several machines or recordings. The file is read again.
+    pub fn several(&self) -> Option<Finding> {
+        self.several.as_ref().and_then(|find| find())
+    }
+
     /// The recording that they come from, if any.
     pub fn recording(&self) -> Option<&Reader> {
         match &self.source {
@@ -174,8 +185,17 @@ pub fn open<S: Sensors>(
 }
 
 fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Truth>, Error> {
+    if let Some(found) = csv::several::<S>(path, map, (csv::By::Values, LOOKED_AT)) {
+        return Err(Error::new(
+            found.what,
+            path.display().to_string(),
+            found.remedy,
+        ));
+    }
     let (its_path, map) = (path.to_owned(), map.cloned());
-    of_file(path, move |found| {
+    let (again, its_map) = (its_path.clone(), map.clone());
+    let several = move || csv::several::<S>(&again, its_map.as_ref(), (csv::By::Times, usize::MAX));
+    let samples = of_file(path, move |found| {
         let mut rows = csv::TableRows::<S>::open(&its_path, map.as_ref())?;
         Ok(Box::new(move || {
             let row = rows.row()?;
@@ -186,6 +206,10 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
             }
             Ok(row.map(|row| (row, rows.read())))
         }))
+    });
+    Ok(Samples {
+        several: Some(Box::new(several)),
+        ..samples?
     })
 }
 

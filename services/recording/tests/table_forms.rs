@@ -382,6 +382,28 @@ fn a_table_of_two_machines_is_no_recording_of_one() {
 }
 
 #[test]
+fn two_machines_in_turn_are_named_whatever_the_column_is_called() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = |other: f64, name: &str| {
+        let row = |i: u32| {
+            let (time, is_second) = (0.005 * f64::from(i), i % 2 == 1);
+            let level = if is_second { other } else { 0.0 };
+            let name = if is_second { name } else { "EX1" };
+            format!("{time},{},{},{name}\n", level + 0.001 * time, level + time)
+        };
+        let text = format!("{HEADER},Asset\n{}", (0..800).map(row).collect::<String>());
+        read(&written(folder.path(), "two.csv", text.as_bytes()))
+    };
+    let error = of(0.5, "EX2").expect_err("two machines").to_string();
+    assert!(
+        error.contains("by the column Asset: EX1, EX2") && error.contains("heft serve"),
+        "{error}"
+    );
+    assert_eq!(of(0.5, "EX1").map(|rows| rows.len()).ok(), Some(800));
+    assert_eq!(of(0.0, "EX2").map(|rows| rows.len()).ok(), Some(800));
+}
+
+#[test]
 fn what_nobody_sees_and_rows_of_nothing_change_no_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let rows = rows();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import namedtuple
 from typing import Any, Iterable, Optional
 
@@ -81,12 +82,15 @@ class Estimator:
         config: Any = None,
         method: Optional[str] = None,
     ) -> None:
-        from . import _description
+        from . import HeftWarning, _description, in_python
 
         if isinstance(signals, str):
             raise _heft.HeftError("signals is one text; give a list of names")
         text, settings = _description(config)
         self._take(_heft.Estimator(machine, text, settings, list(signals), method))
+        undescribed = _heft.undescribed(machine, text, settings)
+        if undescribed:
+            warnings.warn(in_python(undescribed), HeftWarning, stacklevel=2)
 
     def _take(self, native: Any) -> None:
         self._native = native

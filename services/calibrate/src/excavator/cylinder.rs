@@ -245,9 +245,9 @@ fn equation(
 
 /// Prior of the unknowns.
 fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution {
-    let doubts = Settings::of(d).doubts;
-    let [links, bucket] =
-        doubts.map_or([0.0; 2], |doubts| [doubts.links_share, doubts.bucket_share]);
+    let links = Settings::of(d)
+        .doubts
+        .map_or(0.0, |doubts| doubts.links_share);
     let mut stds = vec![cylinder.span_std, cylinder.zero_std, cylinder.friction[1]];
     let first = first_moments(&d.geometry);
     stds.extend(
@@ -258,22 +258,8 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
     stds.push(cylinder.kept_std * cylinder.friction[0]);
     stds.extend([LEVEL; 2]);
     stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
-    let mut together = vec![(
-        SPAN,
-        ZERO,
-        cylinder.correlation * cylinder.span_std * cylinder.zero_std,
-    )];
-    // The bucket's mass acts with the cosines of all three links.
-    let g = &d.geometry;
-    let arms = [g.boom_length, g.arm_length, g.bucket_centre];
-    let arms = arms.map(|arm| GRAVITY * bucket * g.bucket_mass * arm);
-    for (i, of_i) in arms.iter().enumerate() {
-        stds[CURVE + 2 * i] = stds[CURVE + 2 * i].hypot(*of_i);
-        for (j, of_j) in arms.iter().enumerate().skip(i + 1) {
-            together.push((CURVE + 2 * i, CURVE + 2 * j, of_i * of_j));
-        }
-    }
-    Solution::before(&stds, &together)
+    let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
+    Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
 /// Writes the keys of the description.
@@ -308,8 +294,6 @@ mod tests {
         (c.count, c.head_area, c.rod_area) = (1.0, 0.0104, 0.0071);
         (c.base_distance, c.rod_distance, c.angle) = (0.62, 1.35, 1.3);
         (c.friction, c.friction_std) = (0.02, 0.01);
-        // It was weighed: a bucket of unknown mass looks like a zero of the sensors.
-        d.machine.bucket_tolerance = Some(0.01);
         d
     }
 

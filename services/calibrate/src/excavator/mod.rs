@@ -129,7 +129,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .collect();
     let stated = inputs.iter().map(|i| i.payload).collect();
     let swings = Swings::new(series, stated, options.description);
-    let fixed = held(&swings, options.free)?;
+    let fixed = held(&swings, options)?;
     let free: Vec<Role> = swings
         .roles
         .iter()
@@ -207,11 +207,16 @@ fn weigh(outcome: &mut Outcome, options: &Options<'_>, inputs: &[Input]) {
     }
 }
 
-/// Parameters that stay as described.
-fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
-    let Some(free) = free else {
-        let is_lever = |role: &Role| *role == Role::Lever;
-        return Ok(swings.roles.iter().map(is_lever).collect());
+/// Parameters that stay as described. The place of a load is fitted where it is guessed, or its deviation stated.
+fn held(swings: &Swings, options: &Options<'_>) -> Result<Vec<bool>, String> {
+    let Some(free) = options.free else {
+        let is_open = options.description.load_centre_std() > 0.0;
+        let is_held = |role: &Role| match role {
+            Role::Lever => true,
+            Role::Centre(_) => !is_open,
+            _ => false,
+        };
+        return Ok(swings.roles.iter().map(is_held).collect());
     };
     let mut fixed: Vec<bool> = swings
         .roles
@@ -307,7 +312,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         outcome.faults = vec![NOTHING.into()];
         return;
     };
-    let disagreement = words::disagreement(swings, &found, &outcome.fixed);
+    let disagreement = words::disagreement(swings, &found, (&outcome.fixed, &held));
     for (i, difference) in disagreement.widths {
         found.uncertainty.widen(i, difference);
     }
@@ -340,11 +345,15 @@ fn contradictions(task: &Task<'_, Swings>, fit: &Fit, doubts: &[Doubt]) -> Vec<S
     faults
 }
 
-/// Directions that the recordings leave undetermined.
+/// Directions that the recordings leave undetermined where the nuisance parameters are known: tolerances of these widen the others and refuse
+/// nothing. Bucket and place of the load need not improve.
 fn undetermined(task: &Task<'_, Swings>, fit: &Fit) -> Vec<String> {
     let swings = task.model;
-    let mut open = honesty::undetermined(&fit.information, &swings.parameters, task.fixed);
-    open.retain(|d| !words::is_nuisance(swings, d));
+    let is_nuisance =
+        |role: &Role| role.is_nuisance() || matches!(role, Role::Bucket | Role::Centre(_));
+    let roles = swings.roles.iter().zip(task.fixed);
+    let held: Vec<bool> = roles.map(|(role, &f)| f || is_nuisance(role)).collect();
+    let open = honesty::undetermined(&fit.information, &swings.parameters, &held);
     let open = open.iter();
     open.map(|d| words::undetermined(swings, d)).collect()
 }
@@ -382,7 +391,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
 fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     let d = options.description;
     let stated = |role: &Role, p: &Parameter| match role {
-        Role::Lever | Role::AngleOffset(_) => p.std,
+        Role::Lever | Role::Centre(_) | Role::AngleOffset(_) => p.std,
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
         Role::Gain => d.number("sensors.swing_torque_gain_std").unwrap_or(0.0),
@@ -391,7 +400,6 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Inertia
         | Role::Links
         | Role::Bucket
-        | Role::Centre(_)
         | Role::Delay
         | Role::MotionNoise
         | Role::TorqueNoise

@@ -42,7 +42,7 @@ pub enum Role {
     Payload(usize),
     /// Inertia of a load of known mass over the described one: errors of lengths, held within their tolerance.
     Lever,
-    /// Guessed place of the load's centre, along and beside the line from the bucket's pin to its tip.
+    /// Place of the load's centre, along and beside the line from the bucket's pin to its tip.
     Centre(usize),
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
@@ -367,12 +367,7 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
         Role::Bucket, "machine.geometry.bucket_mass", "the mass of the bucket over that of the machine file", "",
             1.0, bucket_std(d), (0.2, 5.0);
     };
-    // Swings hardly distinguish the bucket: what is stated of it counts.
-    let rows = rows.into_iter().map(|(role, parameter)| match role {
-        Role::Bucket => (role, parameter.into_data()),
-        _ => (role, parameter),
-    });
-    rows.collect()
+    rows.into()
 }
 
 /// Relative standard deviation of the bucket's mass: as stated, for a bucket is easily weighed.
@@ -448,7 +443,7 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
 /// lie differently.
 const LIES: f64 = 0.05;
 
-/// Centre of the load in the bucket: reaches, and what is known of gain and masses, tell of it.
+/// Centre of the load in the bucket.
 fn centre(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
     let g = &d.geometry;
     // Without a tolerance the lengths are exact.
@@ -465,11 +460,7 @@ fn centre(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
         Role::Centre(1), "machine.geometry.payload_rise", "the distance of the load from the line of the bucket", "m",
             g.payload_rise, std, (-10.0, 10.0);
     };
-    // They look like gain and masses together: what is known of them counts.
-    let rows = rows
-        .into_iter()
-        .map(|(role, parameter)| (role, parameter.into_data()));
-    rows.filter(move |_| std > 0.0)
+    rows.into_iter().filter(move |_| std > 0.0)
 }
 
 /// Swinging shares of the load.

@@ -211,9 +211,13 @@ fn are_others(by: &[f64], covariance: &Mat<f64>) -> bool {
 }
 
 /// Parts of recordings that are inconsistent with the whole: a fault where the difference is large relative to
-/// the description's tolerance, a remark where it is only clear.
+/// the description's tolerance, a remark where it is only clear. `held`: tolerances of fixed parameters, in prior standard deviations.
 #[must_use]
-pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disagreement {
+pub fn disagreement(
+    swings: &Swings,
+    found: &FitResult,
+    (fixed, held): (&[bool], &[f64]),
+) -> Disagreement {
     if found.fit.interrupted {
         // The test holds at the maximum only.
         return Disagreement::default();
@@ -236,7 +240,13 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
     let asked: Vec<usize> = (0..fixed.len())
         .filter(|&i| is_compared(&swings.roles[i]) && is_inside(i))
         .collect();
-    let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
+    let all = differences(
+        &found.fit,
+        &found.uncertainty,
+        (fixed, held),
+        &parts,
+        &asked,
+    );
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
     let Some(worst) = all.iter().find(clear) else {
         return Disagreement::default();
@@ -408,14 +418,6 @@ pub fn doubtful_load(d: &Doubt) -> String {
         d.stated.std,
         weighed(d)
     )
-}
-
-/// Whether a direction consists of nuisance parameters.
-#[must_use]
-pub fn is_nuisance(swings: &Swings, direction: &Direction) -> bool {
-    let shares = swings.roles.iter().zip(&direction.shares);
-    let nuisance = shares.filter(|(role, _)| role.is_nuisance());
-    nuisance.map(|(_, share)| share * share).sum::<f64>() > 0.5
 }
 
 /// Text about a direction that the data do not determine, with what to record.

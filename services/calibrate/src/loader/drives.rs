@@ -147,6 +147,8 @@ impl Drives {
                 Role::StiffnessRatio => g.stiffness_ratio = value,
                 Role::LoadExponent => g.load_exponent = value,
                 Role::Friction => g.friction = value,
+                Role::Brush => g.brush = value,
+                Role::LoadVariance => g.load_variance = value,
                 Role::Rolling => g.rolling_resistance = value,
                 Role::SlopeBias => g.slope_bias = value,
                 Role::AccelerationOffset => g.acceleration_offset = value,
@@ -156,6 +158,8 @@ impl Drives {
                 Role::TorqueDelay => g.torque_delay = value,
                 Role::Relaxation => g.relaxation_length = value,
                 Role::Squat => g.squat = value,
+                // See `pitched`.
+                Role::Settling => {}
                 Role::WheelScatter => g.scatter.wheels = value,
                 Role::SpeedScatter => g.scatter.speed = value,
                 Role::ForceScatter => g.scatter.force = value,
@@ -181,9 +185,10 @@ impl Drives {
 
     /// The chassis pitches on the springs of its tyres, k an axle, and slope sensor and accelerometer with it:
     /// ```text
-    /// pitch = (F_zr - F_zf)/(k l) = q [m h/(m_0 h_0) a/g - (m (2 lam - 1) - m_0 (2 lam_0 - 1)) l/(2 m_0 h_0)],  q = 2 m_0 g h_0/(k l^2)
+    /// pitch = (F_zr - F_zf)/(k l) = q [m h/(m_0 h_0) a/g - s (m (2 lam - 1) - m_0 (2 lam_0 - 1)) l/(2 m_0 h_0)],  q = 2 m_0 g h_0/(k l^2)
     /// ```
-    /// against that of the empty machine, which the zeros of the sensors contain; q is the squat.
+    /// against that of the empty machine, which the zeros of the sensors contain; q is the squat. The tyres of the two axles differ, and
+    /// stiffen under a load: s is about 1 ([`Role::Settling`]). With s = 1, the pitch would determine the position of the load.
     fn pitched(&self, g: &mut Guess, values: &[f64]) {
         let empty = |role: Role, own: f64| self.index(role).map_or(own, |i| values[i]);
         let (height, ratio) = (
@@ -192,7 +197,8 @@ impl Drives {
         );
         let moment = g.empty_mass * height;
         let ahead = g.mass * (2.0 * g.ratio - 1.0) - g.empty_mass * (2.0 * ratio - 1.0);
-        let pitch = -g.squat * ahead * g.wheelbase / (2.0 * moment);
+        let settling = self.index(Role::Settling).map_or(1.0, |i| values[i]);
+        let pitch = -settling * g.squat * ahead * g.wheelbase / (2.0 * moment);
         g.squat *= g.mass * g.height / moment;
         g.slope_bias += pitch;
         g.acceleration_offset += super::GRAVITY * pitch;
@@ -269,7 +275,13 @@ fn loads(
             if own == StatedLoad::default() {
                 return 0;
             }
-            let known = loads[1..].iter().position(|l| *l == own);
+            // The angles of the arm scatter from recording to recording.
+            let bare = |of: &StatedLoad| StatedLoad {
+                reach: None,
+                lift: None,
+                ..*of
+            };
+            let known = loads[1..].iter().position(|l| bare(l) == bare(&own));
             known.map_or_else(
                 || {
                     loads.push(own);

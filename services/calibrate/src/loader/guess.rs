@@ -28,6 +28,10 @@ pub struct Guess {
     pub load_exponent: f64,
     /// Friction coefficient.
     pub friction: f64,
+    /// Share w of a brush's curve of the slip (Pacejka, ch. 3); the rest is that of the estimator.
+    pub brush: f64,
+    /// Variance V of an axle's load on bumps, over the square of its load F_0 = m_0 g/2.
+    pub load_variance: f64,
     /// Measured over true torque, per axle.
     pub torque_gains: [f64; 2],
     /// Rolling resistance.
@@ -60,7 +64,12 @@ impl Guess {
     /// Specific force from the accelerometer in row `k` [m/s^2]; not finite where it is missing. It pitches with the chassis, and so
     /// shows a part of gravity.
     pub fn force(&self, drive: &Drive, k: usize) -> f64 {
-        (drive.acceleration[k] - self.acceleration_offset) / (1.0 + self.squat)
+        (drive.acceleration[k] - self.acceleration_offset) / self.reading(1.0)
+    }
+
+    /// Difference of readings of the accelerometer for one of specific forces [m/s^2].
+    pub fn reading(&self, force: f64) -> f64 {
+        force * (1.0 + self.squat)
     }
 
     /// Slope of the road from the reading of an inclinometer without delay, and the specific force.

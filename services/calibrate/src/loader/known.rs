@@ -22,6 +22,9 @@ const RELAXATION: (f64, f64) = (0.5, 0.2);
 /// Standard deviation of the pitch of the chassis by the specific force [rad per g]: on tyres that a standing machine presses in by
 /// d = 40 mm, at a wheelbase of l = 3 m and a height of h = 1.1 m, 4 d h/l^2.
 const SQUAT_STD: f64 = 0.02;
+/// Standard deviation of the pitch under a load over that by the springs of an acceleration. These are those of both axles, a load presses
+/// mostly on the front one. Its tyres are .5 to 2 times as stiff as the rear ones, and stiffen by a half from their empty load to twice that.
+const SETTLING_STD: f64 = 0.25;
 /// Relative standard deviation of the described mass, and of a mass that was measured on board.
 pub const MASS_STD: f64 = 0.02;
 /// Value and tolerance of the position of a load ahead of the front axle, as a share of the distance to the bucket's tip. Value and
@@ -30,6 +33,11 @@ const REACH: (f64, f64) = (0.75, 0.2);
 const LIFT: (f64, f64) = (0.8, 0.5);
 /// Largest height of a load, as a share of the same: that of a full bucket lifted to the edge of a truck.
 const HIGHEST: f64 = 3.0;
+/// Standard deviation of the share of a brush's curve: tyres lie between both.
+const BRUSH_STD: f64 = 0.5;
+/// Variance of an axle's load on bumps, over its mean load's square, and its standard deviation: 15 % in rms. A machine without
+/// springs heaves and pitches on its tyres by 5 to 25 %.
+const LOAD_VARIANCE: f64 = 0.0225;
 /// Standard deviation of the offset at which two drives match best [m].
 const MARK_STD: f64 = 0.5;
 /// Standard deviation of the logarithm of a scatter, and usual values.
@@ -70,6 +78,8 @@ pub fn described(d: &Description) -> Guess {
         } else {
             f64::INFINITY
         },
+        brush: 0.0,
+        load_variance: 0.0,
         torque_gains: [d.sensors.front_torque_gain, d.sensors.rear_torque_gain],
         rolling_resistance: m.rolling_resistance,
         slope_bias: d.prior.slope_bias,
@@ -117,6 +127,12 @@ pub fn parameters(
 ) -> Vec<(Role, Parameter)> {
     let mut all = of_machine(d);
     all.extend(scatters());
+    if loads.len() > 1 && drives.iter().any(|drive| drive.has_acceleration) {
+        all.extend(rows! {
+            Role::Settling, "settling", "the pitch of the chassis under a load over that by its squat", "",
+                1.0, SETTLING_STD, (0.0, 4.0);
+        });
+    }
     if drives.iter().any(|drive| drive.has_acceleration) {
         all.extend(of_accelerometer(d));
     }
@@ -125,6 +141,8 @@ pub fn parameters(
         all.extend(rows! {
             Role::Friction, "machine.friction", "the friction coefficient of the tyres", "",
                 friction, FRICTION_STD * friction, (0.3 * friction, 3.0 * friction);
+            Role::Brush, "brush", "the share of a brush's curve of the slip", "",
+                0.0, BRUSH_STD, (-1.0, 2.0);
         });
     }
     let numbered = loads.iter().enumerate();
@@ -160,6 +178,8 @@ fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
             m.stiffness_ratio, m.stiffness_ratio_std.max(1e-3), (0.1, 10.0);
         Role::LoadExponent, "machine.stiffness_load_exponent", "the load exponent of the slip stiffness", "",
             m.stiffness_load_exponent, m.stiffness_load_exponent_std.max(1e-3), (-1.0, 1.0);
+        Role::LoadVariance, "load variance", "the variance of the axle loads on bumps", "",
+            LOAD_VARIANCE, LOAD_VARIANCE, (0.0, 0.3);
         Role::Rolling, "machine.rolling_resistance", "the rolling resistance", "",
             m.rolling_resistance, rolling_std, (0.0, 1.0);
         Role::SlopeBias, "prior.slope_bias", "the bias of the slope sensor", "rad",
@@ -256,7 +276,11 @@ fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter)
         (Role::Ratio(l), measured(ratio, stated.ratio))
     } else {
         let words = format!("the distance of load {l} ahead of the front axle");
-        let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
+        let usual = Quantity {
+            value: REACH.0 * m.bucket_reach,
+            std: REACH.1 * m.bucket_reach,
+        };
+        let Quantity { value: mean, std } = stated.reach.unwrap_or(usual);
         let range = (-m.wheelbase, 2.0 * m.bucket_reach);
         (
             Role::Reach(l),
@@ -276,7 +300,11 @@ fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter)
         (Role::Height(l), measured(height, stated.height))
     } else {
         let words = format!("the height of load {l} above the ground");
-        let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
+        let usual = Quantity {
+            value: LIFT.0 * p.cg_height,
+            std: LIFT.1 * p.cg_height,
+        };
+        let Quantity { value: mean, std } = stated.lift.unwrap_or(usual);
         (
             Role::Lift(l),
             linear(

@@ -15,6 +15,7 @@ use estimation::math::norm;
 use super::known::MASS_STD;
 use super::role::StatedLoad;
 use super::{GRAVITY, Input};
+use crate::column::percentile;
 use crate::cylinders::{
     self, CURVE, FRICTION, IDENTIFIED, LEAST_MOTION, LEAST_STD, LEVEL, SPAN, ZERO,
 };
@@ -194,10 +195,28 @@ pub fn stated(d: &Description, input: &Input) -> StatedLoad {
         std: norm(&[load.std, empty(d).std]),
     };
     let loaded = input.payload.filter(|load| load.value > 0.0);
+    let mass = input.stated.mass.or_else(|| loaded.map(with));
+    let [reach, lift] = mass
+        .and_then(|_| place(d, input))
+        .map_or([None; 2], |at| at.map(Some));
     StatedLoad {
-        mass: input.stated.mass.or_else(|| loaded.map(with)),
+        mass,
+        reach,
+        lift,
         ..input.stated
     }
+}
+
+/// Distance of a load ahead of the front axle, and its height above the ground, by the drawing of the arm and its median angles; `None`
+/// without a drawing or an angle.
+fn place(d: &Description, input: &Input) -> Option<[Quantity; 2]> {
+    let median = |of: fn(&Sample) -> Option<f64>| {
+        let all = input.samples.iter().filter_map(of);
+        let all: Vec<f64> = all.filter(|angle| angle.is_finite()).collect();
+        (!all.is_empty()).then(|| percentile(all, 0.5))
+    };
+    let lifts = Lifts::new(&Settings::of(d, Method::Full))?;
+    Some(lifts.load_place(median(|s| s.lift_angle)?, median(|s| s.tilt_angle)?))
 }
 
 fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderFit, String> {

@@ -19,6 +19,8 @@ pub fn guess() -> Guess {
         stiffness_ratio: 1.05,
         load_exponent: 0.1,
         friction: 0.8,
+        brush: 0.0,
+        load_variance: 0.0225,
         torque_gains: [1.01, 0.99],
         rolling_resistance: 0.02,
         slope_bias: 0.005,

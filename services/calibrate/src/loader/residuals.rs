@@ -101,7 +101,8 @@ pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<I
         ));
         if drive.has_acceleration {
             let force = mean(&|k| g.force(drive, k) - shown[k - first].balance);
-            out.push(residual(force, g.scatter.force));
+            // In units of the reading, whose noise it is: a share of it would be the smaller, the larger the squat.
+            out.push(residual(g.reading(force), g.scatter.force));
         }
     }
     for pair in pairs(drive, block) {

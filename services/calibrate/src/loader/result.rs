@@ -1,6 +1,6 @@
 //! The calibrated description of a loader.
 
-use config::Loader as Description;
+use config::{Loader as Description, Tables};
 use estimation::Quantity;
 
 use super::{Outcome, Role, lift};
@@ -20,6 +20,15 @@ const GROUND: f64 = 0.05;
 pub const NARROWED: f64 = 0.7;
 /// Least written share of the described standard deviation of the ratio.
 const LOADED: f64 = 0.5;
+
+/// Writes what axle scales found of the empty machine to the lift arm, where it is stated: there it has precedence over the prior.
+fn write_empty(pen: &mut Pen<Description>, name: &str, q: Quantity) {
+    let key = format!("machine.lift_arm.{name}");
+    if pen.description.number(&key).is_some_and(|of| of > 0.0) {
+        pen.value(&key, q);
+        pen.std(&format!("{key}_std"), q.std);
+    }
+}
 
 impl Outcome {
     /// The description with the identified values, and its text with `origin` as comments above; `None` without a fit.
@@ -64,10 +73,17 @@ impl Outcome {
         let wider = |roles: [Role; 2]| self.std(roles[0]).max(self.std(roles[1]));
         let std = match role {
             Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => return,
-            Role::Mass(_) | Role::Height(_) | Role::Rolling => None,
+            Role::Height(_) => {
+                if self.drives.loads[0].height.is_some() {
+                    write_empty(pen, "empty_height", q);
+                }
+                None
+            }
+            Role::Mass(_) | Role::Rolling => None,
             Role::Stiffness => Some(("prior.slip_stiffness_std", q.std.max(GROUND * q.value))),
             // Loads in the bucket and on the machine change: only the spread between machines is removed from the prior.
             Role::Ratio(_) => {
+                self.write_empty_ratio(pen, q);
                 let left = LOADED * pen.description.prior.cg_ratio_std;
                 Some(("prior.cg_ratio_std", q.std.max(left)))
             }
@@ -105,9 +121,12 @@ impl Outcome {
             Role::SpeedDelay => Some(("sensors.speed_delay_std", q.std.max(DELAY_STD))),
             // Belongs to a recording, or to the fit only.
             Role::Friction
+            | Role::Brush
+            | Role::LoadVariance
             | Role::TorqueDelay
             | Role::Relaxation
             | Role::Squat
+            | Role::Settling
             | Role::WheelScatter
             | Role::SpeedScatter
             | Role::ForceScatter
@@ -121,6 +140,19 @@ impl Outcome {
         if let Some((key, std)) = std {
             pen.std(key, std);
         }
+    }
+
+    /// Writes a weighed load fraction to the lift arm, with no smaller deviation than stated: fuel and driver move it from day to day.
+    fn write_empty_ratio(&self, pen: &mut Pen<Description>, q: Quantity) {
+        if self.drives.loads[0].ratio.is_none() {
+            return;
+        }
+        let stated = match pen.description.lift_arm.empty_ratio_std {
+            0.0 => pen.description.prior.cg_ratio_std,
+            std => std,
+        };
+        let std = q.std.max(stated);
+        write_empty(pen, "empty_ratio", Quantity { std, ..q });
     }
 
     fn std(&self, role: Role) -> f64 {

@@ -24,6 +24,10 @@ pub enum Role {
     LoadExponent,
     /// Friction coefficient.
     Friction,
+    /// Share of a brush's curve of the slip.
+    Brush,
+    /// Variance of the axle loads on bumps.
+    LoadVariance,
     /// Rolling resistance.
     Rolling,
     /// Zero of the slope.
@@ -62,6 +66,8 @@ pub enum Role {
     Reach(usize),
     /// Pitch of the chassis on its tyres by the specific force, and under a load.
     Squat,
+    /// Pitch of the chassis under a load, over what the same springs give.
+    Settling,
     /// Height of a load, where no axle weights determine that of the centre of gravity.
     Lift(usize),
 }
@@ -90,20 +96,40 @@ impl Role {
 
     /// Whether it acts on the slope residuals of a path.
     pub(super) fn is_of_slope(self) -> bool {
-        use Role::{AccelerationOffset, PathScatter, SlopeBias, SlopeDelay, SlopeFollows, Squat};
+        use Role::{
+            AccelerationOffset, PathScatter, Settling, SlopeBias, SlopeDelay, SlopeFollows, Squat,
+        };
         matches!(
             self,
-            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | PathScatter | Squat
+            AccelerationOffset
+                | SlopeBias
+                | SlopeDelay
+                | SlopeFollows
+                | PathScatter
+                | Squat
+                | Settling
         )
     }
 
     /// Whether it is estimated only to propagate its tolerance to the others: lags and limits that
     /// means over half a second hardly determine, position of the load and pitch of the chassis, and the marks of a path.
     pub fn is_nuisance(self) -> bool {
-        use Role::{Friction, Lift, Mark, Reach, Relaxation, Squat, TorqueDelay};
+        use Role::{
+            Brush, Friction, Lift, LoadVariance, Mark, Reach, Relaxation, Settling, Squat,
+            TorqueDelay,
+        };
         matches!(
             self,
-            Friction | Relaxation | TorqueDelay | Squat | Mark(_) | Reach(_) | Lift(_)
+            Friction
+                | Brush
+                | LoadVariance
+                | Relaxation
+                | TorqueDelay
+                | Squat
+                | Settling
+                | Mark(_)
+                | Reach(_)
+                | Lift(_)
         ) || self.is_noise()
     }
 }
@@ -117,6 +143,10 @@ pub struct StatedLoad {
     pub ratio: Option<Quantity>,
     /// Height of the centre of gravity, from axle scales on a slope \[m\].
     pub height: Option<Quantity>,
+    /// Distance of the load ahead of the front axle, by the drawing of the arm \[m\].
+    pub reach: Option<Quantity>,
+    /// Height of the load above the ground, by the same \[m\].
+    pub lift: Option<Quantity>,
 }
 
 impl StatedLoad {
@@ -131,6 +161,7 @@ impl StatedLoad {
                 std: ratio.std.max(common),
             }),
             height: reference.cg_height,
+            ..Self::default()
         }
     }
 }

@@ -53,6 +53,8 @@ const SCALES: StatedLoad = StatedLoad {
         std: 0.001,
     }),
     height: None,
+    reach: None,
+    lift: None,
 };
 
 #[test]

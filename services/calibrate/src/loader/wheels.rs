@@ -1,6 +1,8 @@
 //! Axle loads, radii, slips and the balance of force:
 //! ```text
-//! s_i = mu/K_i atanh(F_i/(mu F_zi)),  F_i = (T_i/g_i - I v'/r)/r
+//! s_i = L(F_i)/K_i,  F_i = (T_i/g_i - I v'/r)/r
+//! s_i grows by 1 + V (F_0/F_zi)^2: on bumps the load of an axle varies by V F_0^2, and the mean of 1/F_z is the larger
+//! L(F) = mu [(1 - w) atanh u + w 3 (1 - (1 - |u|)^(1/3)) sign u],  u = F/(mu F_zi)
 //! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
 //! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m_0 g/2 of the empty machine
 //! m a = F_f + F_r - c m g sign(v)
@@ -76,6 +78,17 @@ pub struct Slipping {
     pub wound: f64,
 }
 
+/// Slip under a pull \[N\], times the stiffness.
+fn law(g: &Guess, pull: f64, load: f64) -> f64 {
+    if !g.friction.is_finite() {
+        return pull / load;
+    }
+    let used = (pull / (g.friction * load)).clamp(-MOST_FRICTION, MOST_FRICTION);
+    let smooth = 0.5 * ((1.0 + used) / (1.0 - used)).ln();
+    let brush = (3.0 * (1.0 - (1.0 - used.abs()).cbrt())).copysign(used);
+    g.friction * (smooth + g.brush * (brush - smooth))
+}
+
 /// State of axle `i` under these torques and a specific force `a`.
 pub fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> Slipping {
     let load = load(g, i, a);
@@ -86,13 +99,9 @@ pub fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> S
         * if i == 0 { gain } else { 1.0 / gain }
         * (-g.load_exponent * relative.ln()).exp();
     let pull = (acting.torque[i] - g.axle_inertia * (a - acting.along) / radius) / radius;
-    let used = pull / (g.friction * load);
-    let slip = if g.friction.is_finite() {
-        let used = used.clamp(-MOST_FRICTION, MOST_FRICTION);
-        0.5 * g.friction / stiffness * ((1.0 + used) / (1.0 - used)).ln()
-    } else {
-        pull / (stiffness * load)
-    };
+    let slip = law(g, pull, load);
+    let varied = 1.0 + g.load_variance / (relative * relative);
+    let slip = slip * varied / stiffness;
     let slip = slip.clamp(-0.5, 0.5);
     Slipping {
         radius,

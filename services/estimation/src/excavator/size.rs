@@ -44,9 +44,6 @@ const FORM_SPREAD: f64 = 0.06;
 const FORM_SPREAD_COMPACT: f64 = 0.12;
 /// The same for a drawing that states the centres along the lines of the pins, and not beside them.
 const FORM_SPREAD_DRAWN: f64 = 0.06;
-/// Share of the rated payload that sticks in an emptied bucket, and its standard deviation. Soil of nothing to 15 % sticks, mostly
-/// little of it (an exponential distribution, whose mean and standard deviation are equal).
-const STICKING: [f64; 2] = [0.035, 0.035];
 /// Relative standard deviation of a load by a boom that bends sideways. Its frequency with a full bucket is f = 2 to 6 Hz (a box section
 /// as a cantilever). The gyro rides on the light upper body, so an attachment of inertia J that swings at F = .5 Hz shows J (1 + (F/f)^2).
 /// Loaded minus empty is too large by 1.6 (F/f)^2 of the load. Root mean square of that, with the logarithm of f uniform.
@@ -346,7 +343,8 @@ impl Sticking {
 impl Prior {
     /// Soil that sticks in an emptied bucket.
     pub(super) fn sticking(&self) -> Sticking {
-        let [expected, std] = STICKING.map(|share| share * self.full_load());
+        let [expected, std] =
+            [self.carry_back, self.carry_back_std].map(|share| share * self.full_load());
         Sticking {
             expected,
             std,
@@ -411,11 +409,15 @@ mod tests {
         };
         let d = class(21_500.0);
         let rated = rated_payload(21_500.0);
-        assert!((d.loads_common().zero_std / rated - FORM_SPREAD).abs() < 0.01);
+        let zero = |d: &Description, form: f64| {
+            let soil = d.prior.sticking().among(d.bucket_std()).std / rated;
+            d.loads_common().zero_std / rated - norm(&[form, soil])
+        };
+        assert!(zero(&d, FORM_SPREAD).abs() < 0.005);
         assert!(class(5500.0).loads_common().zero_std > 0.1 * rated_payload(5500.0));
         let mut drawn = d;
         drawn.geometry.boom_centre = 2.7;
-        assert!((drawn.loads_common().zero_std / rated - FORM_SPREAD_DRAWN).abs() < 0.01);
+        assert!(zero(&drawn, FORM_SPREAD_DRAWN).abs() < 0.005);
         drawn.geometry.boom_rise = 0.4;
         assert_eq!(drawn.guessed_form_std(), 0.0);
         let by_centre = drawn.loads_common().scale_std;

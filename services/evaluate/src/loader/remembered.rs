@@ -102,9 +102,11 @@ fn one(seed: u64) -> Result<Vec<Score>, Error> {
     Ok(scores)
 }
 
-/// What `heft run --state` stores: the latest trusted slip stiffness, and the latest trusted height and ratio of the empty machine.
+/// What `heft run --state` stores: the latest slip stiffness since it was first trusted, and the latest trusted height and ratio of the
+/// empty machine.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Learnt {
+    was_trusted: bool,
     slip_stiffness: Option<Quantity>,
     cg_height: Option<Quantity>,
     cg_ratio: Option<Quantity>,
@@ -112,7 +114,8 @@ pub(super) struct Learnt {
 
 impl Learnt {
     pub(super) fn see(&mut self, estimate: &Estimate) {
-        if estimate.trusted_ratio {
+        self.was_trusted |= estimate.trusted_ratio;
+        if self.was_trusted && estimate.consistent && estimate.fresh {
             self.slip_stiffness = Some(estimate.slip_stiffness);
         }
         if estimate.trusted_ratio && estimate.of_empty {
@@ -150,7 +153,7 @@ impl Learnt {
                 continue;
             };
             if config::serves([own, of], [*value, *std]).is_ok() {
-                (*value, *std) = (own, config::widened(of, *std, pause));
+                [*value, *std] = config::recalled([own, of], [*value, *std], pause);
                 count += 1;
             }
         }

@@ -140,12 +140,22 @@ impl Message {
 }
 
 impl Place {
-    /// The reading of the signal in a frame.
-    pub(crate) fn read(&self, data: &[u8]) -> Reading {
-        let carried = self.conditions.iter().all(|(multiplexor, values)| {
+    /// Whether a frame of this content has the signal, by its multiplexors.
+    fn is_carried(&self, data: &[u8]) -> bool {
+        self.conditions.iter().all(|(multiplexor, values)| {
             let selected = multiplexor.raw(data);
             selected.is_some_and(|s| values.iter().any(|(low, high)| (*low..=*high).contains(&s)))
-        });
+        })
+    }
+
+    /// Whether a frame should have the signal and ends before it.
+    pub(crate) fn is_behind(&self, data: &[u8]) -> bool {
+        !data.is_empty() && self.layout.raw(data).is_none() && self.is_carried(data)
+    }
+
+    /// The reading of the signal in a frame.
+    pub(crate) fn read(&self, data: &[u8]) -> Reading {
+        let carried = self.is_carried(data);
         let Some(raw) = self.layout.raw(data).filter(|_| carried) else {
             return Reading::Absent;
         };

@@ -266,7 +266,16 @@ impl Bus {
             return None;
         }
         let value = match self.place.read(frame.data()) {
-            Reading::Absent => return None,
+            Reading::Absent => {
+                if self.place.is_behind(frame.data()) {
+                    let (message, signal) = (&self.name.message, &self.name.signal);
+                    let text = format!(
+                        "frames of {message} are too short for {signal}, which is missing there: does the DBC file fit?"
+                    );
+                    remark(remarks, text);
+                }
+                return None;
+            }
             Reading::Missing => f64::NAN,
             Reading::Value(value) => value,
         };

@@ -190,6 +190,36 @@ fn a_file_that_says_it_is_a_log_and_is_not_is_an_error() {
     assert!(error.to_string().len() < 1000, "{error}");
 }
 
+#[test]
+fn a_frame_that_ends_before_a_signal_is_named_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "BO_ 256 SWING: 8 E\n SG_ Speed : 0|16@1- (0.001,0) [0|0] \"rad/s\" E\n \
+                SG_ Torque : 32|32@1- (1,0) [0|0] \"Nm\" E\n";
+    std::fs::write(folder.path().join("m.dbc"), text).expect("writable");
+    let map = "[can]\ndbc = [\"m.dbc\"]\nrate = 100\n[can.signals]\n\
+               swing_velocity = { message = \"SWING\", signal = \"Speed\" }\n\
+               swing_torque = { message = \"SWING\", signal = \"Torque\" }\n";
+    let map = Map::parse(map, folder.path().join("m.toml")).expect("a map");
+    let mut decoder = Decoder::<ExcavatorSensors>::new(&map).expect("a decoder");
+    for n in 0..100 {
+        let data = if n % 10 == 5 {
+            "0100"
+        } else {
+            "0100000000000000"
+        };
+        let line = format!("(0.{n:02}) can0 100#{data}");
+        let Some(Line::Frame { frame, .. }) = parse(&line) else {
+            panic!("a frame: {line}");
+        };
+        decoder.take(&frame);
+    }
+    let remarks = decoder.take_remarks();
+    assert!(
+        remarks.len() == 1 && remarks[0].contains("SWING are too short for Torque"),
+        "{remarks:?}"
+    );
+}
+
 /// A DBC of J1939 need not say that it is one.
 #[test]
 fn a_message_of_the_transport_protocol_is_named() {

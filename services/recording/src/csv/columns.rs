@@ -10,6 +10,7 @@ use super::dialect::{self, BLANK, Dialect};
 use super::front::{comment, is_rule};
 use super::marks::{self, Marks};
 use super::no_number::{NoNumber, ZEROS};
+use super::several::Several;
 use crate::counter::Counter;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
@@ -107,6 +108,12 @@ enum Part {
     },
 }
 
+/// Whether a signal is read from column `at`.
+fn is_used(lines: &[Line], at: usize) -> bool {
+    let mut parts = lines.iter().flat_map(|line| &line.parts);
+    parts.any(|part| matches!(part, Part::Cell { at: its, .. } if *its == at))
+}
+
 /// The character at the end of a text of DOS, Ctrl-Z.
 const END_OF_DOS: &[u8] = b"\x1a";
 
@@ -166,14 +173,10 @@ impl<S: Sensors> Columns<S> {
             });
         }
         require::<S>(entries, &used, &header, file)?;
-        let is_used = |at: &usize| {
-            let mut parts = lines.iter().flat_map(|line: &Line| &line.parts);
-            parts.any(|part| matches!(part, Part::Cell { at: its, .. } if its == at))
-        };
         let machine = header.iter().position(|name| name == MACHINE);
         let is_timed = timings.iter().any(|(t, _)| *t != Timing::default());
         Ok(Self {
-            machine: machine.filter(|at| !is_used(at)),
+            machine: machine.filter(|at| !is_used(&lines, *at)),
             named: Vec::new(),
             numbers: Numbers {
                 dialect,
@@ -188,6 +191,18 @@ impl<S: Sensors> Columns<S> {
             lines,
             sampler: is_timed.then(|| Sampler::new(&timings)),
         })
+    }
+
+    /// Looks for a column that is no signal and names the machine of each row.
+    pub(super) fn several(&self) -> Several {
+        let unused = (0..self.header.len()).filter(|at| !is_used(&self.lines, *at));
+        Several::of(unused, self.lines.len())
+    }
+
+    /// Time and signals of the row that was taken last.
+    pub(super) fn taken(&self) -> (f64, &[f64]) {
+        let time = self.lines.iter().position(|line| line.is_time);
+        (time.map_or(f64::NAN, |at| self.values[at]), &self.values)
     }
 
     /// Messages on sensors whose columns have no value in any row.

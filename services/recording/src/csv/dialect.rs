@@ -122,7 +122,7 @@ fn with_e(text: String) -> String {
 /// Marks of a missing sample, in any capitals: those that pandas reads, German Excel's `#NV`, the errors of a
 /// sheet's formulas, dashes of a logger, the words of a historian for a bad value, the output of C's library on Windows, a
 /// database's `\N`.
-const MISSING: [&str; 66] = [
+const MISSING: [&str; 71] = [
     "na",
     "n/a",
     "n.a.",
@@ -180,6 +180,11 @@ const MISSING: [&str; 66] = [
     // Beyond the range of an instrument, and substitutes of a historian.
     "ol",
     "ovl",
+    "over",
+    "+over",
+    "-over",
+    "overflow",
+    "burnout",
     "over range",
     "under range",
     "out of range",
@@ -197,7 +202,7 @@ fn is_missing(cell: &[u8]) -> bool {
     let is_word = |word: &&str| cell.eq_ignore_ascii_case(word.as_bytes());
     // The errors of a sheet are words of its language; an instrument fills its digits with a mark.
     let is_error = matches!(cell, [b'#', .., b'!' | b'?']);
-    let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-.*".contains(b));
+    let is_filled = cell.len() > 1 && cell.iter().all(|b| b"-+.*_".contains(b));
     // LibreOffice numbers its errors; C's library appends the bits.
     let begins = |word: &str| {
         let head = cell.get(..word.len());
@@ -407,6 +412,9 @@ mod tests {
             "k.A.",
             "nan(0x8000000000000)",
             "Err:502",
+            "+OVER",
+            "+++++",
+            "BURNOUT",
             "[null]",
         ] {
             let number = english.number(word.as_bytes());

@@ -66,6 +66,9 @@ impl NoNumber {
             () if self.is_header && self.is_of_words => {
                 "the header stands here once more, of other columns or in another order: make a file of each recording"
             }
+            () if self.text.chars().any(is_foreign_digit) => {
+                "write the numbers in the digits 0 to 9, of ASCII"
+            }
             () if self.is_of_words => {
                 "its line has words alone: where another table begins there, make a file of each; else delete the line"
             }
@@ -103,6 +106,11 @@ impl NoNumber {
             remedy,
         )
     }
+}
+
+/// Whether this is a digit of another script, or a wide one: `１`, `١`.
+fn is_foreign_digit(c: char) -> bool {
+    matches!(c, '\u{660}'..='\u{669}' | '\u{6f0}'..='\u{6f9}' | '\u{966}'..='\u{96f}' | '\u{ff10}'..='\u{ff19}')
 }
 
 /// Whether a unit follows the number, as in `12.5 kN`.

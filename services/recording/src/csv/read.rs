@@ -10,12 +10,13 @@ use super::exported;
 use super::front::Front;
 use super::header::{check_units, header};
 use super::no_number::{NoNumber, ZEROS};
-use crate::Error;
+use super::several::By;
 use crate::kind;
 use crate::map::Map;
 use crate::packed;
 use crate::signal::{Row, Sensors};
 use crate::unit;
+use crate::{Error, Finding};
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
 /// and `rear_load` \[N\]; a row of units below the header may state others.
@@ -427,6 +428,31 @@ impl<S: Sensors> TableRows<S> {
 pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec<Row<S>>, Error> {
     let mut rows = TableRows::<S>::open(path.as_ref(), map)?;
     std::iter::from_fn(|| rows.row().transpose()).collect()
+}
+
+/// The column by which the rows of a table are of several machines or recordings, if its first `most` rows show one.
+pub(crate) fn several<S: Sensors>(
+    path: &Path,
+    map: Option<&Map>,
+    (by, most): (By, usize),
+) -> Option<Finding> {
+    let mut rows = TableRows::<S>::open(path, map).ok()?;
+    let mut several = rows.columns.several();
+    let mut taken = 0;
+    while several.is_open() && taken < most && rows.records.advance().ok()? {
+        let record = rows.records.record();
+        if rows.columns.is_no_row(record) || rows.columns.is_short(record) {
+            continue;
+        }
+        if rows.columns.take(record).is_ok() {
+            let (time, values) = rows.columns.taken();
+            several.take(record, time, values);
+            // Rows are built as they come.
+            while rows.columns.row().is_some() {}
+            taken += 1;
+        }
+    }
+    several.found(rows.columns.header(), by)
 }
 
 /// Columns of a table that are no signal, each with the most similar name of an absent signal; none if the table

@@ -213,7 +213,7 @@ fn is_serial_date(times: &[f64]) -> bool {
 }
 
 fn mass(values: &[f64]) -> Guess {
-    let largest = values.iter().copied().fold(0.0, f64::max);
+    let largest = rounded(sizes::largest(values.iter()));
     let unit = unit::find("t").filter(|_| largest < 200.0);
     let word = if unit.is_some() { "t" } else { "kg" };
     Guess {

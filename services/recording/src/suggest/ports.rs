@@ -4,12 +4,12 @@ use super::languages::english;
 use super::names::{is_pressure, may_be, wanted};
 use crate::signal::Sensors;
 
-/// A line of a map as a comment, if two free `names` are such pressures and no signal is the torque.
-/// `term` gives a name's place as a term of a map, with this text in its braces.
-pub(crate) fn ports<S: Sensors>(
-    (names, taken, found): (&[&str], &[usize], &[String]),
-    term: impl Fn(usize, &str) -> String,
-) -> String {
+/// Two free `names` that are such pressures, if no signal is the torque.
+pub(crate) fn pair<S: Sensors>(
+    names: &[&str],
+    taken: &[usize],
+    found: &[String],
+) -> Option<[usize; 2]> {
     let is_torque = |signal: &String| signal == "swing_torque";
     let is_open = wanted::<S>().iter().any(is_torque) && !found.iter().any(is_torque);
     let is_port = |at: &usize| {
@@ -18,7 +18,16 @@ pub(crate) fn ports<S: Sensors>(
     };
     let free = (0..names.len()).filter(|at| is_open && !taken.contains(at));
     let ports: Vec<usize> = free.filter(is_port).collect();
-    let [a, b] = ports[..] else {
+    ports.try_into().ok()
+}
+
+/// A line of a map as a comment, if two free `names` are such pressures and no signal is the torque.
+/// `term` gives a name's place as a term of a map, with this text in its braces.
+pub(crate) fn ports<S: Sensors>(
+    (names, taken, found): (&[&str], &[usize], &[String]),
+    term: impl Fn(usize, &str) -> String,
+) -> String {
+    let Some([a, b]) = pair::<S>(names, taken, found) else {
         return String::new();
     };
     let (a, b) = (term(a, ""), term(b, ", sign = -1"));

@@ -22,9 +22,12 @@ const TORQUES: [f64; 2] = [200.0, 1000.0];
 /// Rows per disturbance: a share of 1/100 may be disturbed.
 const DISTURBED: usize = 100;
 
-/// The largest value that is no disturbance.
+/// No number of a machine is as large in any unit: a logger's mark of a missing sample.
+const MARK: f64 = 1e15;
+
+/// The largest value that is no disturbance and no mark of a missing sample.
 pub(super) fn largest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
-    let mut sizes: Vec<f64> = values.map(|x| x.abs()).filter(|x| x.is_finite()).collect();
+    let mut sizes: Vec<f64> = values.map(|x| x.abs()).filter(|x| *x < MARK).collect();
     sizes.sort_by(f64::total_cmp);
     let at = sizes.len().saturating_sub(1 + sizes.len() / DISTURBED);
     sizes.get(at).copied().unwrap_or(0.0)
@@ -58,6 +61,12 @@ pub(super) fn torque(largest: f64) -> (Option<&'static Unit>, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_of_missing_samples_are_no_sizes_however_many_there_are() {
+        let values = [30.0, -33.2, 1e308, 1e30, f64::INFINITY, f64::NAN];
+        assert_eq!(largest(values.iter()), 33.2);
+    }
 
     #[test]
     fn the_largest_pressure_identifies_its_unit() {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::absolute::is_absolute;
 use super::names::{fitting, heads_of_rods, is_pressure, may_be, quoted, wanted};
-use super::ports::ports;
+use super::ports::{pair, ports};
 use super::sides::sides;
 use super::suggestion::{LINKS, Suggestion, links, missing};
 use super::{guessed_unit, lacking, opening, shown, sizes, unit_of};
@@ -21,7 +21,7 @@ const LOOK: usize = 20_000;
 pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let look = csv::look(path, LOOK)?;
     let own = Draft::of::<S>(&look, look.header.clone());
-    let draft = match own.missing::<S>().is_empty() {
+    let mut draft = match own.missing::<S>().is_empty() {
         true => own,
         false => {
             let grouped = Draft::of::<S>(&look, grouped(&look));
@@ -42,6 +42,7 @@ pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     text += &draft.out;
     text += &draft.ports::<S>();
     text += &draft.sides::<S>();
+    draft.offer_ports::<S>();
     let mut offered = draft.taken.clone();
     text += &lacking::<S>(&draft.found, &missing, |signal| {
         draft.by_unit::<S>(signal, &mut offered)
@@ -252,6 +253,18 @@ impl<'a> Draft<'a> {
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
         let term = |at: usize, sign: &str| self.pressure(at, sign);
         ports::<S>((&names, &self.taken, &self.found), term)
+    }
+
+    /// Notes that two pressures of the swing motor are offered: they are not used without a number of the motor.
+    fn offer_ports<S: Sensors>(&mut self) {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let Some(ports) = pair::<S>(&names, &self.taken, &self.found) else {
+            return;
+        };
+        let [a, b] = ports.map(|at| quoted(&self.look.header[at]));
+        self.of_others
+            .push(format!("swing_torque ({a} less {b}, pressures)"));
+        self.taken.extend(ports);
     }
 
     /// Pressures of cylinders whose side or link is to be decided.

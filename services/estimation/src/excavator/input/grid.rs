@@ -67,6 +67,11 @@ impl Tick {
     pub(in crate::excavator) fn has_posture(&self) -> bool {
         self.posture_age < MISSING
     }
+
+    /// No sensor has sent a value.
+    pub(in crate::excavator) fn is_empty(&self) -> bool {
+        self.velocity.is_none() && self.torque_age.min(self.posture_age) > 0.0
+    }
 }
 
 /// Ticks that follow from one row: prediction-only ones, then one with data.
@@ -89,6 +94,16 @@ impl Fill {
         } else {
             1.0
         }
+    }
+
+    /// The tick of the row before.
+    pub(in crate::excavator) fn before(&self) -> &Tick {
+        &self.from
+    }
+
+    /// The tick of the row.
+    pub(in crate::excavator) fn now(&self) -> &Tick {
+        &self.to
     }
 
     /// The ticks, in order; at most 100.

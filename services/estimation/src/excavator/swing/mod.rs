@@ -11,7 +11,7 @@ use self::method::check_method;
 use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
-use super::grid::{Grid, PERIOD, Tick};
+use super::grid::{Fill, Grid, LONG_GAP, PERIOD, Tick};
 use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
 use super::reason::Reason;
@@ -46,6 +46,8 @@ pub struct SwingEstimator {
     bias: f64,
     core: Core,
     elapsed: f64,
+    /// Time for which no sensor has sent a value [s].
+    silent: f64,
     /// Ticks of the grid per row of the source.
     slowness: f64,
     presence_checked: bool,
@@ -90,6 +92,7 @@ impl SwingEstimator {
             bias: 0.0,
             core: Core::new(settings, method, !columns.velocity, false),
             elapsed: 0.0,
+            silent: 0.0,
             slowness: 1.0,
             presence_checked: !auto,
             reading: None,
@@ -178,6 +181,9 @@ impl SwingEstimator {
             }
             if sample.velocity.or(sample.angle).is_some() {
                 self.slowness = fill.slowness();
+            } else if let Some(restarts) = self.wait_for_values(&fill) {
+                self.last = self.estimate(&sample, reset | restarts);
+                return self.last;
             }
             for tick in fill.ticks() {
                 let mut trail = None;
@@ -246,6 +252,32 @@ impl SwingEstimator {
             reset = true;
         }
         reset
+    }
+
+    /// Handles a row without values. Once none has come for longer than a gap that is filled, the filter restarts and waits, since anything
+    /// may have moved. Returns whether it restarts; `None` while it goes on.
+    #[cold]
+    fn wait_for_values(&mut self, fill: &Fill) -> Option<bool> {
+        let tick = fill.now();
+        if !tick.is_empty() {
+            return None;
+        }
+        let before = if fill.before().is_empty() {
+            self.silent
+        } else {
+            0.0
+        };
+        self.silent = before + tick.period;
+        if self.silent <= LONG_GAP {
+            return None;
+        }
+        let restarts = before <= LONG_GAP;
+        if restarts {
+            self.align.clear();
+            self.restart(false);
+        }
+        self.wait(tick);
+        Some(restarts)
     }
 
     /// Follows a change of the torque's hold. An interpolated torque is late by the hold, of which a stated delay includes half. Returns

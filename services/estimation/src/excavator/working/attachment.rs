@@ -69,7 +69,7 @@ pub(super) struct Attachment {
     /// Upper limit of the latter: that of any bucket of the machine \[kg\].
     most: f64,
     /// Soil that sticks in a bucket of known mass.
-    sticking: Sticking,
+    pub(super) sticking: Sticking,
     /// Time since an emptied bucket was last weighed \[s\].
     since: f64,
     /// Number of emptied buckets weighed since a coupler could have exchanged the bucket.

@@ -15,8 +15,10 @@ use crate::excavator::settings::Settings;
 use crate::kalman::Innovation;
 use crate::math::ln;
 
-/// Standard deviation of sticking soil from load to load, and of its lasting change after each load, as shares of the rated payload.
-const STICKING: [f64; 2] = [0.04, 0.005];
+/// Standard deviation of sticking soil from load to load, as a share of that between machines.
+const LOAD_TO_LOAD: f64 = 8.0 / 7.0;
+/// Standard deviation of its lasting change after each load, as a share of that from load to load.
+const LASTING: f64 = 0.125;
 /// Standard deviation of the payload below which motion distinguishes an empty bucket from a loaded one, as a share of the rated payload.
 const KNOWN_STD_SHARE: f64 = 0.15;
 /// Standard deviation between two swings of the weight of a load that stays in an emptied bucket, as a share of the rated payload.
@@ -120,7 +122,7 @@ impl Working {
     /// Widens the bucket's mass: other soil may stick from now on.
     pub(super) fn is_emptied(&mut self) {
         self.tared = true;
-        let changes = STICKING[1] * self.rated;
+        let changes = LASTING * self.sticking();
         for filter in [
             &mut self.filter,
             &mut self.parallel.filter,
@@ -143,7 +145,7 @@ impl Working {
 
     /// Standard deviation of what sticks, from load to load \[kg\].
     pub(super) fn sticking(&self) -> f64 {
-        STICKING[0] * self.rated
+        LOAD_TO_LOAD * self.attachment.sticking.std
     }
 
     /// Returns whether an emptied bucket weighs something that may still be sliding out.

@@ -250,6 +250,12 @@ impl Drawing {
         shown.lifting > CARRIED_AT_LEAST * most.min(shown.empty)
     }
 
+    /// Place of the load in a posture: ahead of the front axle, and above the ground [m].
+    pub fn load_place(&self, v: &[f64; NUMBERS], posture: &Posture) -> [f64; 2] {
+        let load = self.stance(v, posture).places.load(1.0);
+        [v[PIVOT_X] + load[0], v[PIVOT_Z] + load[1]]
+    }
+
     /// The machine with its arm in this stance.
     pub fn empty_at(&self, v: &[f64; NUMBERS], stance: &Stance) -> Empty {
         let now = &stance.places;

@@ -10,7 +10,8 @@ use super::drawing::Drawing;
 use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
 use super::linkage::Linkage;
 use super::numbers::{
-    BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, OFFSET, ROD_AREA, ROD_ZERO, SPAN,
+    BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, LENGTH, LIFT_ZERO, LOAD_DISTANCE,
+    OFFSET, PIVOT_X, PIVOT_Z, ROD_AREA, ROD_ZERO, SPAN, TILT_ZERO,
 };
 use super::seals::Seals;
 use super::signals::Signals;
@@ -36,6 +37,8 @@ const FULLY: f64 = 0.99;
 /// Standard deviations of friction fully against the motion, and of a drawing's moments, as shares of each.
 const FRICTION_LEFT: f64 = 0.15;
 const DRAWN: f64 = 0.003;
+/// Standard deviation of a load's place across the line from the pin, as a share of that along it.
+const BESIDE: f64 = 0.5;
 
 /// Mean moments of a block. Forces are those of all cylinders together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +78,20 @@ pub struct LiftKnown {
     pub correlation: f64,
     /// Force of all cylinders at the pressure at which friction is stated \[N\].
     pub full_force: f64,
+}
+
+/// An arm at rest, by its angle and that of the bucket to the horizontal \[rad\], at half of the full pressure.
+fn still([arm, bucket]: [f64; 2]) -> Posture {
+    Posture {
+        arm: Turn::of(arm),
+        bucket: Turn::of(bucket),
+        head: 0.5 * FULL_PRESSURE,
+        rod: 0.0,
+        gravity: GRAVITY,
+        acceleration: 0.0,
+        seals: 0.0,
+        rest: 0.0,
+    }
 }
 
 /// Computes the mean moments of a recording's blocks.
@@ -138,16 +155,7 @@ impl Lifts {
     pub fn known(&self) -> LiftKnown {
         let d = &self.drawing;
         let full_force = d.full_force(&d.values);
-        let posture = Posture {
-            arm: Turn::of(0.0),
-            bucket: Turn::of(0.0),
-            head: 0.5 * FULL_PRESSURE,
-            rod: 0.0,
-            gravity: GRAVITY,
-            acceleration: 0.0,
-            seals: 0.0,
-            rest: 0.0,
-        };
+        let posture = still([0.0; 2]);
         let here = d.lifting(&d.values, &posture);
         let mut off = self.drawing;
         let effects = [HEAD_AREA, BASE, EYE, CYLINDER_ANGLE].map(|number| {
@@ -168,6 +176,33 @@ impl Lifts {
             correlation: d.correlation,
             full_force,
         }
+    }
+
+    /// Place of a load by the machine file: ahead of the front axle, and above the ground \[m\]; angles of the arm to the horizontal, and of
+    /// the bucket to the arm \[rad\].
+    #[must_use]
+    pub fn load_place(&self, lift: f64, tilt: f64) -> [Quantity; 2] {
+        let (posture, mut off) = (still([lift, lift + tilt]), self.drawing);
+        let here = off.load_place(&off.values, &posture);
+        let along = [
+            LENGTH,
+            PIVOT_X,
+            PIVOT_Z,
+            LIFT_ZERO,
+            TILT_ZERO,
+            LOAD_DISTANCE,
+        ]
+        .map(|number| {
+            off.put_off(number);
+            let there = off.load_place(&off.moved, &posture);
+            [there[0] - here[0], there[1] - here[1]]
+        });
+        let [.., [x, z]] = along;
+        let across = [-z, x].map(|by| BESIDE * by);
+        core::array::from_fn(|axis| Quantity {
+            value: here[axis],
+            std: norm(&[norm(&along.map(|by| by[axis])), across[axis]]),
+        })
     }
 
     /// Estimate of the bucket turn by the rows so far; none where it is stated.

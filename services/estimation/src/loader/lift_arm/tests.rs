@@ -1,6 +1,7 @@
 extern crate std;
 use super::*;
 use crate::loader::keys::{LiftArm, LiftCylinder};
+use crate::math::norm;
 use std::vec::Vec;
 
 /// Greatest age of a value that counts [s].
@@ -38,6 +39,27 @@ pub(super) fn settings() -> Settings {
         ..LiftCylinder::DEFAULT
     };
     settings
+}
+
+#[test]
+fn the_place_of_a_load_has_the_errors_of_the_drawing() {
+    let settings = settings();
+    let lifts = Lifts::new(&settings).expect("a described arm");
+    let [ahead, above] = lifts.load_place(0.0, 0.0);
+    // All level: the lengths add up, and the zeros of the angles raise the load.
+    let (arm, load, zero) = (2.68, 0.59, settings.sensors.angle_offset_std);
+    let along = norm(&[0.01 * arm, 0.01 * arm, 0.1 * load]);
+    let up = norm(&[
+        0.01 * arm,
+        zero * (arm + load),
+        zero * load,
+        0.5 * 0.1 * load,
+    ]);
+    for (found, value, std) in [(ahead, arm + load - 1.05, along), (above, 1.32, up)] {
+        assert!((found.value - value).abs() < 1e-12, "{found:?}");
+        // An angle of the size of the zeros is no differential.
+        assert!((found.std / std - 1.0).abs() < 1e-3, "{found:?} {std}");
+    }
 }
 
 /// One second of work: angles of arm and bucket [rad] and payload [kg] at its end, and direction of the friction.

@@ -63,6 +63,9 @@ pub fn run<S: Message, T: Message, E: Estimate>(
         }
     }
     samples.check()?;
+    if doubts.is_out_of_order() {
+        doubts.parted(samples.several());
+    }
     doubts.has_rows()?;
     let written = writer.finish()?;
     if let (Some(notes), Some(report)) = (notes, &args.report) {

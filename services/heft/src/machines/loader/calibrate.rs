@@ -1,6 +1,7 @@
 //! `heft calibrate loader`.
 
 use calibrate::loader::{self as machine, StatedLoad};
+use estimation::{GRAVITY, Quantity};
 
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::calibrate::inputs::{names, origin, samples};
@@ -34,7 +35,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
             name,
             samples: rows.iter().map(steps::loader::sample).collect(),
             stated: StatedLoad {
-                mass,
+                mass: mass.or(scales[i + 1].mass),
                 ..scales[i + 1]
             },
             payload: payloads[i],
@@ -77,7 +78,15 @@ fn weighed(args: &CalibrateArgs, d: &config::Loader) -> Result<Vec<StatedLoad>, 
                 "state one for the empty machine, and one for each recording",
             ));
         }
-        all[at] = StatedLoad::weighed(&reference, SCALE_STD);
+        // The readings are in newtons.
+        let mass = reference.level_load.map(|load| Quantity {
+            value: load / GRAVITY,
+            std: SCALE_STD * load / GRAVITY,
+        });
+        all[at] = StatedLoad {
+            mass,
+            ..StatedLoad::weighed(&reference, SCALE_STD)
+        };
     }
     Ok(all)
 }
