@@ -312,7 +312,18 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         outcome.faults = vec![NOTHING.into()];
         return;
     };
-    let disagreement = words::disagreement(swings, &found, (&outcome.fixed, &held));
+    // A load lies differently in each recording; the deviations have what it does to all of them by `Role::Lever`.
+    let roles = swings.roles.iter().zip(&held);
+    let between: Vec<f64> = roles
+        .map(|(role, &held)| {
+            if matches!(role, Role::Centre(_)) {
+                1.0
+            } else {
+                held
+            }
+        })
+        .collect();
+    let disagreement = words::disagreement(swings, &found, (&outcome.fixed, &between));
     for (i, difference) in disagreement.widths {
         found.uncertainty.widen(i, difference);
     }
@@ -391,7 +402,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
 fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     let d = options.description;
     let stated = |role: &Role, p: &Parameter| match role {
-        Role::Lever | Role::Centre(_) | Role::AngleOffset(_) => p.std,
+        Role::Lever | Role::AngleOffset(_) => p.std,
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
         Role::Gain => d.number("sensors.swing_torque_gain_std").unwrap_or(0.0),
@@ -400,6 +411,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Inertia
         | Role::Links
         | Role::Bucket
+        | Role::Centre(_)
         | Role::Delay
         | Role::MotionNoise
         | Role::TorqueNoise

@@ -440,7 +440,7 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
 }
 
 /// Standard deviation of the centre of a load in the bucket where none is stated, as a share of its distance from the bucket's pin: loads
-/// lie differently.
+/// lie differently from recording to recording.
 const LIES: f64 = 0.05;
 
 /// Centre of the load in the bucket.
