@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x1efb9bdau
+#define HEFT_ABI 0x047d00eau
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -222,6 +222,9 @@ typedef struct {
     double links_gain_correlation; /* Correlation of the errors of the masses of boom and arm with that of sensors.swing_torque_gain, where `heft calibrate` has found them together; "none": nobody has, and what the lengths do to the inertia comes on top of mass_tolerance. */
     double upper_gain_correlation; /* The same of the upper body's inertia with that gain. */
     double upper_links_correlation; /* The same of the upper body's inertia with the masses of boom and arm. */
+    double bucket_gain_correlation; /* Correlation of the error of the bucket's mass with that of sensors.swing_torque_gain; "none": the calibration scaled the bucket by the factor of boom and arm. */
+    double upper_bucket_correlation; /* The same of the upper body's inertia with the bucket's mass. */
+    double links_bucket_correlation; /* The same of the masses of boom and arm with the bucket's mass. */
     double geometry_tolerance; /* Relative standard deviation of the described lengths. */
     double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
     double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */
@@ -235,6 +238,7 @@ typedef struct {
     double arm_centre; /* Arm pin to the arm's centre of mass (c2). [m] */
     double bucket_centre; /* Bucket pin to the bucket's centre of mass (c3). [m] */
     double payload_centre; /* Bucket pin to the payload's centre of mass (cp). [m] */
+    double payload_centre_std; /* Standard deviation of that centre, along the bucket and across; "none" takes 5 % of payload_centre in `heft calibrate`, and the spread among machines where payload_centre is guessed. [m] */
     double boom_rise; /* Height of the boom's centre of mass above the line of its pins: goosenecks have some .085 of its length (n1). [m] */
     double bucket_rise; /* The bucket's centre of mass beside the line from its pin to its tip, on the side of its back (n3). [m] */
     double payload_rise; /* The same of the payload's (np). [m] */

@@ -5,7 +5,11 @@
 //! ```text
 //! d = -j' r_p / V,   j = column i of J_p,   V = j'j - j'J_p C^-1 J_p'j,   variance 1/V
 //! ```
-//! Swings scatter by more than noise, so z = d sqrt(V) is divided by the factor of the jackknife.
+//! Swings scatter by more than noise, so V is multiplied by the squared factor f of the jackknife in z. An error e of a held parameter k, with
+//! tolerance t and gradient J_k, moves the fit and both sides of the difference, and is no other machine (Schmidt 1966):
+//! ```text
+//! z = -j' r_p / sqrt(f^2 V + sum_k (t_k j'(J_kp - J_p C^-1 J' J_k))^2)
+//! ```
 
 use faer::Mat;
 
@@ -26,11 +30,12 @@ pub struct Difference {
     pub sizes: f64,
 }
 
-/// Differences of these parameters in each part, the most significant first. A part is a set of blocks.
+/// Differences of these parameters in each part, the most significant first. A part is a set of blocks; `held` are the tolerances of fixed
+/// parameters, in prior standard deviations.
 pub fn differences(
     fit: &Fit,
     uncertainty: &Uncertainty,
-    fixed: &[bool],
+    (fixed, held): (&[bool], &[f64]),
     parts: &[Vec<usize>],
     asked: &[usize],
 ) -> Vec<Difference> {
@@ -46,6 +51,12 @@ pub fn differences(
     let Some(covariance) = algebra::inverse(&curvature) else {
         return Vec::new();
     };
+    // How the fit follows an error of each held parameter.
+    let considered: Vec<usize> = (0..n).filter(|&k| fixed[k] && held[k] > 0.0).collect();
+    let follows = Mat::from_fn(free.len(), considered.len(), |a, k| {
+        held[considered[k]] * product(&whole, free[a], considered[k])
+    });
+    let follows = &covariance * follows;
     let mut found = Vec::new();
     for (part, blocks) in parts.iter().enumerate() {
         if blocks.is_empty() {
@@ -60,8 +71,17 @@ pub fn differences(
             let variance = own - shared;
             // A parameter that only this part determines cannot be compared.
             if variance > 1e-6 * own {
-                let by = -product(&rows, i, n) / variance;
-                let sizes = by * variance.sqrt() / uncertainty.widened;
+                let score = -product(&rows, i, n);
+                let moved = across.transpose() * &follows;
+                let of_held = considered
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &h)| (held[h] * product(&rows, i, h) - moved[(0, k)]).powi(2));
+                let noise = uncertainty.widened.powi(2) * variance;
+                let (by, sizes) = (
+                    score / variance,
+                    score / (noise + of_held.sum::<f64>()).sqrt(),
+                );
                 found.push(Difference {
                     part,
                     parameter: i,
@@ -98,7 +118,7 @@ mod tests {
             widened: 1.0,
         };
         let parts = [vec![0, 1, 2, 3], vec![4, 5, 6, 7]];
-        let found = differences(&fit, &exact, &[false], &parts, &[0]);
+        let found = differences(&fit, &exact, (&[false], &[0.0]), &parts, &[0]);
         found.first().copied()
     }
 
@@ -112,6 +132,41 @@ mod tests {
         assert!(
             (other.sizes.abs() - 0.6 / 0.1 * 2.0_f64.sqrt()).abs() < 0.1,
             "{other:?}"
+        );
+    }
+
+    #[test]
+    fn what_a_held_parameter_explains_within_its_tolerance_is_no_difference() {
+        // The held one acts on the second half only, by as much as that half differs.
+        let block = |k: usize| {
+            let row = match k < 4 {
+                true => [10.0, 0.0, 3.0],
+                false => [10.0, 10.0, -3.0],
+            };
+            algebra::triangle(&Mat::from_fn(1, 3, |_, j| row[j]))
+        };
+        let fit = Fit {
+            place: vec![0.0; 2],
+            cost: 0.0,
+            information: (0..8).map(block).collect(),
+            interrupted: false,
+        };
+        let exact = Uncertainty {
+            covariance: Mat::zeros(2, 2),
+            noise: vec![0.0; 2],
+            widened: 1.0,
+        };
+        let parts = [vec![0, 1, 2, 3], vec![4, 5, 6, 7]];
+        let size = |tolerance: f64| {
+            let settings = (&[false, true][..], &[0.0, tolerance][..]);
+            let found = differences(&fit, &exact, settings, &parts, &[0]);
+            found.first().expect("two parts").sizes.abs()
+        };
+        assert!(
+            size(0.0) > 8.0 && size(0.6) < 1.1,
+            "{} {}",
+            size(0.0),
+            size(0.6)
         );
     }
 }

@@ -66,6 +66,29 @@ impl FitResult {
     }
 }
 
+impl FitResult {
+    /// Replaces what is known of a parameter by another value and deviation, in prior standard deviations; the other parameters follow
+    /// by their correlations with it.
+    pub fn learn(&mut self, i: usize, place: f64, std: f64) {
+        let covariance = &mut self.uncertainty.covariance;
+        let own = covariance[(i, i)];
+        if own <= 0.0 {
+            return;
+        }
+        let follows: Vec<f64> = (0..covariance.nrows())
+            .map(|j| covariance[(j, i)] / own)
+            .collect();
+        let moved = place - self.fit.place[i];
+        let gained = std * std - own;
+        for (j, of_j) in follows.iter().enumerate() {
+            self.fit.place[j] += of_j * moved;
+            for (k, of_k) in follows.iter().enumerate() {
+                covariance[(j, k)] += of_j * of_k * gained;
+            }
+        }
+    }
+}
+
 /// Fits without one block in four, and returns the agreement on those.
 fn judge<M: Model>(task: &Task<'_, M>, whole: &Fit) -> [Agreement; 2] {
     let mut counted = vec![0; task.model.blocks()];

@@ -408,3 +408,108 @@ fn what_is_calibrated_is_trusted_on_another_load_though_it_stays_when_the_bucket
     assert!(share("trusted") > 70.0, "{after}");
     assert!(share("rms") < 1.0 && share("wrong") < 7.0, "{after}");
 }
+
+#[test]
+fn a_bucket_heavier_than_stated_goes_to_the_bucket_and_not_to_the_upper_body() {
+    let truth = Truth {
+        bucket: 1.15,
+        ..Truth::new(3)
+    };
+    let outcome = run(
+        &[
+            input("empty", truth.record(0.0, 1), 0.0),
+            input("loaded", truth.record(423.0, 2), 423.0),
+        ],
+        None,
+    );
+    assert_eq!(outcome.faults, Vec::<String>::new());
+    let upper = Geometry::default().upper_inertia;
+    for (role, true_value) in [
+        (Role::Bucket, truth.bucket * truth.links),
+        (Role::Links, truth.links),
+        (Role::Inertia, upper),
+        (Role::Gain, truth.gain),
+    ] {
+        let q = outcome.quantity(role).expect("a value");
+        let error = (q.value - true_value).abs();
+        assert!(error < 2.5 * q.std, "{role:?} {q:?} {true_value}");
+    }
+    let before = config::Excavator::default();
+    let (after, _) = outcome.description(&before, &[]).expect("a description");
+    let scale = after.geometry.bucket_mass / before.geometry.bucket_mass;
+    let bucket = outcome.quantity(Role::Bucket).expect("a value");
+    assert!((scale - bucket.value).abs() < 0.1 * bucket.std, "{scale}");
+    assert!(after.machine.bucket_gain_correlation.is_some());
+    let settings = estimation::excavator::Settings::of(&after);
+    assert_eq!(settings.check(), Ok(()));
+}
+
+#[test]
+fn oil_that_was_cold_in_the_loaded_recording_is_called_so() {
+    let warm = Truth::new(3);
+    let cold = Truth {
+        damping: 1.5 * warm.damping,
+        friction: 1.5 * warm.friction,
+        ..warm
+    };
+    let outcome = run(
+        &[
+            input("empty", warm.record(0.0, 1), 0.0),
+            input("loaded", cold.record(423.0, 2), 423.0),
+        ],
+        None,
+    );
+    says(&outcome, "oil that was cold");
+}
+
+#[test]
+fn two_weighed_loads_need_no_empty_recording() {
+    let truth = Truth::new(3);
+    let outcome = run(
+        &[
+            input("half", truth.record(200.0, 1), 200.0),
+            input("loaded", truth.record(423.0, 2), 423.0),
+        ],
+        None,
+    );
+    assert_eq!(outcome.faults, Vec::<String>::new());
+    let gain = outcome.quantity(Role::Gain).expect("a value");
+    assert!((gain.value - truth.gain).abs() < 3.0 * gain.std, "{gain:?}");
+}
+
+#[test]
+fn a_guessed_load_centre_leaves_the_gain_no_wider_than_its_prior() {
+    let truth = Truth::new(3);
+    let mut description = config::Excavator::default();
+    description.machine.operating_mass = Some(5500.0);
+    description.geometry.payload_centre = description.of_its_size().geometry.payload_centre;
+    assert!(description.load_centre_share() > 0.02);
+    let inputs = [
+        input("empty", truth.record(0.0, 1), 0.0),
+        input("loaded", truth.record(423.0, 2), 423.0),
+    ];
+    let outcome = calibrate(&inputs, &Options::of(&description)).expect("known keys");
+    let gain = outcome.quantity(Role::Gain).expect("a value");
+    assert!(gain.std < 0.05, "{gain:?}");
+    assert!((gain.value - truth.gain).abs() < 2.0 * gain.std, "{gain:?}");
+}
+
+#[test]
+fn a_load_stated_wrong_within_what_the_motion_can_tell_is_inside_the_interval() {
+    let truth = Truth::new(3);
+    let loaded = Input {
+        payload: Some(Quantity {
+            value: 1.08 * 423.0,
+            std: 2.0,
+        }),
+        ..input("loaded", truth.record(423.0, 2), 0.0)
+    };
+    let outcome = run(&[input("empty", truth.record(0.0, 1), 0.0), loaded], None);
+    let gain = outcome.quantity(Role::Gain).expect("a value");
+    let error = (gain.value - truth.gain).abs();
+    assert!(
+        !outcome.faults.is_empty() || error < 2.0 * gain.std,
+        "{gain:?} {}",
+        truth.gain
+    );
+}

@@ -64,6 +64,10 @@ fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing(
             *needed = if *needed > 0.0 { *needed } else { 0.5 };
         }
         described.machine.links_gain_correlation.get_or_insert(-0.5);
+        described
+            .machine
+            .bucket_gain_correlation
+            .get_or_insert(-0.5);
         excavator::Settings::of(&described)
     };
     let default = excavator::Settings::of(&Excavator::default());

@@ -54,40 +54,103 @@ pub struct CylinderFit {
 /// Fit of the described cylinders, or why there is none; `None` where no cylinder is described or no pressure
 /// measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
-    let cylinder = Cylinder::of_boom(d)?;
-    let geometry = Geometry::of(d);
-    let offsets = Settings::of(d).sensors.angle_offsets;
-    let keeping = Cylinder {
-        kept: 1.0,
-        ..cylinder
-    };
-    let known: Vec<(&Input, Quantity)> = inputs
-        .iter()
-        .filter_map(|input| Some((input, input.payload?)))
-        .collect();
-    let runs: Vec<Vec<Moment>> = known
-        .iter()
-        .map(|(input, payload)| moments(&geometry, (keeping, offsets), input, *payload))
-        .collect();
-    if runs.iter().all(Vec::is_empty) {
-        return None;
-    }
-    let moved = |sign: f64| -> f64 {
-        let moving = runs.iter().flatten().filter(|m| m.moves);
-        let these = moving.filter(|m| m.direction * sign > 0.0);
-        these.map(|m| m.period.min(GAP)).sum()
-    };
-    if [1.0, -1.0]
-        .into_iter()
-        .any(|sign| moved(sign) < LEAST_MOTION)
-    {
+    let lifts = Recorded::of(d, inputs)?;
+    if !lifts.move_both_ways() {
         return Some(Err(
             "the boom's cylinders keep the values of the machine file: lift and lower the boom slowly and fully, twice, while the upper body stands"
                 .into(),
         ));
     }
-    let loads: Vec<Quantity> = known.iter().map(|(_, payload)| *payload).collect();
-    Some(fit(d, &cylinder, &runs, &loads))
+    Some(fit(d, &lifts))
+}
+
+/// The load of a recording by the pressures, without its stated mass.
+pub fn weigh(d: &Description, inputs: &[Input], recording: usize) -> Option<Quantity> {
+    let stated = inputs[recording].payload?;
+    let mut inputs = inputs.to_vec();
+    let open = Quantity {
+        std: stated.value,
+        ..stated
+    };
+    inputs[recording].payload = Some(open);
+    let lifts = Recorded::of(d, &inputs)?;
+    let run = inputs[..recording].iter().filter(|i| i.payload.is_some());
+    let at = LOADS + run.count();
+    if !lifts.move_both_ways() || lifts.runs[at - LOADS].is_empty() {
+        return None;
+    }
+    let (before, after) = lifts.solve(d)?;
+    let error = after.quantity(at, &before);
+    Some(Quantity {
+        value: stated.value + error.value,
+        std: error.std,
+    })
+}
+
+/// The moments of recordings with known loads.
+struct Recorded {
+    cylinder: Cylinder,
+    runs: Vec<Vec<Moment>>,
+    loads: Vec<Quantity>,
+}
+
+impl Recorded {
+    /// `None` where no cylinder is described or no pressure measured.
+    fn of(d: &Description, inputs: &[Input]) -> Option<Self> {
+        let cylinder = Cylinder::of_boom(d)?;
+        let geometry = Geometry::of(d);
+        let offsets = Settings::of(d).sensors.angle_offsets;
+        let keeping = Cylinder {
+            kept: 1.0,
+            ..cylinder
+        };
+        let known = inputs
+            .iter()
+            .filter_map(|input| Some((input, input.payload?)));
+        let (runs, loads): (Vec<Vec<Moment>>, Vec<Quantity>) = known
+            .map(|(input, load)| (moments(&geometry, (keeping, offsets), input, load), load))
+            .unzip();
+        let is_measured = runs.iter().any(|run| !run.is_empty());
+        is_measured.then_some(Self {
+            cylinder,
+            runs,
+            loads,
+        })
+    }
+
+    fn move_both_ways(&self) -> bool {
+        let moved = |sign: f64| -> f64 {
+            let moving = self.runs.iter().flatten().filter(|m| m.moves);
+            let these = moving.filter(|m| m.direction * sign > 0.0);
+            these.map(|m| m.period.min(GAP)).sum()
+        };
+        [1.0, -1.0]
+            .into_iter()
+            .all(|sign| moved(sign) >= LEAST_MOTION)
+    }
+
+    /// Described frictions in motion and at rest \[N\].
+    fn frictions(&self) -> [f64; 2] {
+        let friction = self.cylinder.friction[0];
+        [friction, self.cylinder.kept * friction]
+    }
+
+    /// The unknowns before and after the recordings.
+    fn solve(&self, d: &Description) -> Option<(Solution, Solution)> {
+        let before = before(d, &self.cylinder, &self.loads);
+        let frictions = self.frictions();
+        let unknowns = LOADS + self.runs.len();
+        let runs = self.runs.iter().zip(&self.loads).enumerate();
+        let equations: Vec<Equation> = runs
+            .flat_map(|(run, (moments, load))| {
+                let of = move |m| equation(frictions, m, (run, load.value), unknowns);
+                moments.iter().map(of)
+            })
+            .collect();
+        // Equations far from the first solution belong to a bucket on the ground.
+        let after = before.after(&equations, FADING)?;
+        Some((before, after))
+    }
 }
 
 /// The moments of a recording while the bucket is in the air with its load. The seals are assumed to retain all of their friction at rest.
@@ -114,28 +177,11 @@ fn moments(
         .collect()
 }
 
-fn fit(
-    d: &Description,
-    cylinder: &Cylinder,
-    runs: &[Vec<Moment>],
-    loads: &[Quantity],
-) -> Result<CylinderFit, String> {
-    let [friction, friction_std] = cylinder.friction;
-    let frictions = [friction, cylinder.kept * friction];
-    let before = before(d, cylinder, loads);
-    let equations: Vec<Equation> = runs
-        .iter()
-        .zip(loads)
-        .enumerate()
-        .flat_map(|(run, (moments, load))| {
-            let of = move |m| equation(frictions, m, (run, load.value), LOADS + runs.len());
-            moments.iter().map(of)
-        })
-        .collect();
-    // Equations far from the first solution belong to a bucket on the ground.
-    let solution = before
-        .after(&equations, FADING)
-        .ok_or("the boom's cylinders are not determined")?;
+fn fit(d: &Description, lifts: &Recorded) -> Result<CylinderFit, String> {
+    let [friction, friction_std] = lifts.cylinder.friction;
+    let frictions = lifts.frictions();
+    let solved = lifts.solve(d);
+    let (before, solution) = solved.ok_or("the boom's cylinders are not determined")?;
     let c = &d.boom_cylinder;
     let full_force = c.count * c.head_area * FULL_PRESSURE;
     let common = cylinders::CylinderFit::of(&solution, &before, friction, full_force);

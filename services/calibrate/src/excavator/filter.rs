@@ -39,8 +39,10 @@ pub struct Guess {
     pub gain: f64,
     /// Inertia of the upper body [kg m^2].
     pub upper_inertia: f64,
-    /// Masses and inertias of boom, arm and bucket over the described ones.
+    /// Masses and inertias of boom and arm over the described ones.
     pub link_scale: f64,
+    /// The same of the bucket.
+    pub bucket_scale: f64,
     /// Delay of the velocity minus that of the torque [s].
     pub delay: f64,
     /// Noise of the velocity [rad/s], or of the angle [rad].
@@ -51,6 +53,8 @@ pub struct Guess {
     pub payload: f64,
     /// Inertia of a load over that from its described position in the bucket.
     pub lever: f64,
+    /// Place of the load's centre beyond the described one, along and beside the line from the bucket's pin to its tip \[m\].
+    pub centre: [f64; 2],
     /// Shares of the load that swing at each of the rates.
     pub swinging: [f64; RATES.len()],
     /// Offsets of the joint angles beyond the described ones, measured less true \[rad\].
@@ -87,12 +91,23 @@ impl Inertias<'_> {
     fn row(&self, k: usize) -> f64 {
         let s = self.series;
         let g = self.guess;
-        let [mut links, mut leverage] = [s.links[k], s.leverage[k]];
+        let [mut links, mut leverage] = [s.links[k], self.leverage(k)];
+        // What the offsets do to the bucket is scaled as boom and arm: an error of second order.
         for (offset, [of_links, of_load]) in g.angle_offsets.iter().zip(s.per_angle[k]) {
             links -= offset * of_links;
             leverage -= offset * of_load;
         }
-        g.upper_inertia + g.link_scale * links + g.lever * self.payload * leverage
+        g.upper_inertia
+            + g.link_scale * links
+            + g.bucket_scale * s.bucket[k]
+            + g.lever * self.payload * leverage
+    }
+
+    /// Inertia per kilogram of load at the measured posture [m^2].
+    fn leverage(&self, k: usize) -> f64 {
+        let [along, beside] = self.guess.centre;
+        let [by_along, by_beside] = self.series.per_centre[k];
+        self.series.leverage[k] + along * by_along + beside * by_beside
     }
 
     /// Relative momentum of the swinging load, divided by the inertia 1/`ease` of the whole machine [rad/s].
@@ -103,13 +118,15 @@ impl Inertias<'_> {
         let (s, g) = (self.series, self.guess);
         let shares = g.swinging.iter().zip(s.swinging[k]);
         let velocity: f64 = shares.map(|(share, rate)| share * rate).sum();
-        g.lever * self.payload * s.leverage[k] * velocity * ease
+        g.lever * self.payload * self.leverage(k) * velocity * ease
     }
 
     /// Moment of gravity due to a slope of the ground [N m].
     fn pull(&self, k: usize) -> f64 {
         let (s, g) = (self.series, self.guess);
-        let moment = g.upper_moment + g.link_scale * s.moment[k] + self.payload * s.radius[k];
+        let [links, bucket] = s.moment[k];
+        let attachment = g.link_scale * links + g.bucket_scale * bucket;
+        let moment = g.upper_moment + attachment + self.payload * s.radius[k];
         let [cos, sin] = s.heading[k];
         GRAVITY * moment * (g.slope[0] * cos + g.slope[1] * sin)
     }

@@ -1,12 +1,13 @@
 //! Loads in the bucket: finds the swings of a loaded recording that carry the load, and checks the
 //! stated loads.
 
-use estimation::Quantity;
+use estimation::{HALF_WIDTH_95, Quantity};
 use faer::Mat;
 
 use super::filter;
 use super::series::Load;
 use super::swings::{Role, Swings};
+use super::words;
 use crate::algebra;
 use crate::column::percentile;
 use crate::fit::{Task, values};
@@ -25,6 +26,7 @@ const MIXED: f64 = 0.3;
 /// those that are neither loaded nor empty. `place` is a first fit of all other parameters. Returns a fault.
 pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     let values = values(swings, place);
+    let has_empty = swings.stated.iter().flatten().any(|t| t.value == 0.0);
     for recording in 0..swings.series.len() {
         let Some(stated) = swings.stated[recording].filter(|t| t.value > 0.0) else {
             continue;
@@ -45,10 +47,7 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
                 percentile(found.iter().map(|m| m.value).collect(), 0.05),
                 percentile(found.iter().map(|m| m.value).collect(), 0.95),
             );
-            return Some(format!(
-                "the load of {} changes from swing to swing, about {low:.0} to {high:.0} kg; record one weighed load in every swing",
-                series.name
-            ));
+            return Some(words::changing_load(&series.name, [low, high], has_empty));
         }
         let mut each = found.iter();
         series.swings.retain_mut(|swing| {
@@ -67,29 +66,42 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     None
 }
 
-/// The load of each swing of a recording, starting at a guess. Each swing has its own load, and the ground one slope with its
-/// prior. Each step is a Gauss-Newton step with the loads eliminated.
+/// Parameters that a recording has of its own while its swings are weighed: slopes of the ground; damping and friction of its oil.
+const OWN: usize = 4;
+
+/// The load of each swing of a recording, starting at a guess. Each swing has its own load, and the recording its own slopes, damping and
+/// friction with their priors. Each step is a Gauss-Newton step with the loads eliminated.
 fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Quantity> {
-    let slopes = [Role::Across(recording), Role::Along(recording)];
-    let slopes = slopes.map(|role| swings.index(role));
+    let own = [
+        Role::Across(recording),
+        Role::Along(recording),
+        Role::Damping,
+        Role::Friction,
+    ];
+    let own = own.map(|role| swings.index(role));
     let mut values = values.to_vec();
     let blocks = swings.blocks_of(recording);
     let mut loads = vec![guess; blocks.len()];
     let mut stds = vec![f64::INFINITY; blocks.len()];
+    let places =
+        |values: &[f64]| own.map(|i| i.map_or(0.0, |i| swings.parameters[i].place(values[i])));
+    // Level ground; damping and friction as in the first fit.
+    let mut mean = places(&values);
+    mean[..2].fill(0.0);
     for _ in 0..3 {
         let each = blocks.iter().zip(&loads);
-        let stated: Vec<[[f64; 4]; 3]> = each
-            .map(|(&block, &load)| products(swings, block, &values, load, slopes))
+        let stated: Vec<Products> = each
+            .map(|(&block, &load)| products(swings, block, &values, load, own))
             .collect();
-        // The slope, in prior standard deviations.
-        let place = slopes.map(|s| s.map_or(0.0, |s| swings.parameters[s].place(values[s])));
-        let mut matrix = Mat::<f64>::identity(2, 2);
-        let mut right = Mat::from_fn(2, 1, |i, _| -place[i]);
+        // In prior standard deviations.
+        let place = places(&values);
+        let mut matrix = Mat::<f64>::identity(OWN, OWN);
+        let mut right = Mat::from_fn(OWN, 1, |i, _| mean[i] - place[i]);
         for p in stated.iter().filter(|p| p[0][0] > 0.0) {
-            for i in 0..2 {
+            for i in 0..OWN {
                 let share = p[0][i + 1] / p[0][0];
-                right[(i, 0)] -= p[i + 1][3] - share * p[0][3];
-                for j in 0..2 {
+                right[(i, 0)] -= p[i + 1][OWN + 1] - share * p[0][OWN + 1];
+                for j in 0..OWN {
                     matrix[(i, j)] += p[i + 1][j + 1] - share * p[0][j + 1];
                 }
             }
@@ -100,15 +112,15 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
         let step = &covariance * &right;
         for ((load, std), p) in loads.iter_mut().zip(&mut stds).zip(&stated) {
             if p[0][0] > 0.0 {
-                let across = Mat::from_fn(2, 1, |i, _| p[0][i + 1] / p[0][0]);
+                let across = Mat::from_fn(OWN, 1, |i, _| p[0][i + 1] / p[0][0]);
                 let moved = (across.transpose() * &step)[(0, 0)];
                 let doubt = (across.transpose() * &covariance * &across)[(0, 0)];
-                *load -= p[0][3] / p[0][0] + moved;
+                *load -= p[0][OWN + 1] / p[0][0] + moved;
                 *std = (1.0 / p[0][0] + doubt).sqrt();
             }
         }
-        for (i, slope) in slopes.into_iter().enumerate() {
-            if let Some(s) = slope {
+        for (i, own) in own.into_iter().enumerate() {
+            if let Some(s) = own {
                 values[s] = swings.parameters[s].value(place[i] + step[(i, 0)]);
             }
         }
@@ -117,15 +129,18 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
     found.map(|(value, std)| Quantity { value, std }).collect()
 }
 
-/// Products of the derivatives of a swing's innovations with respect to load and slope, with each other and with the innovations.
+/// Products of the derivatives of a swing's innovations with respect to its load and the parameters of the recording, with each other and,
+/// in the last column, with the innovations.
+type Products = [[f64; OWN + 2]; OWN + 1];
+
 fn products(
     swings: &Swings,
     block: usize,
     values: &[f64],
     load: f64,
-    slopes: [Option<usize>; 2],
-) -> [[f64; 4]; 3] {
-    const STEPS: [f64; 3] = [1.0, 1e-2, 1e-2];
+    own: [Option<usize>; OWN],
+) -> Products {
+    const STEPS: [f64; OWN + 1] = [1.0, 1e-2, 1e-2, 1e-2, 1e-2];
     let (series, swing) = swings.swing(block);
     let at = |moved: Option<usize>| {
         let mut values = values.to_vec();
@@ -133,7 +148,7 @@ fn products(
         match moved {
             Some(0) => payload += STEPS[0],
             Some(i) => {
-                if let Some(s) = slopes[i - 1] {
+                if let Some(s) = own[i - 1] {
                     values[s] += STEPS[i] * swings.parameters[s].std;
                 }
             }
@@ -147,17 +162,19 @@ fn products(
         filter::innovations(series, swing, &guess, &mut innovations);
         innovations
     };
-    let (here, there) = (at(None), [0, 1, 2].map(|i| at(Some(i))));
-    let mut sums = [[0.0; 4]; 3];
+    let here = at(None);
+    let there: [_; OWN + 1] = std::array::from_fn(|i| at(Some(i)));
+    let mut sums = [[0.0; OWN + 2]; OWN + 1];
     for (k, a) in here.iter().enumerate() {
-        let mut row = [0.0, 0.0, 0.0, a.value];
-        for i in 0..3 {
+        let mut row = [0.0; OWN + 2];
+        row[OWN + 1] = a.value;
+        for i in 0..=OWN {
             row[i] = there[i]
                 .get(k)
                 .map_or(0.0, |b| (b.value - a.value) / STEPS[i]);
         }
-        for i in 0..3 {
-            for j in 0..4 {
+        for i in 0..=OWN {
+            for j in 0..OWN + 2 {
                 sums[i][j] += row[i] * row[j] / a.variance;
             }
         }
@@ -181,22 +198,140 @@ pub fn differ(swings: &Swings) -> bool {
     loads.iter().any(|load| far(load, &loads[0]))
 }
 
-/// The load of a recording, as stated and as identified with the masses and torque of the description.
+/// A stated load, and what all other measurements and tolerances of the description say of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Doubt {
+    /// Number of the recording.
+    pub recording: usize,
     /// Name of the recording.
     pub name: String,
     /// Stated load \[kg\].
     pub stated: Quantity,
-    /// Load from the description's masses and torque \[kg\].
-    pub found: Quantity,
+    /// Load by the motion, with the description's masses and torque \[kg\].
+    pub by_motion: Quantity,
+    /// Load by the pressures of the boom's cylinders \[kg\].
+    pub by_pressures: Option<Quantity>,
 }
 
+/// Distance of a stated load from the other measurements, in standard deviations, beyond which it is misstated: one sound load in 2000.
+const CONTRADICTED: f64 = 3.5;
+/// The same for a remark.
+const DOUBTED: f64 = 2.0;
+/// Share of stated loads that are wrong by more than their stated deviation, and the relative standard deviation of these: another
+/// bucketful, a volume for a mass, a weighing of another day.
+const MISSTATED: (f64, f64) = (0.1, 0.1);
+
 impl Doubt {
+    /// The load by all but its statement \[kg\].
+    #[must_use]
+    pub fn found(&self) -> Quantity {
+        let pressures = self.by_pressures;
+        pressures.map_or(self.by_motion, |p| combined(self.by_motion, p))
+    }
+
     /// Distance of the two, in standard deviations.
     #[must_use]
     pub fn distance(&self) -> f64 {
-        distance(&self.stated, &self.found)
+        distance(&self.stated, &self.found())
+    }
+
+    /// Whether the stated load is refused.
+    #[must_use]
+    pub fn contradicts(&self) -> bool {
+        self.distance() > CONTRADICTED
+    }
+
+    /// Whether a reader should know of it.
+    #[must_use]
+    pub fn is_doubtful(&self) -> bool {
+        self.distance() > DOUBTED
+    }
+
+    /// The load with its deviation: as it was stated, or misstated, each with its probability.
+    #[must_use]
+    pub fn believed(&self) -> Quantity {
+        let (share, error) = MISSTATED;
+        let found = self.found();
+        let misstated = (error * self.stated.value).hypot(self.stated.std);
+        let hypotheses =
+            [(1.0 - share, self.stated.std), (share, misstated)].map(|(share, std)| {
+                let both = std.hypot(found.std);
+                let likelihood =
+                    (-0.5 * (found.value - self.stated.value).powi(2) / (both * both)).exp() / both;
+                let stated = Quantity { std, ..self.stated };
+                (share * likelihood, combined(stated, found))
+            });
+        let all: f64 = hypotheses.iter().map(|(weight, _)| weight).sum();
+        let mean = |of: &dyn Fn(&Quantity) -> f64| -> f64 {
+            hypotheses
+                .iter()
+                .map(|(weight, q)| weight / all * of(q))
+                .sum()
+        };
+        if all <= 0.0 {
+            // Both are impossible: the load is refused.
+            return self.stated;
+        }
+        let value = mean(&|q| q.value);
+        let outside = |half: f64| {
+            mean(&|q| {
+                let (by, std) = (q.value - value, q.std.max(f64::MIN_POSITIVE));
+                beyond((half - by) / std) + beyond((half + by) / std)
+            })
+        };
+        let half = half_width(outside, 1.0 - COVERED);
+        Quantity {
+            value,
+            std: half / HALF_WIDTH_95,
+        }
+    }
+}
+
+/// Probability of the interval that a deviation stands for.
+const COVERED: f64 = 0.95;
+
+/// Half width outside of which lies this probability, which falls as the width grows.
+fn half_width(outside: impl Fn(f64) -> f64, probability: f64) -> f64 {
+    let mut high = 1.0;
+    while outside(high) > probability && high < 1e9 {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if outside(middle) > probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Probability that a normal error exceeds `z` standard deviations (Abramowitz, Stegun 1964, 7.1.26, to 1e-7).
+fn beyond(z: f64) -> f64 {
+    if z < 0.0 {
+        return 1.0 - beyond(-z);
+    }
+    const FACTORS: [f64; 5] = [
+        1.061405429,
+        -1.453152027,
+        1.421413741,
+        -0.284496736,
+        0.254829592,
+    ];
+    let t = 1.0 / (1.0 + 0.3275911 * z * std::f64::consts::FRAC_1_SQRT_2);
+    let polynomial = FACTORS.iter().fold(0.0, |sum, factor| sum * t + factor) * t;
+    0.5 * polynomial * (-0.5 * z * z).exp()
+}
+
+/// Mean of two measurements with their weights.
+fn combined(a: Quantity, b: Quantity) -> Quantity {
+    let (of_a, of_b) = (a.std * a.std, b.std * b.std);
+    let sum = (of_a + of_b).max(f64::MIN_POSITIVE);
+    Quantity {
+        value: (a.value * of_b + b.value * of_a) / sum,
+        std: (of_a * of_b / sum).sqrt(),
     }
 }
 
@@ -205,41 +340,39 @@ fn distance(a: &Quantity, b: &Quantity) -> f64 {
     (a.value - b.value).abs() / (a.std.powi(2) + b.std.powi(2)).sqrt()
 }
 
-/// The stated load that the description contradicts most, if it does so clearly.
-pub fn doubt(task: &Task<'_, Swings>) -> Option<Doubt> {
+/// The stated loads, each beside the load that the motion shows if it is not stated. `held`: tolerances of held parameters, in prior
+/// standard deviations.
+pub fn doubts(task: &Task<'_, Swings>, held: &[f64]) -> Vec<Doubt> {
     let swings = task.model;
-    let heaviest = swings
-        .stated
-        .iter()
-        .flatten()
-        .fold(0.0, |h: f64, t| h.max(t.value));
-    let mut doubts: Vec<Doubt> = Vec::new();
-    for (recording, stated) in swings.stated.iter().enumerate() {
-        let Some(stated) = *stated else { continue };
-        if stated.value <= 0.0 {
-            continue;
-        }
-        let Some(found) = weigh_by_description(task, recording, stated, heaviest) else {
-            continue;
-        };
-        doubts.push(Doubt {
-            name: swings.series[recording].name.clone(),
-            stated,
-            found,
-        });
-    }
-    doubts
-        .retain(|d| d.distance() > 3.5 && (d.stated.value - d.found.value).abs() > 0.08 * heaviest);
-    doubts
-        .into_iter()
-        .max_by(|a, b| a.distance().total_cmp(&b.distance()))
+    let stated = swings.stated.iter().flatten();
+    let heaviest = stated.fold(0.0, |h: f64, t| h.max(t.value));
+    let numbered = swings.stated.iter().enumerate();
+    let loaded = numbered.filter_map(|(r, stated)| Some((r, stated.filter(|s| s.value > 0.0)?)));
+    loaded
+        .filter_map(|(recording, stated)| {
+            Some(Doubt {
+                recording,
+                name: swings.series[recording].name.clone(),
+                stated,
+                by_motion: weigh_by_description(task, (recording, stated), heaviest, held)?,
+                by_pressures: None,
+            })
+        })
+        .collect()
+}
+
+/// The most contradicted one of stated loads.
+#[must_use]
+pub fn misstated(doubts: &[Doubt]) -> Option<&Doubt> {
+    let refused = doubts.iter().filter(|d| d.contradicts());
+    refused.max_by(|a, b| a.distance().total_cmp(&b.distance()))
 }
 
 fn weigh_by_description(
     task: &Task<'_, Swings>,
-    recording: usize,
-    stated: Quantity,
+    (recording, stated): (usize, Quantity),
     heaviest: f64,
+    held: &[f64],
 ) -> Option<Quantity> {
     let mut open = task.model.clone();
     let wide = Quantity {
@@ -262,12 +395,67 @@ fn weigh_by_description(
         stop: task.stop,
         progress: &|_| {},
     };
-    let fit = released.run(&start);
-    let held = vec![0.0; fixed.len()];
+    let mut fit = released.run(&start);
+    let mut held = held.to_vec();
+    held.resize(fixed.len(), 0.0);
+    // With the derivatives of the held parameters, whose tolerances count.
+    let none = vec![false; fixed.len()];
+    let everything = Task {
+        fixed: &none,
+        ..released
+    };
+    fit.information = everything.information(&fit.place);
     let uncertainty = crate::honesty::uncertainty(&fit, &open.parameters, &fixed, &held)?;
     let parameter = &open.parameters[at];
     Some(Quantity {
         value: parameter.value(fit.place[at]),
         std: parameter.value_std(fit.place[at], uncertainty.std(at)),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kg(value: f64, std: f64) -> Quantity {
+        Quantity { value, std }
+    }
+
+    /// 800 kg on a weighbridge, and as motion and pressures weigh them.
+    fn doubt(by_motion: Quantity, by_pressures: Option<Quantity>) -> Doubt {
+        Doubt {
+            recording: 0,
+            name: "loaded".into(),
+            stated: kg(800.0, 5.0),
+            by_motion,
+            by_pressures,
+        }
+    }
+
+    #[test]
+    fn a_load_that_everything_confirms_keeps_its_deviation() {
+        let believed = doubt(kg(805.0, 30.0), Some(kg(795.0, 11.0))).believed();
+        assert!((believed.value - 800.0).abs() < 1.0, "{believed:?}");
+        assert!(believed.std < 8.0, "{believed:?}");
+    }
+
+    #[test]
+    fn pressures_refuse_a_load_of_which_the_motion_cannot_tell() {
+        let motion = kg(740.0, 30.0);
+        let alone = doubt(motion, None);
+        assert!(!alone.contradicts());
+        // The interval covers both.
+        let believed = alone.believed();
+        assert!(
+            (believed.value - 740.0).abs() < 1.96 * believed.std,
+            "{believed:?}"
+        );
+        assert!(doubt(motion, Some(kg(742.0, 11.0))).contradicts());
+    }
+
+    #[test]
+    fn of_two_measurements_the_better_one_counts() {
+        let mean = combined(kg(0.0, 3.0), kg(10.0, 1.0));
+        assert!((mean.value - 9.0).abs() < 1e-12 && (mean.std - 0.9_f64.sqrt()).abs() < 1e-12);
+    }
 }

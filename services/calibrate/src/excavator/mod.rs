@@ -15,7 +15,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
-use estimation::excavator::{Geometry, Sample, Settings};
+use estimation::excavator::{Doubts, Geometry, Sample, Settings};
 
 pub use cylinder::CylinderFit;
 pub use loads::Doubt;
@@ -80,6 +80,8 @@ pub struct Outcome {
     pub remarks: Vec<String>,
     /// Fit of the boom's cylinders.
     pub cylinder: Option<CylinderFit>,
+    /// The stated loads beside what the machine weighs.
+    pub doubts: Vec<Doubt>,
 }
 
 impl Outcome {
@@ -127,7 +129,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .collect();
     let stated = inputs.iter().map(|i| i.payload).collect();
     let swings = Swings::new(series, stated, options.description);
-    let fixed = held(&swings, options.free)?;
+    let fixed = held(&swings, options)?;
     let free: Vec<Role> = swings
         .roles
         .iter()
@@ -143,20 +145,14 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         faults,
         remarks,
         cylinder: None,
+        doubts: Vec::new(),
     };
     if outcome.faults.is_empty() {
         outcome.faults = words::indistinguishable(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
-    // With the masses that the swings identify; not where only some keys are requested.
-    if options.free.is_none()
-        && outcome.faults.is_empty()
-        && let Some((found, _)) = outcome.description(options.description, &[])
-        && let Some(learnt) = cylinder::learn(&found, inputs)
-    {
-        let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
-        outcome.remarks.push(words);
-        outcome.cylinder = learnt.ok();
+    if outcome.faults.is_empty() {
+        weigh(&mut outcome, options, inputs);
     }
     let needs_radius = outcome.found.is_some() && free.contains(&Role::Gain);
     if needs_radius && options.description.guessed_radius_std() > 0.0 {
@@ -165,11 +161,62 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     Ok(outcome)
 }
 
-/// Parameters that stay as described.
-fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
-    let Some(free) = free else {
-        let is_lever = |role: &Role| *role == Role::Lever;
-        return Ok(swings.roles.iter().map(is_lever).collect());
+/// Compares the stated loads with what motion and pressures weigh, and identifies the boom's cylinders.
+fn weigh(outcome: &mut Outcome, options: &Options<'_>, inputs: &[Input]) {
+    let found = outcome.description(options.description, &[]);
+    // Not where only some keys are requested.
+    let found = found.filter(|_| options.free.is_none());
+    // Masses that were fitted with the stated loads would confirm them.
+    let open = found
+        .as_ref()
+        .map(|(d, _)| result::with_masses(d, options.description));
+    let mut known = inputs.to_vec();
+    for doubt in &mut outcome.doubts {
+        // The pressures are fitted with the load as the motion leaves it, and weigh it without its statement.
+        if doubt.stated.std > 0.0 {
+            known[doubt.recording].payload = Some(doubt.believed());
+        }
+        let by_pressures = |d| cylinder::weigh(d, inputs, doubt.recording);
+        doubt.by_pressures = open.as_ref().and_then(by_pressures);
+    }
+    if let Some(doubt) = loads::misstated(&outcome.doubts) {
+        outcome.faults.push(words::misstated_load(doubt));
+        return;
+    }
+    for doubt in &outcome.doubts {
+        if doubt.is_doubtful() {
+            outcome.remarks.push(words::doubtful_load(doubt));
+        }
+        let at = outcome.swings.index(Role::Payload(doubt.recording));
+        if let (Some(at), Some(found)) = (at, &mut outcome.found) {
+            let parameter = &outcome.swings.parameters[at];
+            let believed = doubt.believed();
+            found.learn(
+                at,
+                parameter.place(believed.value),
+                believed.std / parameter.std,
+            );
+        }
+    }
+    if let Some((d, _)) = found
+        && let Some(learnt) = cylinder::learn(&d, &known)
+    {
+        let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
+        outcome.remarks.push(words);
+        outcome.cylinder = learnt.ok();
+    }
+}
+
+/// Parameters that stay as described. The place of a load is fitted where it is guessed, or its deviation stated.
+fn held(swings: &Swings, options: &Options<'_>) -> Result<Vec<bool>, String> {
+    let Some(free) = options.free else {
+        let is_open = options.description.load_centre_std() > 0.0;
+        let is_held = |role: &Role| match role {
+            Role::Lever => true,
+            Role::Centre(_) => !is_open,
+            _ => false,
+        };
+        return Ok(swings.roles.iter().map(is_held).collect());
     };
     let mut fixed: Vec<bool> = swings
         .roles
@@ -182,11 +229,12 @@ fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
         .map(|(i, (_, p))| (i, p.key.as_str()))
         .collect();
     for key in free {
-        let Some((at, _)) = named.iter().find(|(_, own)| answers(own, key)) else {
+        let meant = || named.iter().filter(|(_, own)| answers(own, key));
+        if meant().next().is_none() {
             let known: Vec<&str> = named.iter().map(|(_, own)| *own).collect();
             return Err(no_such_key(key, &known));
-        };
-        fixed[*at] = false;
+        }
+        meant().for_each(|(at, _)| fixed[*at] = false);
     }
     Ok(fixed)
 }
@@ -197,9 +245,12 @@ fn answers(own: &str, key: &str) -> bool {
     own == key
         || match own {
             // The names before the star are those of version 0.3.
-            "machine.geometry.*_mass" => {
-                key == "machine.geometry"
-                    || key.starts_with("machine.geometry.") && key.ends_with("_mass")
+            "machine.geometry.*_mass" => matches!(
+                key,
+                "machine.geometry" | "machine.geometry.boom_mass" | "machine.geometry.arm_mass"
+            ),
+            "machine.geometry.bucket_mass" => {
+                matches!(key, "machine.geometry" | "machine.geometry.*_mass")
             }
             "sensors.*_delay" => {
                 matches!(
@@ -236,12 +287,17 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if fit.interrupted {
         outcome.remarks.push(STOPPED.into());
     }
+    let held = tolerances(swings, options);
     // Faults that have been reported are not repeated as undetermined directions.
     let mut faults = outcome.faults.clone();
+    let mut open = Vec::new();
     if faults.is_empty() {
-        faults = contradictions(&whole, &fit, free);
+        if free.contains(&Role::Gain) && !fit.interrupted {
+            outcome.doubts = loads::doubts(&whole, &held);
+        }
+        faults = contradictions(&whole, &fit, &outcome.doubts);
+        open = undetermined(&whole, &fit);
     }
-    let held = tolerances(swings, options);
     let minor: Vec<bool> = swings
         .roles
         .iter()
@@ -256,16 +312,32 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         outcome.faults = vec![NOTHING.into()];
         return;
     };
-    let disagreement = words::disagreement(swings, &found, &outcome.fixed);
+    // A load lies differently in each recording; the deviations have what it does to all of them by `Role::Lever`.
+    let roles = swings.roles.iter().zip(&held);
+    let between: Vec<f64> = roles
+        .map(|(role, &held)| {
+            if matches!(role, Role::Centre(_)) {
+                1.0
+            } else {
+                held
+            }
+        })
+        .collect();
+    let disagreement = words::disagreement(swings, &found, (&outcome.fixed, &between));
     for (i, difference) in disagreement.widths {
         found.uncertainty.widen(i, difference);
     }
+    // Recordings that contradict each other look like noise, which leaves little determined.
     if faults.is_empty() {
         faults.extend(disagreement.fault);
     }
+    if faults.is_empty() {
+        faults = open;
+    }
     if faults.is_empty() && !found.fit.interrupted {
-        let tolerance = options.description.machine.mass_tolerance;
-        faults.extend(words::masses(swings, &found, &outcome.fixed, tolerance));
+        let d = options.description;
+        let tolerances = [d.machine.mass_tolerance, Doubts::of(d).bucket_share];
+        faults.extend(words::masses(swings, &found, &outcome.fixed, tolerances));
     }
     outcome.faults = faults;
     outcome.found = Some(found);
@@ -275,27 +347,35 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     }
 }
 
-/// Contradictions between fit and description, or directions that the recordings leave undetermined.
-fn contradictions(task: &Task<'_, Swings>, fit: &Fit, free: &[Role]) -> Vec<String> {
-    let swings = task.model;
-    let mut faults = words::far(swings, &fit.place, task.fixed);
-    if faults.is_empty() {
-        let mut open = honesty::undetermined(&fit.information, &swings.parameters, task.fixed);
-        open.retain(|d| !words::is_nuisance(swings, d));
-        faults.extend(open.iter().map(|d| words::undetermined(swings, d)));
-    }
-    if free.contains(&Role::Gain)
-        && !fit.interrupted
-        && let Some(doubt) = loads::doubt(task)
-    {
-        faults.insert(0, words::misstated_load(&doubt));
+/// Contradictions between fit and description.
+fn contradictions(task: &Task<'_, Swings>, fit: &Fit, doubts: &[Doubt]) -> Vec<String> {
+    let mut faults = words::far(task.model, &fit.place, task.fixed);
+    if let Some(doubt) = loads::misstated(doubts) {
+        faults.insert(0, words::misstated_load(doubt));
     }
     faults
 }
 
-/// Sorts the swings of loaded recordings into loaded and empty ones, from a first fit of the recordings with an empty bucket. This fit is
-/// not stopped: a part of it would sort wrongly. Offsets of angles are held: they would absorb faults of a torque.
+/// Directions that the recordings leave undetermined where the nuisance parameters are known: tolerances of these widen the others and refuse
+/// nothing. Bucket and place of the load need not improve.
+fn undetermined(task: &Task<'_, Swings>, fit: &Fit) -> Vec<String> {
+    let swings = task.model;
+    let is_nuisance =
+        |role: &Role| role.is_nuisance() || matches!(role, Role::Bucket | Role::Centre(_));
+    let roles = swings.roles.iter().zip(task.fixed);
+    let held: Vec<bool> = roles.map(|(role, &f)| f || is_nuisance(role)).collect();
+    let open = honesty::undetermined(&fit.information, &swings.parameters, &held);
+    let open = open.iter();
+    open.map(|d| words::undetermined(swings, d)).collect()
+}
+
+/// Sorts the swings of loaded recordings into loaded and empty ones, from a first fit of the recordings with an empty bucket, or of all
+/// with their stated loads where there is none. This fit is not stopped: a part of it would sort wrongly. Offsets of angles are held: they
+/// would absorb faults of a torque.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
+    if !swings.stated.iter().flatten().any(|load| load.value > 0.0) {
+        return None;
+    }
     let is_offset = |role: &Role| matches!(role, Role::AngleOffset(_));
     let roles = swings.roles.iter().zip(fixed);
     let fixed: Vec<bool> = roles.map(|(role, f)| *f || is_offset(role)).collect();
@@ -304,19 +384,17 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
         .filter(|&r| swings.stated[r].is_some_and(|t| t.value == 0.0))
         .flat_map(|r| swings.blocks_of(r))
         .collect();
-    let place = if empty.is_empty() {
-        vec![0.0; fixed.len()]
-    } else {
-        let task = Task {
-            model: swings,
-            blocks: &empty,
-            fixed,
-            least_gain: EXACT,
-            stop: &UNSTOPPED,
-            progress: &|_| {},
-        };
-        task.run(&start::start(swings, &empty, fixed)).place
+    let all = || (0..swings.blocks()).collect();
+    let known: Vec<usize> = if empty.is_empty() { all() } else { empty };
+    let task = Task {
+        model: swings,
+        blocks: &known,
+        fixed,
+        least_gain: EXACT,
+        stop: &UNSTOPPED,
+        progress: &|_| {},
     };
+    let place = task.run(&start::start(swings, &known, fixed)).place;
     loads::sort(swings, &place)
 }
 
@@ -332,6 +410,8 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         | Role::Efficiency
         | Role::Inertia
         | Role::Links
+        | Role::Bucket
+        | Role::Centre(_)
         | Role::Delay
         | Role::MotionNoise
         | Role::TorqueNoise

@@ -7,21 +7,21 @@ use super::{Outcome, Role, cylinder};
 use crate::output::Pen;
 
 /// Masses and inertias that share one scale factor.
-const LINKS: [&str; 9] = [
+const LINKS: [&str; 6] = [
     "machine.geometry.boom_mass",
     "machine.geometry.arm_mass",
-    "machine.geometry.bucket_mass",
     "machine.geometry.boom_inertia",
     "machine.geometry.arm_inertia",
-    "machine.geometry.bucket_inertia",
     "machine.geometry.boom_axial_inertia",
     "machine.geometry.arm_axial_inertia",
-    "machine.geometry.bucket_axial_inertia",
 ];
 
-/// Relative deviation of the bucket from the scale factor that it shares with boom and arm: after a calibration it is hardly another
-/// bucket, but its own factor is not identified.
-const BUCKET_STD: f64 = 0.05;
+/// Mass and inertias of the bucket.
+const BUCKET: [&str; 3] = [
+    "machine.geometry.bucket_mass",
+    "machine.geometry.bucket_inertia",
+    "machine.geometry.bucket_axial_inertia",
+];
 
 impl Outcome {
     /// The description with the identified values, and its text with `origin` as comments above; `None`
@@ -83,15 +83,10 @@ impl Outcome {
                 pen.value("prior.inertia", q);
                 pen.std("prior.inertia_std", q.std);
             }
-            Role::Links => {
-                for key in LINKS {
-                    let part = pen.description.number(key).unwrap_or(0.0);
-                    let scaled = Quantity {
-                        value: part * q.value,
-                        std: part * q.std,
-                    };
-                    pen.value(key, scaled);
-                }
+            Role::Links => scale(pen, &LINKS, q),
+            Role::Bucket => {
+                scale(pen, &BUCKET, q);
+                pen.std("machine.bucket_tolerance", q.std / q.value);
             }
             Role::Delay => {
                 let late = ["sensors.swing_velocity_delay", "sensors.swing_torque_delay"];
@@ -113,7 +108,7 @@ impl Outcome {
                 pen.value(prompt, none);
                 pen.std(&format!("{prompt}_std"), 0.0);
             }
-            Role::MotionNoise | Role::TorqueNoise | Role::AngleOffset(_) => {
+            Role::MotionNoise | Role::TorqueNoise | Role::AngleOffset(_) | Role::Centre(_) => {
                 if let Some(i) = self.swings.index(role) {
                     let key = self.swings.parameters[i].key.clone();
                     pen.value(&key, q);
@@ -139,8 +134,6 @@ impl Outcome {
         };
         pen.std("machine.mass_tolerance", links_share);
         pen.std("machine.upper_tolerance", upper_share);
-        let bucket = (links_share * links_share + BUCKET_STD * BUCKET_STD).sqrt();
-        pen.std("machine.bucket_tolerance", bucket);
         let (Some((gain, _)), Some(found)) = (share(Role::Gain), &self.found) else {
             return;
         };
@@ -151,5 +144,42 @@ impl Outcome {
         ] {
             pen.correlation(key, found.uncertainty.correlation(i, j));
         }
+        let Some((bucket, _)) = share(Role::Bucket) else {
+            return;
+        };
+        for (key, i) in [
+            ("machine.bucket_gain_correlation", gain),
+            ("machine.upper_bucket_correlation", upper),
+            ("machine.links_bucket_correlation", links),
+        ] {
+            pen.correlation(key, found.uncertainty.correlation(i, bucket));
+        }
+    }
+}
+
+/// A description with the masses and inertias of another, and their tolerances.
+pub fn with_masses(d: &Description, other: &Description) -> Description {
+    let mut mixed = d.clone();
+    for key in LINKS.iter().chain(&BUCKET) {
+        if let Some(value) = other.number(key) {
+            mixed.set_number(key, value);
+        }
+    }
+    let (to, from) = (&mut mixed.machine, &other.machine);
+    to.mass_tolerance = from.mass_tolerance;
+    to.bucket_tolerance = from.bucket_tolerance;
+    to.links_gain_correlation = from.links_gain_correlation;
+    mixed
+}
+
+/// Multiplies described masses and inertias by an identified factor.
+fn scale(pen: &mut Pen<Description>, keys: &[&str], factor: Quantity) {
+    for key in keys {
+        let part = pen.description.number(key).unwrap_or(0.0);
+        let scaled = Quantity {
+            value: part * factor.value,
+            std: part * factor.std,
+        };
+        pen.value(key, scaled);
     }
 }

@@ -72,14 +72,19 @@ pub struct Series {
     pub value: Vec<f64>,
     /// Smoothed velocity [rad/s].
     pub velocity: Vec<f64>,
-    /// Inertia of boom, arm and bucket as described [kg m^2].
+    /// Inertia of boom and arm as described [kg m^2].
     pub links: Vec<f64>,
+    /// Inertia of the bucket as described [kg m^2].
+    pub bucket: Vec<f64>,
     /// Inertia per kilogram of payload [m^2].
     pub leverage: Vec<f64>,
-    /// Derivatives of both with respect to each joint angle [kg m^2/rad, m^2/rad].
+    /// Derivatives of the latter with respect to the place of the load's centre, along and beside the line from the bucket's pin to its tip
+    /// \[m\].
+    pub per_centre: Vec<[f64; 2]>,
+    /// Derivatives of inertia and leverage with respect to each joint angle [kg m^2/rad, m^2/rad].
     pub per_angle: Vec<[[f64; 2]; 3]>,
-    /// First moment of boom, arm and bucket as described [kg m].
-    pub moment: Vec<f64>,
+    /// First moments of boom and arm, and of the bucket, as described [kg m].
+    pub moment: Vec<[f64; 2]>,
     /// The same per kilogram of payload \[m\].
     pub radius: Vec<f64>,
     /// Cosine and sine of the angle swung since the start.
@@ -136,6 +141,54 @@ fn per_angle(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[[f64; 2]; 3]
     (0..postures[0].len()).map(row).collect()
 }
 
+/// Derivatives of the leverage of each row with respect to the place of the load's centre, along and beside the line from the bucket's pin to its tip
+/// \[m\].
+fn per_centre(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Vec<[f64; 2]> {
+    const STEP: f64 = 1e-3;
+    let moved = |along: f64, beside: f64| {
+        let mut geometry = *geometry;
+        geometry.payload_centre += along;
+        geometry.rises[2] += beside;
+        inertias(&geometry, postures)
+    };
+    let slope =
+        |above: &Inertia, below: &Inertia| 0.5 * (above.per_payload - below.per_payload) / STEP;
+    let along = [moved(STEP, 0.0), moved(-STEP, 0.0)];
+    let beside = [moved(0.0, STEP), moved(0.0, -STEP)];
+    let row = |k: usize| [&along, &beside].map(|[above, below]| slope(&above[k], &below[k]));
+    (0..postures[0].len()).map(row).collect()
+}
+
+/// Inertia of each row, and derivatives of inertia and leverage.
+struct Postures {
+    inertias: Vec<Inertia>,
+    per_angle: Vec<[[f64; 2]; 3]>,
+    per_centre: Vec<[f64; 2]>,
+}
+
+impl Postures {
+    fn of(geometry: &Geometry, postures: &[Vec<f64>; 3]) -> Self {
+        Self {
+            inertias: inertias(geometry, postures),
+            per_angle: per_angle(geometry, postures),
+            per_centre: per_centre(geometry, postures),
+        }
+    }
+
+    /// A constant inertia, where no posture is measured.
+    fn constant(geometry: &Geometry, rows: usize) -> Self {
+        let none = Inertia {
+            empty: geometry.upper_inertia,
+            ..Inertia::default()
+        };
+        Self {
+            inertias: vec![none; rows],
+            per_angle: vec![[[0.0; 2]; 3]; rows],
+            per_centre: vec![[0.0; 2]; rows],
+        }
+    }
+}
+
 impl Series {
     /// Prepares a recording. Rows whose time does not increase are left out. `offsets`: described ones of the joint angles \[rad\].
     #[must_use]
@@ -167,22 +220,18 @@ impl Series {
             let angle = filled(&time, &samples, |s| true_posture(s.posture, offsets)[i]);
             moving_mean(&time, &angle, WINDOW)
         });
-        let inertias = if has_posture {
-            inertias(geometry, &postures)
-        } else {
-            // A constant inertia.
-            let none = Inertia {
-                empty: geometry.upper_inertia,
-                ..Inertia::default()
-            };
-            vec![none; time.len()]
-        };
-        let per_angle = match has_posture {
-            true => per_angle(geometry, &postures),
-            false => vec![[[0.0; 2]; 3]; time.len()],
+        let Postures {
+            inertias,
+            per_angle,
+            per_centre,
+        } = match has_posture {
+            true => Postures::of(geometry, &postures),
+            false => Postures::constant(geometry, time.len()),
         };
         let of = |f: fn(&Inertia) -> f64| inertias.iter().map(f).collect::<Vec<f64>>();
-        let links = inertias.iter().map(|j| j.empty - geometry.upper_inertia);
+        let bucket_mass = geometry.masses[2];
+        let moments = inertias.iter();
+        let moments = moments.map(|j| [j.links_moment, bucket_mass * j.bucket_radius]);
         let torque: Vec<(f64, f64)> = samples
             .iter()
             .filter_map(|s| finite(s.torque).map(|v| (s.time, v)))
@@ -199,10 +248,15 @@ impl Series {
             measured,
             has_posture,
             value,
-            links: links.collect(),
+            links: of(|j| j.links),
+            bucket: inertias
+                .iter()
+                .map(|j| bucket_mass * j.per_bucket)
+                .collect(),
             leverage: of(|j| j.per_payload),
             per_angle,
-            moment: of(|j| j.moment),
+            per_centre,
+            moment: moments.collect(),
             radius: of(|j| j.radius),
             heading: angle.iter().map(|a| [a.cos(), a.sin()]).collect(),
             swinging: swinging::velocities(&time, &velocity),
@@ -486,6 +540,11 @@ mod tests {
         );
     }
 
+    /// Inertia of boom, arm and bucket at a row.
+    fn attachment(series: &Series, row: usize) -> f64 {
+        series.links[row] + series.bucket[row]
+    }
+
     #[test]
     fn the_noise_of_the_joint_angles_is_not_one_of_the_inertia() {
         let largest_step = |noise: f64| {
@@ -495,7 +554,10 @@ mod tests {
                 sample.posture = [0.6, -1.5, -0.6].map(|q| Some(q + sign * noise));
             }
             let series = Series::new("a", &samples, &Geometry::default(), [0.0; 3]);
-            let steps = series.links.windows(2).map(|w| (w[1] - w[0]).abs());
+            let whole: Vec<f64> = (0..series.links.len())
+                .map(|k| attachment(&series, k))
+                .collect();
+            let steps = whole.windows(2).map(|w| (w[1] - w[0]).abs());
             steps.fold(0.0, f64::max)
         };
         // Three joints that step by 2 mrad would be 0.9 kg m^2; the mean of nine rows leaves a ninth.
@@ -519,7 +581,7 @@ mod tests {
         };
         // The remaining error is of second order: the square of .03.
         for (by, before, after) in [
-            (by(0), measured.links[0], truth.links[0]),
+            (by(0), attachment(&measured, 0), attachment(&truth, 0)),
             (by(1), measured.leverage[0], truth.leverage[0]),
         ] {
             assert!(

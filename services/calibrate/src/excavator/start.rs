@@ -3,7 +3,7 @@
 //! The equation of motion is weighted with smooth windows phi that vanish at their ends (Shinbrot's
 //! modulating functions), so that every signal has the same filter and none is differentiated:
 //! ```text
-//! int phi' w dJ_u + s int phi' L w + m int phi' g w
+//! int phi' w dJ_u + s int phi' L w + k int phi' B w + m int phi' g w
 //!   + c_d int phi T_d + c_b int phi T_b - o int phi - b int phi w - T_f int phi sgn w = 0
 //! ```
 //! with c_d = eta/gain, c_b = 1/(eta gain), and the description with its tolerances as further rows.
@@ -26,7 +26,7 @@ const SHIFT: f64 = 0.15;
 const DELAY_STEP: f64 = 0.005;
 const DELAYS: i32 = 16;
 /// Number of the equation's unknowns.
-const UNKNOWNS: usize = 7;
+const UNKNOWNS: usize = 8;
 
 /// Start of the fit, in prior standard deviations from the prior mean.
 #[must_use]
@@ -66,6 +66,7 @@ fn solve(
     let roles = [
         Role::Inertia,
         Role::Links,
+        Role::Bucket,
         Role::Damping,
         Role::Friction,
         Role::Offset,
@@ -104,7 +105,7 @@ fn solve(
     for (j, role) in roles.iter().enumerate() {
         set(swings, &mut values, *role, at(j));
     }
-    let (driving, braking) = (at(5), at(6));
+    let (driving, braking) = (at(6), at(7));
     if driving > 0.0 && braking > 0.0 {
         set(
             swings,
@@ -134,7 +135,7 @@ fn prior(swings: &Swings, fixed: &[bool], role: Role) -> (f64, f64) {
     match swings.index(role) {
         Some(i) if fixed[i] => (swings.parameters[i].mean, 0.0),
         Some(i) => (swings.parameters[i].mean, swings.parameters[i].std),
-        None => (f64::from(role == Role::Links), 0.0),
+        None => (f64::from(matches!(role, Role::Links | Role::Bucket)), 0.0),
     }
 }
 
@@ -174,16 +175,18 @@ fn windows(series: &Series, swing: &Swing, guess: &Guess, rows: &mut Vec<([f64; 
                 .torque
                 .until(time[k] - guess.delay, &mut cursor)
                 .since(&series.torque.until(time[k - 1] - guess.delay, &mut cursor));
-            let links = 0.5 * (series.links[k] + series.links[k - 1]);
+            let [links, bucket] =
+                [&series.links, &series.bucket].map(|part| 0.5 * (part[k] + part[k - 1]));
             let leverage = 0.5 * (series.leverage[k] + series.leverage[k - 1]);
             row[0] += slope * velocity * dt;
             row[1] += slope * velocity * links * dt;
-            row[2] -= phi * velocity * dt;
-            row[3] -= phi * swing.direction * dt;
-            row[4] -= phi * dt;
-            row[5] += phi * torque.driving;
-            row[6] += phi * torque.braking;
-            let inertia = guess.upper_inertia + links + load * leverage;
+            row[2] += slope * velocity * bucket * dt;
+            row[3] -= phi * velocity * dt;
+            row[4] -= phi * swing.direction * dt;
+            row[5] -= phi * dt;
+            row[6] += phi * torque.driving;
+            row[7] += phi * torque.braking;
+            let inertia = guess.upper_inertia + links + bucket + load * leverage;
             moved -= slope * velocity * load * leverage * dt;
             noise += (slope * inertia * guess.motion_std * dt).powi(2)
                 + (phi * guess.torque_std * dt).powi(2);

@@ -28,8 +28,10 @@ pub enum Role {
     Gain,
     /// Inertia of the upper body, or of the whole machine where no posture is measured.
     Inertia,
-    /// Masses and inertias of boom, arm and bucket.
+    /// Masses and inertias of boom and arm.
     Links,
+    /// Mass and inertia of the bucket, which is changed more often than boom and arm.
+    Bucket,
     /// Delay of the velocity minus that of the torque.
     Delay,
     /// Noise of velocity or angle.
@@ -40,6 +42,8 @@ pub enum Role {
     Payload(usize),
     /// Inertia of a load of known mass over the described one: errors of lengths, held within their tolerance.
     Lever,
+    /// Place of the load's centre, along and beside the line from the bucket's pin to its tip.
+    Centre(usize),
     /// Share of the load that swings at one of the rates.
     Swinging(usize),
     /// Offset of a joint angle: of boom, arm, bucket.
@@ -188,11 +192,13 @@ impl Swings {
             gain: 1.0,
             upper_inertia: 0.0,
             link_scale: 1.0,
+            bucket_scale: 1.0,
             delay: 0.0,
             motion_std: 1.0,
             torque_std: 1.0,
             payload: self.stated[recording].map_or(0.0, |q| q.value),
             lever: 1.0,
+            centre: [0.0; 2],
             swinging: [0.0; RATES.len()],
             angle_offsets: [0.0; 3],
             upper_moment: 0.0,
@@ -208,10 +214,12 @@ impl Swings {
                 Role::Gain => guess.gain = value,
                 Role::Inertia => guess.upper_inertia = value,
                 Role::Links => guess.link_scale = value,
+                Role::Bucket => guess.bucket_scale = value,
                 Role::Delay => guess.delay = value,
                 Role::MotionNoise => guess.motion_std = value,
                 Role::TorqueNoise => guess.torque_std = value,
                 Role::Lever => guess.lever = value,
+                Role::Centre(i) => guess.centre[*i] = value - parameter.mean,
                 Role::Swinging(i) => guess.swinging[*i] = value,
                 Role::AngleOffset(i) => guess.angle_offsets[*i] = value - parameter.mean,
                 Role::UpperMoment => guess.upper_moment = value,
@@ -250,7 +258,7 @@ impl Model for Swings {
         match self.roles[parameter] {
             Role::Payload(r) => r == recording && is_stated,
             Role::Across(r) | Role::Along(r) => r == recording,
-            Role::Lever | Role::Swinging(_) => is_stated,
+            Role::Lever | Role::Centre(_) | Role::Swinging(_) => is_stated,
             _ => true,
         }
     }
@@ -268,6 +276,8 @@ const GAIN_STD: f64 = 0.05;
 const EFFICIENCY_STD: f64 = 0.05;
 const UPPER_INERTIA_STD: f64 = 0.15;
 const LINKS_STD: f64 = 0.05;
+/// The same of a bucket on a weighbridge.
+const BUCKET_WEIGHED: f64 = 0.005;
 const DELAY_STD: f64 = 0.03;
 const DELAY_MAX: f64 = 0.2;
 const DAMPING_STD: f64 = 0.3;
@@ -280,12 +290,12 @@ pub const SWINGING_STD: f64 = 0.15;
 /// Standard deviation of the logarithm of a noise.
 const NOISE_STD: f64 = 1.0;
 
-/// Relative standard deviation of the lengths that fix the radius of a load. An error of a guessed boom pin or load centre is common to
-/// gain and masses. An estimator that treats their errors as independent halves the variance: hence the 2.
+/// Relative standard deviation of the lengths that fix the radius of a load. An error of a guessed boom pin is common to gain and
+/// masses. An estimator that treats their errors as independent halves the variance: hence the 2.
 fn lengths(d: &Description) -> f64 {
     let tolerance = d.machine.geometry_tolerance;
-    let (by_pin, by_centre) = (d.guessed_radius_std(), d.guessed_centre_std());
-    (tolerance * tolerance + 2.0 * (by_pin * by_pin + by_centre * by_centre)).sqrt()
+    let by_pin = d.guessed_radius_std();
+    (tolerance * tolerance + 2.0 * by_pin * by_pin).sqrt()
 }
 
 fn parameters(
@@ -306,6 +316,7 @@ fn parameters(
             let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
+        all.extend(centre(d));
         all.extend(swinging());
         all.extend(angle_offsets(d));
         let loads = series.iter().zip(stated).enumerate();
@@ -351,10 +362,19 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
             stated("sensors.swing_torque_gain", 1.0), gain_std, (0.2, 5.0);
         Role::Inertia, "machine.upper_inertia", "the inertia of the upper body", "kg m^2",
             upper, UPPER_INERTIA_STD * upper, (0.0, 1e9);
-        Role::Links, "machine.geometry.*_mass", "the masses of boom, arm and bucket over those of the machine file", "",
+        Role::Links, "machine.geometry.*_mass", "the masses of boom and arm over those of the machine file", "",
             1.0, LINKS_STD, (0.2, 5.0);
+        Role::Bucket, "machine.geometry.bucket_mass", "the mass of the bucket over that of the machine file", "",
+            1.0, bucket_std(d), (0.2, 5.0);
     };
     rows.into()
+}
+
+/// Relative standard deviation of the bucket's mass: as stated, for a bucket is easily weighed.
+fn bucket_std(d: &Description) -> f64 {
+    let stated = d.machine.bucket_tolerance.is_some();
+    let least = if stated { BUCKET_WEIGHED } else { LINKS_STD };
+    Doubts::of(d).bucket_share.max(least)
 }
 
 /// One constant inertia: no known mass is moved, so the torque is taken as measured.
@@ -417,6 +437,30 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
     let moment = linear(key, words, "kg m", moment, moment_std.max(1.0), range);
     all.push((Role::UpperMoment, moment));
     all
+}
+
+/// Standard deviation of the centre of a load in the bucket where none is stated, as a share of its distance from the bucket's pin: loads
+/// lie differently from recording to recording.
+const LIES: f64 = 0.05;
+
+/// Centre of the load in the bucket.
+fn centre(d: &Description) -> impl Iterator<Item = (Role, Parameter)> {
+    let g = &d.geometry;
+    // Without a tolerance the lengths are exact.
+    let lies = match d.machine.geometry_tolerance > 0.0 {
+        true => LIES * g.payload_centre.abs(),
+        false => 0.0,
+    };
+    let std = g
+        .payload_centre_std
+        .unwrap_or_else(|| lies.max(d.load_centre_std()));
+    let rows = rows! {
+        Role::Centre(0), "machine.geometry.payload_centre", "the distance of the load from the bucket's pin", "m",
+            g.payload_centre, std, (0.0, 10.0);
+        Role::Centre(1), "machine.geometry.payload_rise", "the distance of the load from the line of the bucket", "m",
+            g.payload_rise, std, (-10.0, 10.0);
+    };
+    rows.into_iter().filter(move |_| std > 0.0)
 }
 
 /// Swinging shares of the load.

@@ -1,12 +1,14 @@
 //! Texts about faults of an excavator's recordings, with what to record instead.
 
 use estimation::Quantity;
+use faer::Mat;
 
 use super::Outcome;
 use super::loads::Doubt;
 use super::series::Series;
 use super::swings::{Role, SWINGING_STD, Swings};
 use crate::agreement::{Difference, differences};
+use crate::algebra;
 use crate::honesty::Direction;
 use crate::model::Model;
 use crate::outcome::FitResult;
@@ -22,9 +24,9 @@ const LEAST_POSTURE: f64 = 0.04;
 const MANY_REFUSED: f64 = 0.1;
 /// Distance from the description above which a value is implausible, in prior standard deviations.
 const FAR: f64 = 4.0;
-/// Distance of the masses from their description, in standard deviations, above which they are others, or another load was in the
-/// bucket than stated.
-const OTHER_MASSES: f64 = 3.0;
+/// Sum of the squared deviations of one mass, and of two, in standard deviations, above which they are others, or another load was in the
+/// bucket than stated: quantiles of chi-square with as many degrees of freedom, exceeded by chance once in 370.
+const OTHER_MASSES: [f64; 2] = [9.0, 11.829];
 /// Standard deviations above which a difference between recordings is clear, and share of the description's tolerance above which
 /// it is material.
 const CLEARLY: f64 = 4.0;
@@ -114,7 +116,9 @@ fn still_posture(swings: &Swings) -> bool {
     let mut inertia: Vec<f64> = Vec::new();
     for block in 0..swings.blocks() {
         let (series, swing) = swings.swing(block);
-        inertia.extend(&series.links[swing.rows.clone()]);
+        let rows = swing.rows.clone();
+        let parts = series.links[rows.clone()].iter().zip(&series.bucket[rows]);
+        inertia.extend(parts.map(|(links, bucket)| links + bucket));
     }
     let low = crate::column::percentile(inertia.clone(), 0.05);
     let high = crate::column::percentile(inertia, 0.95);
@@ -157,54 +161,74 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     all.chain(hangs).collect()
 }
 
-/// Fault of masses far from the description, whose relative standard deviation is `tolerance`: the gain of the torque and
-/// the masses absorb a misstated load.
+/// Fault of masses far from the description: the gain of the torque and the masses absorb a misstated load. `tolerances` are the relative
+/// standard deviations of the described masses of boom and arm, and of the bucket. The swings tell their sum better than their
+/// difference, so they are judged together.
 #[must_use]
 pub fn masses(
     swings: &Swings,
     found: &FitResult,
     fixed: &[bool],
-    tolerance: f64,
+    tolerances: [f64; 2],
 ) -> Option<String> {
-    let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
-    let (p, place) = (&swings.parameters[i], found.fit.place[i]);
-    let own = p.value_std(place, found.uncertainty.std(i));
-    let std = (tolerance * tolerance + own * own).sqrt();
-    let by = p.value(place) / p.mean - 1.0;
-    (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
+    let names = ["the masses of boom and arm", "that of the bucket"];
+    let each = [Role::Links, Role::Bucket].into_iter().zip(names);
+    let free: Vec<_> = each
+        .zip(tolerances)
+        .filter_map(|((role, name), tolerance)| {
+            let i = swings.index(role).filter(|&i| !fixed[i])?;
+            let p = &swings.parameters[i];
+            let by = p.value(found.fit.place[i]) / p.mean - 1.0;
+            Some((i, name, tolerance, by))
+        })
+        .collect();
+    let by: Vec<f64> = free.iter().map(|(.., by)| *by).collect();
+    let covariance = Mat::from_fn(free.len(), free.len(), |a, b| {
+        let ((i, _, tolerance, _), j) = (free[a], free[b].0);
+        let scales = [i, j].map(|i| swings.parameters[i].std / swings.parameters[i].mean);
+        let own = scales[0] * scales[1] * found.uncertainty.covariance[(i, j)];
+        own + f64::from(a == b) * tolerance * tolerance
+    });
+    (tolerances[0] > 0.0 && are_others(&by, &covariance)).then(|| {
+        let each = free.iter().map(|(_, name, tolerance, by)| {
+            let [by, within] = [100.0 * by, 100.0 * tolerance];
+            format!("{name} by {by:+.1} % (stated within {within:.1} %)")
+        });
         format!(
-            "{} would be {:+.1} % from those of the machine file, which are stated within {:.1} %: another load was in the bucket than stated, or the machine file is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
-            p.words,
-            100.0 * by,
-            100.0 * tolerance
+            "the machine would differ from the machine file, {}: another load was in the bucket than stated, or the machine file is of another machine; weigh the load again, or state a larger machine.mass_tolerance or machine.bucket_tolerance",
+            each.collect::<Vec<_>>().join(" and ")
         )
     })
 }
 
+/// Whether relative deviations of one or two masses with this covariance are larger than by chance.
+fn are_others(by: &[f64], covariance: &Mat<f64>) -> bool {
+    let right = Mat::from_fn(by.len(), 1, |i, _| by[i]);
+    let Some(white) = algebra::whitened(covariance, &right) else {
+        return false;
+    };
+    white.squared_norm_l2() > OTHER_MASSES[by.len().clamp(1, 2) - 1]
+}
+
 /// Parts of recordings that are inconsistent with the whole: a fault where the difference is large relative to
-/// the description's tolerance, a remark where it is only clear.
+/// the description's tolerance, a remark where it is only clear. `held`: tolerances of fixed parameters, in prior standard deviations.
 #[must_use]
-pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disagreement {
+pub fn disagreement(
+    swings: &Swings,
+    found: &FitResult,
+    (fixed, held): (&[bool], &[f64]),
+) -> Disagreement {
     if found.fit.interrupted {
         // The test holds at the maximum only.
         return Disagreement::default();
     }
-    let mut parts = Vec::new();
-    let mut names = Vec::new();
-    for (r, series) in swings.series.iter().enumerate() {
-        let blocks = swings.blocks_of(r);
-        let (first, second) = blocks.split_at(blocks.len() / 2);
-        for (part, name) in [
-            (&blocks[..], String::new()),
-            (first, "the first half of ".into()),
-            (second, "the second half of ".into()),
-        ] {
-            parts.push(part.to_vec());
-            names.push(format!("{name}{}", series.name));
-        }
-    }
+    let (parts, names) = parts(swings);
     let is_compared = |role: &Role| {
-        let takes_up_errors = matches!(role, Role::AngleOffset(joint) if *joint != BOOM);
+        let takes_up_errors = match role {
+            Role::AngleOffset(joint) => *joint != BOOM,
+            Role::Bucket | Role::Centre(_) => true,
+            _ => false,
+        };
         role.is_described() && !role.is_noise() && !takes_up_errors
     };
     // A parameter at its limit is not at a maximum either.
@@ -216,7 +240,13 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
     let asked: Vec<usize> = (0..fixed.len())
         .filter(|&i| is_compared(&swings.roles[i]) && is_inside(i))
         .collect();
-    let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
+    let all = differences(
+        &found.fit,
+        &found.uncertainty,
+        (fixed, held),
+        &parts,
+        &asked,
+    );
     let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
     let Some(worst) = all.iter().find(clear) else {
         return Disagreement::default();
@@ -238,7 +268,11 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
     };
     match all.iter().filter(clear).find(|d| d.by.abs() > MATERIAL) {
         Some(d) => Disagreement {
-            fault: Some(format!("{}; {OTHERWISE}", say(d))),
+            fault: Some(format!(
+                "{}; {}",
+                say(d),
+                otherwise(swings.roles[d.parameter])
+            )),
             ..Disagreement::default()
         },
         None => {
@@ -248,14 +282,34 @@ pub fn disagreement(swings: &Swings, found: &FitResult, fixed: &[bool]) -> Disag
             };
             Disagreement {
                 remark: Some(format!(
-                    "{}; its interval is as much wider: {OTHERWISE}",
-                    say(worst)
+                    "{}; its interval is as much wider: {}",
+                    say(worst),
+                    otherwise(swings.roles[worst.parameter])
                 )),
                 widths: asked.iter().map(|&i| (i, largest(i))).collect(),
                 ..Disagreement::default()
             }
         }
     }
+}
+
+/// Recordings and their halves, as sets of blocks, with their names.
+fn parts(swings: &Swings) -> (Vec<Vec<usize>>, Vec<String>) {
+    let mut parts = Vec::new();
+    let mut names = Vec::new();
+    for (r, series) in swings.series.iter().enumerate() {
+        let blocks = swings.blocks_of(r);
+        let (first, second) = blocks.split_at(blocks.len() / 2);
+        for (part, name) in [
+            (&blocks[..], String::new()),
+            (first, "the first half of ".into()),
+            (second, "the second half of ".into()),
+        ] {
+            parts.push(part.to_vec());
+            names.push(format!("{name}{}", series.name));
+        }
+    }
+    (parts, names)
 }
 
 /// Disagreement between parts of the recordings.
@@ -269,8 +323,35 @@ pub struct Disagreement {
     pub widths: Vec<(usize, f64)>,
 }
 
-/// Possible causes of a disagreement, and the remedy.
-const OTHERWISE: &str = "another machine, a sensor that has moved, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
+/// Possible causes of a disagreement in a parameter, the likeliest first, and the remedy.
+fn otherwise(role: Role) -> &'static str {
+    match role {
+        Role::Damping | Role::Friction | Role::Efficiency => {
+            "oil that was cold, or another machine; work for twenty minutes, then record both on the same day"
+        }
+        Role::AngleOffset(_) => {
+            "a sensor that has moved, or another machine; fasten it, then record both again"
+        }
+        Role::Gain | Role::Links | Role::Inertia => {
+            "a load that spills or was stated wrong, another machine, oil that was cold; weigh the load again, and record both on the same day with the machine warm"
+        }
+        _ => {
+            "another machine, a sensor that has moved, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm"
+        }
+    }
+}
+
+/// Fault: the swings of a recording do not carry one load.
+pub fn changing_load(name: &str, [low, high]: [f64; 2], has_empty: bool) -> String {
+    let remedy = if has_empty {
+        "record one weighed load in every swing"
+    } else {
+        "no recording with an empty bucket shows which swings carry it: add one, with --payload FILE=0, or record one weighed load in every swing"
+    };
+    format!(
+        "the load of {name} changes from swing to swing, about {low:.0} to {high:.0} kg; {remedy}"
+    )
+}
 
 /// Remark on inclined ground, which the fit compensates.
 #[must_use]
@@ -300,18 +381,43 @@ pub const ONE_LOAD: &str = "no two recordings have different stated loads: torqu
 
 /// Fault: a stated load contradicts the machine file.
 pub fn misstated_load(d: &Doubt) -> String {
+    let tolerances = match d.by_pressures {
+        Some(_) => {
+            "sensors.swing_torque_gain_std, machine.mass_tolerance, machine.boom_cylinder.span_std"
+        }
+        None => "sensors.swing_torque_gain_std, machine.mass_tolerance",
+    };
     format!(
-        "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
-        d.name, d.stated.value, d.found.value, d.found.std
+        "the load of {} was stated as {:.0} kg, but {}; weigh it again, or check which recording is which; if it is right, state larger tolerances ({tolerances})",
+        d.name,
+        d.stated.value,
+        weighed(d)
     )
 }
 
-/// Whether a direction consists of nuisance parameters.
-#[must_use]
-pub fn is_nuisance(swings: &Swings, direction: &Direction) -> bool {
-    let shares = swings.roles.iter().zip(&direction.shares);
-    let nuisance = shares.filter(|(role, _)| role.is_nuisance());
-    nuisance.map(|(_, share)| share * share).sum::<f64>() > 0.5
+/// What the machine weighs.
+fn weighed(d: &Doubt) -> String {
+    let [motion, std] = [d.by_motion.value, d.by_motion.std];
+    let motion = format!(
+        "with the masses and the torque gain of the machine file it weighs {motion:.0} ± {std:.0} kg"
+    );
+    d.by_pressures.map_or(motion.clone(), |p| {
+        format!(
+            "{motion}, and by the boom's cylinders {:.0} ± {:.0} kg",
+            p.value, p.std
+        )
+    })
+}
+
+/// Remark: the machine doubts a stated load.
+pub fn doubtful_load(d: &Doubt) -> String {
+    format!(
+        "the load of {} was stated as {:.0} ± {:.0} kg, but {}; the intervals are wider by this doubt: weigh it again",
+        d.name,
+        d.stated.value,
+        d.stated.std,
+        weighed(d)
+    )
 }
 
 /// Text about a direction that the data do not determine, with what to record.
@@ -346,6 +452,22 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn masses_are_others_where_both_together_are_beyond_chance() {
+        // Exceeded by chance as often as three deviations of one.
+        let chance = (-0.5 * OTHER_MASSES[1]).exp();
+        assert!((chance - 0.002_700).abs() < 1e-6, "{chance}");
+        let are_others = |by: &[f64], correlation: f64| {
+            let of = |i, j| if i == j { 1.0 } else { correlation };
+            super::are_others(by, &Mat::from_fn(by.len(), by.len(), of))
+        };
+        assert!(are_others(&[3.1], 0.0) && !are_others(&[2.9], 0.0));
+        assert!(are_others(&[2.9, 2.9], 0.0) && !are_others(&[3.1, 0.0], 0.0));
+        // One is heavier by as much as the other is lighter, which swings hardly tell.
+        assert!(!are_others(&[2.9, -2.9], -0.9) && are_others(&[2.9, 2.9], -0.9));
+        assert!(!are_others(&[], 0.0));
+    }
 
     #[test]
     fn one_share_of_a_load_may_be_all_that_swings_and_most_of_it_may_not() {

@@ -55,6 +55,13 @@ table! {
         upper_gain_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// The same of the upper body's inertia with the masses of boom and arm.
         upper_links_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// Correlation of the error of the bucket's mass with that of sensors.swing_torque_gain; "none": the calibration scaled the bucket by
+        /// the factor of boom and arm.
+        bucket_gain_correlation: Option<f64> = None, "", -1.0 to 1.0;
+        /// The same of the upper body's inertia with the bucket's mass.
+        upper_bucket_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// The same of the masses of boom and arm with the bucket's mass.
+        links_bucket_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// Relative standard deviation of the described lengths.
         geometry_tolerance: f64 = 0.008, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).
@@ -83,6 +90,9 @@ table! {
         bucket_centre: f64 = 0.42, "m", 0.0 to 50.0;
         /// Bucket pin to the payload's centre of mass (cp).
         payload_centre: f64 = 0.48, "m", 0.0 to 50.0;
+        /// Standard deviation of that centre, along the bucket and across; "none" takes 5 % of payload_centre in `heft calibrate`, and
+        /// the spread among machines where payload_centre is guessed.
+        payload_centre_std: Option<f64> = None, "m", 0.0 to 10.0;
         /// Height of the boom's centre of mass above the line of its pins: goosenecks have some .085 of its length (n1).
         boom_rise: f64 = 0.0, "m", -5.0 to 5.0;
         /// The bucket's centre of mass beside the line from its pin to its tip, on the side of its back (n3).

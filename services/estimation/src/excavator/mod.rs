@@ -54,7 +54,7 @@ use settings::{cylinder, doubts, geometry, settings_error};
 
 pub use crate::{FULL_PRESSURE, Quantity};
 pub use cylinder::Cylinder;
-pub use doubts::{Correlations, Doubts};
+pub use doubts::{Correlations, Doubts, OfBucket};
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
 pub use input::screen::largest;

@@ -182,16 +182,29 @@ impl Description {
         }
     }
 
-    /// The same by a guessed load centre in the bucket; 0 also after a calibration with weighed loads, whose deviations include it.
+    /// The same by the load centre in the bucket, where it is guessed or its deviation stated; 0 also after a calibration with weighed loads,
+    /// whose deviations include it.
     #[must_use]
-    pub fn guessed_centre_std(&self) -> f64 {
+    pub fn load_centre_share(&self) -> f64 {
+        let radius = LOAD_RADIUS * self.geometry.boom_length;
+        if self.is_calibrated() || radius <= 0.0 {
+            return 0.0;
+        }
+        self.load_centre_std() / radius
+    }
+
+    /// Standard deviation of the load centre in the bucket, where it is guessed or its deviation stated; 0 otherwise \[m\].
+    #[must_use]
+    pub fn load_centre_std(&self) -> f64 {
         let (g, guess) = (&self.geometry, self.of_its_size().geometry);
-        let sized = self.machine.operating_mass.is_some() && !self.is_calibrated();
-        if sized && g.payload_centre == guess.payload_centre {
-            LOAD_CENTRE_SPREAD * g.payload_centre / (LOAD_RADIUS * g.boom_length)
+        let is_guessed =
+            self.machine.operating_mass.is_some() && g.payload_centre == guess.payload_centre;
+        let guessed = if is_guessed {
+            LOAD_CENTRE_SPREAD * g.payload_centre
         } else {
             0.0
-        }
+        };
+        g.payload_centre_std.unwrap_or(guessed)
     }
 
     /// Standard deviation of the empty attachment's weight by guessed centres of boom and bucket \[kg\].
@@ -238,7 +251,7 @@ impl Description {
         let radius = [
             self.machine.geometry_tolerance,
             self.guessed_radius_std(),
-            self.guessed_centre_std(),
+            self.load_centre_share(),
         ];
         let sticks = self.prior.sticking().among(self.bucket_std());
         // The deviations of a calibration with weighed loads include it.
@@ -409,7 +422,14 @@ mod tests {
         assert_eq!(drawn.guessed_form_std(), 0.0);
         let by_centre = drawn.loads_common().scale_std;
         drawn.geometry.payload_centre = 0.9;
-        assert!(drawn.loads_common().scale_std < by_centre);
+        let exact = drawn.loads_common().scale_std;
+        assert!(exact < by_centre);
+        // A stated deviation counts, guessed centre or not.
+        drawn.geometry.payload_centre_std = Some(0.3);
+        assert!(drawn.loads_common().scale_std > exact);
+        let mut held = class(21_500.0);
+        held.geometry.payload_centre_std = Some(0.0);
+        assert_eq!(held.load_centre_share(), 0.0);
     }
 
     #[test]

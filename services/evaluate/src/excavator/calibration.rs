@@ -63,6 +63,8 @@ pub struct Truth {
     pub offset: f64,
     /// Masses and inertias of boom, arm and bucket over the described ones.
     pub links: f64,
+    /// The same of the bucket, beyond those of boom and arm.
+    pub bucket: f64,
     /// Damping [N m s/rad].
     pub damping: f64,
     /// Coulomb friction [N m].
@@ -81,6 +83,7 @@ impl Truth {
             gain: noise.uniform(0.97, 1.03),
             offset: noise.uniform(-60.0, 60.0),
             links: noise.uniform(0.95, 1.05),
+            bucket: 1.0,
             damping: 1500.0 * noise.uniform(0.8, 1.2),
             friction: 250.0 * noise.uniform(0.7, 1.3),
             efficiency: noise.uniform(0.9, 1.0),
@@ -96,12 +99,13 @@ impl Truth {
             Role::Delay => self.delay,
             Role::Efficiency => self.efficiency,
             Role::Links => self.links,
+            Role::Bucket => self.links * self.bucket,
             Role::Offset => self.offset,
             Role::Inertia => Scenario::Base.plant(None).machine.geometry.upper_inertia,
             Role::MotionNoise => VELOCITY_STD,
             Role::TorqueNoise => TORQUE_STD,
             Role::Payload(_) | Role::Swinging(_) | Role::AngleOffset(_) => 0.0,
-            Role::Across(_) | Role::Along(_) => 0.0,
+            Role::Across(_) | Role::Along(_) | Role::Centre(_) => 0.0,
             Role::Lever => 1.0,
             Role::UpperMoment => Doubts::default().upper_moment(&Geometry::default()).0,
         }
@@ -111,14 +115,14 @@ impl Truth {
         let mut machine = Scenario::Base.plant(None).machine;
         let geometry = &mut machine.geometry;
         let links = [
-            &mut geometry.boom,
-            &mut geometry.arm,
-            &mut geometry.attachment.link,
+            (&mut geometry.boom, self.links),
+            (&mut geometry.arm, self.links),
+            (&mut geometry.attachment.link, self.links * self.bucket),
         ];
-        for link in links {
-            link.mass *= self.links;
-            link.flat_inertia *= self.links;
-            link.upright_inertia *= self.links;
+        for (link, scale) in links {
+            link.mass *= scale;
+            link.flat_inertia *= scale;
+            link.upright_inertia *= scale;
         }
         machine.damping = self.damping;
         machine.friction = self.friction;

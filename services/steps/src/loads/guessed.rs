@@ -97,7 +97,7 @@ fn guessed_lengths(d: &Excavator) -> Option<String> {
             "machine.geometry.boom_pin (swing axis to boom foot, horizontal)",
         ),
         (
-            d.guessed_centre_std() > 0.0,
+            d.geometry.payload_centre_std.is_none() && d.load_centre_share() > 0.0,
             "machine.geometry.payload_centre (bucket pin to the middle of a load)",
         ),
         (

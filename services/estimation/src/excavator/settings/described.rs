@@ -2,7 +2,7 @@
 
 use crate::excavator::align;
 use crate::excavator::cylinder::Cylinder;
-use crate::excavator::doubts::{Correlations, Doubts};
+use crate::excavator::doubts::{Correlations, Doubts, OfBucket};
 use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::{Description, Machine, Paper, Variant};
 use crate::excavator::settings::{Sensors, Settings};
@@ -111,6 +111,11 @@ impl Doubts {
                 links_gain,
                 upper_gain: m.upper_gain_correlation,
                 upper_links: m.upper_links_correlation,
+                bucket: m.bucket_gain_correlation.map(|gain| OfBucket {
+                    gain,
+                    upper: m.upper_bucket_correlation,
+                    links: m.links_bucket_correlation,
+                }),
             }),
         }
     }

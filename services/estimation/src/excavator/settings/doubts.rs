@@ -58,6 +58,20 @@ pub struct Correlations {
     pub upper_gain: f64,
     /// Between inertia of the upper body, and masses of boom and arm.
     pub upper_links: f64,
+    /// Those of the bucket's mass; `None` where the calibration scaled it by the factor of boom and arm.
+    pub bucket: Option<OfBucket>,
+}
+
+/// Correlations of the error of the bucket's mass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct OfBucket {
+    /// With the gain of the torque sensor (measured over true).
+    pub gain: f64,
+    /// With the inertia of the upper body.
+    pub upper: f64,
+    /// With the masses of boom and arm.
+    pub links: f64,
 }
 
 impl Correlations {
@@ -65,8 +79,19 @@ impl Correlations {
     #[must_use]
     pub fn are_possible(&self) -> bool {
         let [a, b, c] = [self.links_gain, self.upper_gain, self.upper_links];
-        let determinant = 1.0 + 2.0 * a * b * c - a * a - b * b - c * c;
-        [a, b, c].iter().all(|r| r.abs() <= 1.0) && determinant >= -ROUNDING
+        // From the variances of masses, gain and upper body, in this order, and their covariances.
+        let is_positive = |[d, e, f]: [f64; 3], [a, b, c]: [f64; 3]| {
+            let determinant = d * e * f + 2.0 * a * b * c - d * b * b - e * c * c - f * a * a;
+            determinant >= -ROUNDING
+        };
+        let OfBucket { gain, upper, links } = self.bucket.unwrap_or_default();
+        let all = [a, b, c, gain, upper, links];
+        // What the error of the bucket leaves of them.
+        let variances = [links, gain, upper].map(|r| 1.0 - r * r);
+        let rest = [a - links * gain, b - gain * upper, c - links * upper];
+        all.iter().all(|r| r.abs() <= 1.0)
+            && is_positive([1.0; 3], [a, b, c])
+            && is_positive(variances, rest)
     }
 }
 

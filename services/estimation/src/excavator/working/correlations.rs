@@ -1,23 +1,28 @@
 //! Covariances of the quantities that a calibration has identified together.
 
 use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
-use crate::excavator::doubts::{Correlations, Doubts};
+use crate::excavator::doubts::{Correlations, Doubts, OfBucket};
 use crate::math::sqrt;
 
 /// Factor of the rounded correlations that keeps the covariance positive.
 const SHARED: f64 = 0.99;
 
-/// Sets the correlations that a calibration has found. It scales boom, arm and bucket by one factor, which is part of the bucket's error.
-/// The gain state is the inverse of the sensor's gain, hence the opposite signs.
+/// Sets the correlations that a calibration has found. One without those of the bucket scaled boom, arm and bucket by one factor, which is
+/// part of the bucket's error. The gain state is the inverse of the sensor's gain, hence the opposite signs.
 pub(super) fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
     let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
+    let bucket = found.bucket.unwrap_or(OfBucket {
+        gain: shared * found.links_gain,
+        upper: shared * found.upper_links,
+        links: shared,
+    });
     for (i, j, correlation) in [
         (GAIN, LINKS, -found.links_gain),
         (GAIN, UPPER, -found.upper_gain),
-        (GAIN, BUCKET, -shared * found.links_gain),
+        (GAIN, BUCKET, -bucket.gain),
         (UPPER, LINKS, found.upper_links),
-        (UPPER, BUCKET, shared * found.upper_links),
-        (LINKS, BUCKET, shared),
+        (UPPER, BUCKET, bucket.upper),
+        (LINKS, BUCKET, bucket.links),
     ] {
         let covariance = SHARED * correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
         (filter.p[i][j], filter.p[j][i]) = (covariance, covariance);

@@ -1,6 +1,7 @@
 //! `heft calibrate excavator`.
 
 use calibrate::excavator::{self as machine, Input};
+use estimation::Quantity;
 
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::calibrate::inputs::{names, origin, samples};
@@ -8,6 +9,9 @@ use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unkn
 use crate::commands::calibrate::stated::stated;
 use crate::failure::Failure;
 use crate::sources;
+
+/// Relative standard deviation of a load that is stated without one: of a weighbridge.
+const WEIGHED: f64 = 0.005;
 
 /// The excavator's own parameters from recordings.
 pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure> {
@@ -19,7 +23,13 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
         inputs.push(Input {
             name,
             samples: rows.iter().map(steps::excavator::sample).collect(),
-            payload,
+            payload: payload.map(|load| match load.std > 0.0 {
+                true => load,
+                false => Quantity {
+                    std: WEIGHED * load.value,
+                    ..load
+                },
+            }),
         });
     }
     // A fit takes time, and a recording may be gone by its end.
