@@ -6,6 +6,7 @@ mod loads;
 mod result;
 pub mod series;
 mod start;
+mod stated_load;
 mod swinging;
 mod swings;
 mod torque;
@@ -18,8 +19,8 @@ use estimation::Quantity;
 use estimation::excavator::{Doubts, Geometry, Sample, Settings};
 
 pub use cylinder::CylinderFit;
-pub use loads::Doubt;
 pub use series::{Load, Measured, Series, Swing};
+pub use stated_load::Doubt;
 pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
@@ -179,7 +180,7 @@ fn weigh(outcome: &mut Outcome, options: &Options<'_>, inputs: &[Input]) {
         let by_pressures = |d| cylinder::weigh(d, inputs, doubt.recording);
         doubt.by_pressures = open.as_ref().and_then(by_pressures);
     }
-    if let Some(doubt) = loads::misstated(&outcome.doubts) {
+    if let Some(doubt) = stated_load::misstated(&outcome.doubts) {
         outcome.faults.push(words::misstated_load(doubt));
         return;
     }
@@ -293,7 +294,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     let mut open = Vec::new();
     if faults.is_empty() {
         if free.contains(&Role::Gain) && !fit.interrupted {
-            outcome.doubts = loads::doubts(&whole, &held);
+            outcome.doubts = stated_load::doubts(&whole, &held);
         }
         faults = contradictions(&whole, &fit, &outcome.doubts);
         open = undetermined(&whole, &fit);
@@ -350,7 +351,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
 /// Contradictions between fit and description.
 fn contradictions(task: &Task<'_, Swings>, fit: &Fit, doubts: &[Doubt]) -> Vec<String> {
     let mut faults = words::far(task.model, &fit.place, task.fixed);
-    if let Some(doubt) = loads::misstated(doubts) {
+    if let Some(doubt) = stated_load::misstated(doubts) {
         faults.insert(0, words::misstated_load(doubt));
     }
     faults

@@ -4,8 +4,8 @@ use estimation::Quantity;
 use faer::Mat;
 
 use super::Outcome;
-use super::loads::Doubt;
 use super::series::Series;
+use super::stated_load::Doubt;
 use super::swings::{Role, SWINGING_STD, Swings};
 use crate::agreement::{Difference, differences};
 use crate::algebra;
