@@ -249,8 +249,8 @@ class Gain:
 class SlipNoise:
     """(10): noise of a slip speed, from the Allan variance of its innovations."""
 
-    def __init__(self, expected):
-        self.square, self.blocks = expected**2, 4.0
+    def __init__(self):
+        self.square, self.blocks = 0.004**2, 1.0
         self.interrupt()
 
     def interrupt(self):
@@ -268,8 +268,9 @@ class SlipNoise:
             self.square += (min(0.5 * (mean - last) ** 2, 9 * self.square) - self.square) / self.blocks
 
     def over(self, modelled, per, dt):
-        """(7): the larger of measured and modelled noise."""
-        return max(modelled, per * math.sqrt(self.square * max(0.25 / dt, 1.0)))
+        """(7): the measured noise, if it exceeds twice the modelled one."""
+        found = per * math.sqrt(self.square * max(0.25 / dt, 1.0))
+        return found if found > 2 * modelled else modelled
 
 
 class Forces:
@@ -341,7 +342,7 @@ class Wheels:
         self.machine, self.lagged, self.last = machine, [0.0, 0.0], [None, None]
         self.quantum, self.sums = [math.inf, math.inf], [16 * 0.12**2, 16.0]
         self.torques, self.rates = None, [0.0, 0.0]
-        self.common, self.apart = SlipNoise(0.004), SlipNoise(0.001)
+        self.common, self.apart = SlipNoise(), SlipNoise()
 
     def see_steps(self, speeds):
         for i, speed in enumerate(speeds):

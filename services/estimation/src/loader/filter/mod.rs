@@ -151,7 +151,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             digging: Digging::default(),
             wheel_noise: WheelNoise::default(),
             wheel_lag: Self::wheel_lag(settings),
-            slip_noise: [SlipNoise::COMMON, SlipNoise::APART],
+            slip_noise: [SlipNoise::default(); 2],
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),

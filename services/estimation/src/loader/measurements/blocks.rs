@@ -12,17 +12,14 @@ pub struct Blocks<const N: usize> {
 
 impl<const N: usize> Default for Blocks<N> {
     fn default() -> Self {
-        Self::NONE
+        Self {
+            sums: [0.0; N],
+            time: 0.0,
+        }
     }
 }
 
 impl<const N: usize> Blocks<N> {
-    /// Before the first row.
-    pub const NONE: Self = Self {
-        sums: [0.0; N],
-        time: 0.0,
-    };
-
     /// Adds a row of `dt`. Returns the means of a block of this length that it ends [s].
     pub fn add(&mut self, row: [f64; N], dt: f64, length: f64) -> Option<[f64; N]> {
         for (sum, value) in self.sums.iter_mut().zip(row) {
