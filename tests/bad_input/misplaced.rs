@@ -127,6 +127,8 @@ fn a_folder_of_data_has_no_single_result() {
         let many = ["estimate", "site", "day 1.csv", option, "out.csv"];
         let words = format!("where: {option} ");
         said(&many, &["several inputs cannot have one result", &words]);
+        let machine = ["estimate", "excavator", "day 1.csv", option, "out.csv"];
+        said(&machine, &["this is a machine, and --machine names it"]);
         let one = ["estimate", "day 1.csv", option, "out.csv"];
         said(&one, &[&words, "--output OUT.csv"]);
     }

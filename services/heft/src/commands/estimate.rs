@@ -32,9 +32,9 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
                 wanted.join(", "),
                 "name it: --output OUT.csv",
             )),
-            wanted => Err(of_one_input(wanted)),
+            wanted => Err(of_one_input(&args.files, wanted)),
         },
-        (Some(_), _) => Err(of_one_input(&single_results(args))),
+        (Some(_), files) => Err(of_one_input(files, &single_results(args))),
     }
 }
 
@@ -52,8 +52,11 @@ fn single_results(args: &EstimateArgs) -> Vec<String> {
     all.into_iter().filter_map(named).collect()
 }
 
-/// The error for results of a single input where there are several.
-fn of_one_input(options: &[String]) -> Failure {
+/// The error for results of a single input where there are several, or one of them is none.
+fn of_one_input(files: &[PathBuf], options: &[String]) -> Failure {
+    if let Some(missing) = files.iter().find(|file| !file.exists()) {
+        return Failure::file("read", missing, &std::io::ErrorKind::NotFound.into());
+    }
     let names = options.iter().filter_map(|o| o.split(' ').next());
     let names: Vec<&str> = names.collect();
     Failure::input(
