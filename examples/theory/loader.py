@@ -278,12 +278,12 @@ class Forces:
 
     def __init__(self, machine):
         self.machine, self.brake, self.force = machine, 0.0, Peak()
-        self.gain, self.fast, self.beyond = Gain(), 0.0, 0.0
+        self.gain, self.fast, self.beyond, self.changes = Gain(), 0.0, 0.0, 0.0
         self.short = self.long = 0.0
         self.square, self.time = 0.15**2, 2.0
         self.braking, self.slip = False, 0.0
 
-    def step(self, v, stiffness, u, felt, dt):
+    def step(self, v, stiffness, force, u, felt, dt):
         machine, keys = self.machine, self.machine.m
         mass = machine.mass + 2 * keys["axle_inertia"] / keys["wheel_radius"] ** 2
         pull = (u["T_f"] + u["T_r"]) / (keys["wheel_radius"] * mass)
@@ -294,7 +294,10 @@ class Forces:
         self.shake(min(max(left, -1.0), 1.0), alone and fast, dt)
         self.gain.step(felt, pull, v, alone and fast and pull * v > 0 and abs(pull) < 5 and abs(felt) < 5, dt)
         self.fast += min(dt / 0.05, 1) * (left - self.fast)
-        self.beyond = max(abs(self.fast) - 0.05 - 0.05 * abs(felt), 0.0)
+        explained = 0.05 + 0.05 * abs(felt)
+        self.beyond = max(abs(self.fast) - explained, 0.0)
+        not_followed = max(abs(self.fast + force / mass) - explained, 0.0)
+        self.changes = math.hypot(not_followed, 0.3 * self.beyond)
         self.brake = 0.25 if self.beyond > 0.15 and self.fast * v < 0 else self.brake - dt
         self.braking = self.brake > dt / 2
         self.slip = 4 * self.force.step(self.beyond, dt) / (G * stiffness)
@@ -507,7 +510,7 @@ class Estimator:
         self.slope.step(rim, measured[3], now["th"], dt)
         u = {key: 0.5 * (old[key] + now[key]) for key in now}
         measured[3] = 0.5 * (self.measured(before)[3] + measured[3])
-        self.forces.step(self.filter.x[V], self.filter.x[K], u, measured[3], dt)
+        self.forces.step(self.filter.x[V], self.filter.x[K], self.filter.x[FX], u, measured[3], dt)
         self.update(u, measured, dt)
 
     def step_of_paper(self, u, measured, dt):
@@ -545,8 +548,14 @@ class Estimator:
         if ends and machine.e["reopen"] > 0:
             walks[H], walks[LAM] = (machine.e["reopen"] * machine.std[i] for i in (H, LAM))
         walks[B] = max(walks[B], self.slope.walk(dt))
-        walks[FX] = max(walks[FX], machine.mass * self.forces.beyond * math.sqrt(2 * dt / 0.25))
+        walks[FX] = max(walks[FX], machine.mass * self.forces.changes * math.sqrt(2 * dt / 0.25))
         return [a**2 + b**2 for a, b in zip(walks, self.more)]
+
+    def ground(self, slip, v, stiffness, dt):
+        """(7): noise of a wheel that slips near the friction limit of the ground."""
+        keys = self.machine.m
+        used = stiffness * keys["wheel_radius"] * slip / (max(abs(v), self.machine.e["v_min"]) * keys["friction"])
+        return 0.2 * slip * used**2 * (2 + 0.4 * used**2) / 3 * math.sqrt(max(0.4 / dt, 1.0))
 
     def update(self, u, measured, dt):
         machine, f, wheels, forces = self.machine, self.filter, self.wheels, self.forces
@@ -560,7 +569,9 @@ class Estimator:
         wheels.see_steps(measured[WF : WR + 1])
         by_wheel = wheels.std(v, before[K], u, is_held, dt)
         disturbed = forces.slip * abs(v) / radius
-        std = [wheels.common.over(machine.s["speed_std"], 1, dt), *(math.hypot(a, disturbed) for a in by_wheel)]
+        by_ground = [self.ground(moved[i] - v / radius, v, before[K], dt) for i in WHEELS]
+        std = [wheels.common.over(machine.s["speed_std"], 1, dt)]
+        std += [math.hypot(a, b, disturbed) for a, b in zip(by_wheel, by_ground)]
         std.append(forces.acceleration_std())
         y, cross, own = f.predict(moved, by, u, dt, noise)
         predicted = [math.sqrt(own[j][j]) for j in range(4)]
