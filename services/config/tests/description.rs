@@ -571,25 +571,6 @@ fn a_printed_file_with_another_mass_has_the_rest_of_its_size() {
 }
 
 #[test]
-fn a_loader_with_the_mass_of_the_reference_machine_has_its_axles_only_with_its_lengths() {
-    let inertia = |lengths: &str| {
-        let text = format!("[machine]\nmass = 4900\n{lengths}");
-        let loader = Loader::parse(&text, "x").expect("a machine file");
-        loader.machine.axle_inertia
-    };
-    let reference = Loader::default().machine.axle_inertia;
-    // Weighed, and with a calibrated radius.
-    assert_eq!(inertia(""), reference);
-    assert_eq!(inertia("wheel_radius = 0.546"), reference);
-    // Another machine: two wheels of 3.5 % of its mass each turn with an axle.
-    let other = inertia("wheel_radius = 0.523\nwheelbase = 2.12");
-    assert!(
-        (other / (0.035 * 4900.0 * 0.523 * 0.523) - 1.0).abs() < 1e-9,
-        "{other}"
-    );
-}
-
-#[test]
 fn a_misspelt_key_is_named_though_nothing_says_which_machine() {
     for (text, meant) in [
         ("[machine]\noperating_mas = 21500\n", "operating_mass"),

@@ -30,8 +30,6 @@ const WALK: f64 = 3.3e-5;
 
 /// Relative difference from the reference machine's mass within which the machine counts as that one, weighed or calibrated.
 const SAME: f64 = 0.05;
-/// The same of its lengths, which a calibration moves by a percent: another machine of this mass has other wheels and axles.
-const SAME_LENGTHS: f64 = 0.02;
 
 impl Description {
     /// Settings of the ledger of its loads, as far as the machine determines them.
@@ -51,7 +49,7 @@ impl Description {
             ..Self::default()
         };
         let mass = self.machine.mass;
-        if self.is_reference() {
+        if ComplexField::abs(mass / d.machine.mass - 1.0) <= SAME {
             return d;
         }
         let stated = |i: usize, value: f64, default: f64, guess: f64| {
@@ -90,17 +88,5 @@ impl Description {
         e.converged_height = ENOUGH * height;
         e.q_cg_height = WALK * height;
         d
-    }
-
-    /// Whether the machine counts as the reference machine: no mass is stated, or mass, wheels and axles are those.
-    fn is_reference(&self) -> bool {
-        let (own, reference) = (&self.machine, Self::default().machine);
-        if own.mass == reference.mass {
-            return true;
-        }
-        let like = |value: f64, of: f64, within: f64| ComplexField::abs(value / of - 1.0) <= within;
-        like(own.mass, reference.mass, SAME)
-            && like(own.wheel_radius, reference.wheel_radius, SAME_LENGTHS)
-            && like(own.wheelbase, reference.wheelbase, SAME_LENGTHS)
     }
 }
