@@ -59,10 +59,10 @@ impl Doubt {
     pub fn believed(&self) -> Quantity {
         let (share, error) = MISSTATED;
         let found = self.found();
-        let misstated = (error * self.stated.value).hypot(self.stated.std);
+        let misstated = norm(error * self.stated.value, self.stated.std);
         let hypotheses =
             [(1.0 - share, self.stated.std), (share, misstated)].map(|(share, std)| {
-                let both = std.hypot(found.std);
+                let both = norm(std, found.std);
                 let likelihood =
                     (-0.5 * (found.value - self.stated.value).powi(2) / (both * both)).exp() / both;
                 let stated = Quantity { std, ..self.stated };
@@ -130,6 +130,11 @@ fn beyond(z: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.3275911 * z * std::f64::consts::FRAC_1_SQRT_2);
     let polynomial = FACTORS.iter().fold(0.0, |sum, factor| sum * t + factor) * t;
     0.5 * polynomial * (-0.5 * z * z).exp()
+}
+
+/// Root of the sum of two squares. `f64::hypot` asks for a newer C library.
+fn norm(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
 }
 
 /// Mean of two measurements with their weights.
